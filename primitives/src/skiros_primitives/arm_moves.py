@@ -1,0 +1,147 @@
+"""What the arm primitives share: asking for a motion, following it, looking straight down at something."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose
+from skiros_py.robot.cell import ArmSpec, CameraSpec, RobotSpec
+from skiros_py.robot.devices import Arm, Camera
+from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, PoseMove, Route, Trajectory
+from skiros_py.robot.values import ArmTarget, DepthImage
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.surroundings import held_by, obstacles
+from skiros_py.world.vocabulary import GRIPPER, HAS_A
+
+__all__ = ["ArmPrimitive", "downward"]
+
+_LOOK_HEIGHTS = (0.46, 0.40, 0.34)
+"""Heights of the camera above what it looks at, best first [m]; low ones where the arm cannot reach higher."""
+
+
+def downward(x: float, y: float, z: float, yaw: float) -> Pose:
+    """Returns a tool pose that points straight down; the tool's x axis has the given heading [m, rad]."""
+    return Pose.of(x, y, z, roll=math.pi, yaw=yaw)
+
+
+class ArmPrimitive(Primitive[Any]):
+    """Base of the primitives that move an arm; their parameters have a field ``arm``."""
+
+    @property
+    def arm(self) -> Arm:
+        """The arm."""
+        return Arm(self.context.board, self.params.arm)
+
+    @property
+    def robot(self) -> RobotSpec:
+        """The robot that the arm belongs to."""
+        return next(r for r in self.context.cell.robots if any(a.id == self.params.arm for a in r.arms))
+
+    @property
+    def arm_spec(self) -> ArmSpec:
+        """The arm's description."""
+        return next(a for a in self.robot.arms if a.id == self.params.arm)
+
+    @property
+    def base_pose(self) -> Pose:
+        """Where the robot's base is in the map, as localised."""
+        return self.context.board.snapshot.bases[self.robot.base.id].pose
+
+    @property
+    def gripper_id(self) -> str:
+        """The gripper on the arm."""
+        owned = self.world.objects(self.params.arm, HAS_A)
+        return next(g for g in owned if self.world.ontology.is_a(self.world.element(g).type, GRIPPER))
+
+    def held(self) -> Held | None:
+        """What the arm's gripper is believed to hold."""
+        found = held_by(self.context, self.gripper_id)
+        return found[1] if found else None
+
+    def around(self, without: frozenset[str] = frozenset()) -> tuple[Obstacle, ...]:
+        """Everything not to touch."""
+        return obstacles(self.context, parts=True, without=without)
+
+    def plan(
+        self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None = None, speed: float = 1.0
+    ) -> Execution[MotionPlan | NoMotion]:
+        """Asks for the best of several routes from where the arm is now."""
+        planner = self.context.libraries.arm_planner
+        if planner is None:
+            raise DeviceError(f"{self.name} needs an arm planner")
+        gripper = self.context.board.snapshot.grippers.get(self.gripper_id)
+        request = MotionRequest(
+            arm=self.params.arm,
+            start=self.arm.state.positions,
+            base=self.base_pose,
+            routes=tuple(routes),
+            obstacles=self.around() if around is None else around,
+            held=self.held(),
+            gap=gripper.gap if gripper else 0.08,
+            speed=speed,
+            seed=self.seed(),
+        )
+        return (yield from self.wait(planner.plan(request)))
+
+    def follow(self, trajectory: Trajectory) -> Execution[None]:
+        """Sends a trajectory, one sample per cycle, and waits until the arm stands."""
+        for positions, velocities in zip(trajectory.positions[1:], trajectory.velocities[1:], strict=True):
+            self.arm.command(ArmTarget(tuple(positions.tolist()), tuple(velocities.tolist())))
+            yield
+        deadline = self.context.now + 0.5
+        last = tuple(trajectory.positions[-1].tolist())
+        while not self.arm.state.still and self.context.now < deadline:
+            self.arm.command(ArmTarget(last, (0.0,) * len(last)))
+            yield
+
+    def go(self, routes: Sequence[Route], **options: Any) -> Execution[NoMotion | None]:
+        """Plans and follows all moves of the best route; returns why not where there is none."""
+        planned = yield from self.plan(routes, **options)
+        if isinstance(planned, NoMotion):
+            return planned
+        for leg in planned.legs:
+            yield from self.follow(leg)
+        return None
+
+    def look_down(self, camera: CameraSpec, x: float, y: float, surface: float) -> Execution[DepthImage | NoMotion]:
+        """Takes a picture from straight above a point of the map [m]."""
+        tool_camera = yield from self._camera_in_tool(camera)
+        answer: NoMotion | None = NoMotion("no height tried")
+        for height in _LOOK_HEIGHTS:
+            poses = [downward(x, y, surface + height, yaw) for yaw in self._yaws()]
+            answer = yield from self.go([(PoseMove(pose @ tool_camera.inverse()),) for pose in poses])
+            if answer is None:
+                return (yield from self.wait(Camera(self.context.board, camera.id).capture()))
+        return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {answer.reason}" if answer else "")
+
+    def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Execution[Pose]:
+        """Returns where in the map the camera was when it took a picture, as known from joints and localisation."""
+        frame = yield from self._frame(image.arms[self.params.arm], camera.frame)
+        return image.bases[self.robot.base.id] @ frame
+
+    def tool_pose(self) -> Execution[Pose]:
+        """Returns where in the map the arm's tip is now."""
+        frame = yield from self._frame(self.arm.state.positions, self.arm_spec.tip)
+        return self.base_pose @ frame
+
+    def camera_spec(self, camera: str) -> CameraSpec:
+        """Returns the description of one of the robot's cameras."""
+        return next(c for c in self.robot.cameras if c.id == camera)
+
+    def _yaws(self) -> list[float]:
+        return [self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4)]
+
+    def _camera_in_tool(self, camera: CameraSpec) -> Execution[Pose]:
+        positions = self.arm.state.positions
+        tool = yield from self._frame(positions, self.arm_spec.tip)
+        optical = yield from self._frame(positions, camera.frame)
+        return tool.inverse() @ optical
+
+    def _frame(self, positions: tuple[float, ...], frame: str) -> Execution[Pose]:
+        planner = self.context.libraries.arm_planner
+        if planner is None:
+            raise DeviceError(f"{self.name} needs an arm planner")
+        return (yield from self.wait(planner.frame_pose(self.params.arm, positions, frame)))

@@ -1,0 +1,150 @@
+"""Drives a mobile base to where a place can be worked at, around everything that stands in the way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.robot.cell import BaseSpec
+from skiros_py.robot.devices import Base
+from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion
+from skiros_py.robot.values import BaseTwist
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.surroundings import map_pose, obstacles
+from skiros_py.world.vocabulary import AT, DRIVING_POSE, FLOOR
+
+__all__ = ["DriveBase"]
+
+_ARRIVED = 0.03
+"""Greatest distance from the driving pose after standstill [m]."""
+_FACING = math.radians(2.0)
+_PATIENCE = 60.0
+"""Longest time for one leg [s]."""
+
+
+class DriveBase(Primitive["DriveBase.Params"]):
+    """Turns, drives straight, turns: what a differential drive can do; follows localisation, ends at standstill."""
+
+    name: ClassVar[str] = "drive_base"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        base: str = param("sk:Base", "The base that drives.", kind=Kind.HARDWARE)
+        robot: str = param("sk:Robot", "The robot it carries along.", kind=Kind.PLANNING)
+        location: str = param("sk:Location", "Where to go; it has a driving pose.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Plans, drives, and says where the robot is when it stands."""
+        goal = self._goal()
+        if isinstance(goal, Failure):
+            return goal
+        base = Base(self.context.board, self.params.base)
+        path = yield from self._plan(base, goal)
+        if isinstance(path, NoMotion):
+            return Failure(f"no way to {self.params.location}: {path.reason}")
+        if path.legs:
+            self._leave()
+        for number, leg in enumerate(path.legs, start=1):
+            self.progress(number, f"leg {number} of {len(path.legs)}")
+            if not (yield from self._drive(base, leg)):
+                return Failure(f"stuck on leg {number} of {len(path.legs)} to {self.params.location}")
+        yield from self._turn(base, path.heading)
+        yield from self._stand(base)
+        return self._arrived(base.state.pose, goal)
+
+    def _goal(self) -> Pose | Failure:
+        location = self.params.location
+        place, driving = map_pose(self.context, location), self.world.value(location, DRIVING_POSE)
+        if place is None or not isinstance(driving, Pose):
+            return Failure(f"{location} has no driving pose: nobody taught how to stand there")
+        return place @ driving
+
+    def _plan(self, base: Base, goal: Pose) -> Execution[BasePath | NoMotion]:
+        planner = self.context.libraries.base_planner
+        if planner is None:
+            raise DeviceError("drive_base needs a base planner")
+        carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self._rides(o.id))
+        around = obstacles(self.context, parts=False, without=carried)
+        request = BasePathRequest(base.state.pose, goal, self._spec().footprint, around)
+        return (yield from self.wait(planner.plan(request)))
+
+    def _rides(self, element: str) -> bool:
+        frames = self.world.objects(element, "sk:poseFrame")
+        return any(f == self.params.base or self._rides(f) for f in frames)
+
+    def _spec(self) -> BaseSpec:
+        return next(r.base for r in self.context.cell.robots if r.base.id == self.params.base)
+
+    def _leave(self) -> None:
+        """Between places a robot is on the floor."""
+        floors = self.world.instances(FLOOR)
+        placement = self.world.placement(self.params.robot)
+        if floors and (placement is None or placement.place != floors[0]):
+            with self.world.transaction(author=self.name, reason="drives off") as tx:
+                tx.place(self.params.robot, AT, floors[0])
+
+    def _drive(self, base: Base, leg: BaseLeg) -> Execution[bool]:
+        pose = base.state.pose
+        heading = math.atan2(leg.y - pose.position[1], leg.x - pose.position[0])
+        yield from self._turn(base, heading + (math.pi if leg.backwards else 0.0))
+        return (yield from self._straight(base, leg))
+
+    def _turn(self, base: Base, heading: float) -> Execution[None]:
+        spec, deadline = self._spec(), self.context.now + _PATIENCE
+        while self.context.now < deadline:
+            error = wrap_angle(heading - base.state.pose.yaw)
+            if abs(error) < math.radians(0.3):
+                return
+            speed = min(spec.max_angular, math.sqrt(2.0 * 0.8 * spec.max_angular_acceleration * abs(error)))
+            base.command(BaseTwist(0.0, math.copysign(min(speed, 4.0 * abs(error)), error)))
+            yield
+
+    def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
+        """Follows the line from here to the leg's end; steers by heading and by distance from the line."""
+        spec, deadline = self._spec(), self.context.now + _PATIENCE
+        x0, y0, _ = base.state.pose.position
+        length = math.hypot(leg.x - x0, leg.y - y0)
+        if length < 0.002:
+            return True
+        ux, uy, sign = (leg.x - x0) / length, (leg.y - y0) / length, -1.0 if leg.backwards else 1.0
+        along = math.atan2(sign * uy, sign * ux)
+        while self.context.now < deadline:
+            x, y, _ = base.state.pose.position
+            left = length - ((x - x0) * ux + (y - y0) * uy)
+            if left < 0.002:
+                return True
+            aside = -(x - x0) * uy + (y - y0) * ux
+            speed = min(spec.max_linear, math.sqrt(2.0 * 0.8 * spec.max_linear_acceleration * left), 4.0 * left)
+            steer = 2.5 * wrap_angle(along - base.state.pose.yaw) - sign * 4.0 * aside * speed
+            base.command(BaseTwist(sign * speed, max(-spec.max_angular, min(spec.max_angular, steer))))
+            yield
+        return False
+
+    def _stand(self, base: Base) -> Execution[None]:
+        """Brakes, and gives localisation a moment to settle."""
+        deadline = self.context.now + 5.0
+        yield
+        while not base.state.still and self.context.now < deadline:
+            yield
+        settled = self.context.now + 0.1
+        while self.context.now < settled:
+            yield
+
+    def _arrived(self, pose: Pose, goal: Pose) -> Outcome:
+        distance = math.dist(pose.position[:2], goal.position[:2])
+        turned = abs(wrap_angle(pose.yaw - goal.yaw))
+        location = self.params.location
+        if distance > _ARRIVED or turned > _FACING:
+            return Failure(f"stopped {distance:.3f} m and {math.degrees(turned):.1f} deg off {location}")
+        placement = self.world.placement(self.params.robot)
+        if placement is None or placement.place != location:
+            with self.world.transaction(author=self.name, reason=f"localised {distance * 1e3:.0f} mm off") as tx:
+                tx.place(self.params.robot, AT, location)
+        return Success(f"at {location}")

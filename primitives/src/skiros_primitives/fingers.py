@@ -1,0 +1,33 @@
+"""Moving the fingers of a parallel gripper and feeling what they do."""
+
+from __future__ import annotations
+
+from skiros_py.robot.devices import Gripper
+from skiros_py.robot.values import GripperState, GripperTarget
+from skiros_py.skills.context import RunContext
+from skiros_py.skills.primitive import Execution
+
+__all__ = ["move_fingers"]
+
+_STILL_FOR = 0.1
+_PATIENCE = 2.0
+
+
+def move_fingers(context: RunContext, gripper: Gripper, gap: float, force: float) -> Execution[GripperState]:
+    """Moves the fingers until they have stood still for a moment, and returns what they feel then.
+
+    Args:
+        context: The run.
+        gripper: The gripper.
+        gap: Wanted gap between the pads [m]; 0 to close on whatever is between.
+        force: Greatest force per finger [N].
+    """
+    gripper.command(GripperTarget(gap, force))
+    started, still_since = context.now, context.now
+    while context.now < started + _PATIENCE:
+        yield
+        if not gripper.state.still or context.now < started + _STILL_FOR:
+            still_since = context.now
+        if context.now - still_since >= _STILL_FOR:
+            break
+    return gripper.state

@@ -1,0 +1,103 @@
+"""Grasps a part that was registered, lifts it, and feels whether it is held."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive, downward
+from skiros_primitives.fingers import move_fingers
+from skiros_primitives.part_models import Grasp as GraspData
+from skiros_primitives.part_models import grasp_of
+from skiros_py.geometry import Pose
+from skiros_py.robot.devices import Gripper
+from skiros_py.robot.motion import LineMove, MotionPlan, NoMotion, PoseMove, Route
+from skiros_py.robot.values import GripperState
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import map_pose, set_pose
+from skiros_py.world.vocabulary import HELD_BY
+
+__all__ = ["Grasp"]
+
+_LIFT = 0.12
+"""How far above the grasp the approach starts and the lift ends [m]."""
+_GAP_TOLERANCE = 0.007
+"""The gap over a grasped part differs from its width by at most this [m]."""
+_FIRM = 2.0
+"""A held part is pressed with at least this force per finger [N]."""
+_FORCE = 30.0
+
+
+class Grasp(ArmPrimitive):
+    """Comes from straight above; approach and lift are both checked before anything moves."""
+
+    name: ClassVar[str] = "grasp"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
+        gripper: str = param("sk:Gripper", "The gripper on it.", kind=Kind.HARDWARE)
+        part: str = param("sk:Manipulatable", "The part; its pose is known exactly.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Approaches, closes, lifts, feels."""
+        part_pose = map_pose(self.context, self.params.part)
+        if part_pose is None:
+            return Failure(f"{self.params.part} has no exact pose yet")
+        grasp = grasp_of(self.world, self.params.part)
+        planned = yield from self.plan(self._routes(part_pose, grasp))
+        if isinstance(planned, NoMotion):
+            return Failure(f"{self.params.part} cannot be reached: {planned.reason}")
+        return (yield from self._take(planned, part_pose, grasp))
+
+    def _routes(self, part: Pose, grasp: GraspData) -> list[Route]:
+        x, y, z = part.position
+        place = self.world.placement(self.params.part)
+        touching = frozenset({self.params.part, *([place.place] if place else [])})
+        routes: list[Route] = []
+        for yaw in grasp.yaws:
+            at = downward(x, y, z + grasp.height, part.yaw + yaw)
+            above = downward(x, y, z + grasp.height + _LIFT, part.yaw + yaw)
+            down, up = LineMove(at, speed=0.20, touching=touching), LineMove(above, speed=0.20, touching=touching)
+            routes.append((PoseMove(above), down, up))
+        return routes
+
+    def _take(self, planned: MotionPlan, part_pose: Pose, grasp: GraspData) -> Execution[Outcome]:
+        gripper = Gripper(self.context.board, self.params.gripper)
+        approach, down, up = planned.legs
+        self.progress(1, "approaching")
+        yield from self.follow(approach)
+        yield from self.follow(down)
+        self.progress(2, "closing")
+        yield from move_fingers(self.context, gripper, 0.0, _FORCE)
+        tool = yield from self.tool_pose()
+        self.progress(3, "lifting")
+        yield from self.follow(up)
+        if not self._feels_held(gripper.state, grasp):
+            return (yield from self._let_go(gripper, grasp))
+        with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
+            tx.place(self.params.part, HELD_BY, self.params.gripper)
+            set_pose(tx, self.world, self.params.part, tool.inverse() @ part_pose, self.params.gripper)
+        return Success(f"holds {self.params.part}: {_felt(gripper.state)}")
+
+    @staticmethod
+    def _feels_held(state: GripperState, grasp: GraspData) -> bool:
+        return abs(state.gap - grasp.width) <= _GAP_TOLERANCE and state.force >= _FIRM
+
+    def _let_go(self, gripper: Gripper, grasp: GraspData) -> Execution[Outcome]:
+        """Opens again; where the part lies now must be looked for."""
+        felt = _felt(gripper.state)
+        with self.world.transaction(author=self.name, reason=f"grasp failed: {felt}") as tx:
+            set_pose(tx, self.world, self.params.part, None)
+        yield from move_fingers(self.context, gripper, 0.08, _FORCE)
+        return Failure(
+            f"{self.params.part} is not in the gripper after the lift: {felt}, expected {grasp.width * 1e3:.0f}"
+        )
+
+
+def _felt(state: GripperState) -> str:
+    return f"gap {state.gap * 1e3:.0f} mm, force {state.force:.0f} N"

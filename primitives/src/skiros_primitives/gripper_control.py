@@ -1,0 +1,34 @@
+"""Opens or closes a gripper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.fingers import move_fingers
+from skiros_py.robot.devices import Gripper
+from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+
+__all__ = ["GripperControl"]
+
+
+class GripperControl(Primitive["GripperControl.Params"]):
+    """Moves the fingers to a gap and waits until they stand."""
+
+    name: ClassVar[str] = "gripper_control"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        gripper: str = param("sk:Gripper", "The gripper.", kind=Kind.HARDWARE)
+        gap: float = param("number", "Wanted gap between the pads.", kind=Kind.OFFLINE, default=0.08, unit="m")
+        force: float = param("number", "Greatest force per finger.", kind=Kind.OFFLINE, default=30.0, unit="N")
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves the fingers."""
+        gripper = Gripper(self.context.board, self.params.gripper)
+        state = yield from move_fingers(self.context, gripper, self.params.gap, self.params.force)
+        return Success(f"gap {state.gap * 1e3:.0f} mm")

@@ -1,0 +1,112 @@
+"""Looks over a storage place, tells parts apart by their shape, and writes where they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.association import Association, associate
+from skiros_primitives.part_models import part_models
+from skiros_primitives.regions import support_region
+from skiros_py.errors import DeviceError
+from skiros_py.robot.motion import NoMotion
+from skiros_py.robot.perception import LookRequest, LookResult, Region
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import set_pose
+from skiros_py.world.element import Placement
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.vocabulary import IN, MISSED_LOOKS, MISSING, ON, UNKNOWN_LOCATION
+
+__all__ = ["Locate"]
+
+_CLEAR = 0.9
+"""A look is clear when the camera saw at least this share of the place."""
+_MISSES = 2
+"""A part that so many clear looks do not show is missing."""
+
+
+class Locate(ArmPrimitive):
+    """Looks from above; looks again where something expected is not seen."""
+
+    name: ClassVar[str] = "locate"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param("sk:Arm", "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param("sk:Camera", "The camera to look with.", kind=Kind.HARDWARE)
+        place: str = param("sk:Container", "Where to look.")
+        part: str = param("sk:Manipulatable", "The part that is wanted.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Looks until the wanted part is seen, or two clear looks do not show it."""
+        region = support_region(self.context, self.params.place)
+        if isinstance(region, str):
+            return Failure(region)
+        clear_looks = 0
+        for attempt in range(1, _MISSES + 2):
+            self.progress(attempt, f"look {attempt} at {self.params.place}")
+            look = yield from self._look(region, aside=0.04 * (attempt - 1))
+            if isinstance(look, NoMotion):
+                return Failure(look.reason)
+            seen = self._write(look)
+            if self.params.part in seen:
+                return Success(f"{self.params.part} is there; {len(seen)} parts seen")
+            clear_looks += look.visible >= _CLEAR
+            if clear_looks >= _MISSES:
+                break
+        return Failure(self._not_seen(look))
+
+    def _look(self, region: Region, *, aside: float) -> Execution[LookResult | NoMotion]:
+        camera = self.camera_spec(self.params.camera)
+        x, y, surface = region.pose.position
+        image = yield from self.look_down(camera, x + aside, y, surface)
+        if isinstance(image, NoMotion):
+            return image
+        pose = yield from self.camera_pose(camera, image)
+        detector = self.context.libraries.detector
+        if detector is None:
+            raise DeviceError("locate needs a part detector")
+        request = LookRequest(image, pose, region, part_models(self.world), self.seed())
+        return (yield from self.wait(detector.detect(request)))
+
+    def _write(self, look: LookResult) -> set[str]:
+        """Writes what was seen, and counts the clear looks that did not show what was expected."""
+        types = [model.type for model in part_models(self.world)]
+        found = associate(self.context, self.params.place, types, look.detections)
+        clear = look.visible >= _CLEAR and look.surface is not None
+        seen: set[str] = set()
+        with self.world.transaction(author=self.name, reason=f"look at {self.params.place}") as tx:
+            for element, type_, pose in found.seen:
+                part = element or tx.add(type_, placement=Placement(IN, self.params.place))
+                set_pose(tx, self.world, part, pose)
+                if element and self.world.value(part, MISSED_LOOKS):
+                    tx.set(part, MISSED_LOOKS, None)
+                seen.add(part)
+            if clear:
+                self._count_misses(tx, found, unknown=sum(d.type is None for d in look.detections))
+        return seen
+
+    def _count_misses(self, tx: Transaction, found: Association, *, unknown: int) -> None:
+        """Something unknown may be a part that was expected, so it excuses as many of those."""
+        for part in found.unseen[: max(0, len(found.unseen) - unknown)]:
+            misses = int(self.world.value(part, MISSED_LOOKS) or 0) + 1
+            set_pose(tx, self.world, part, None)
+            tx.set(part, MISSED_LOOKS, misses)
+            if misses >= _MISSES:
+                tx.set(part, MISSING, True)
+                tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
+
+    def _not_seen(self, look: LookResult) -> str:
+        part, place = self.params.part, self.params.place
+        if look.surface is None:
+            return f"{part} not found: no surface seen where {place} should be"
+        if look.visible < _CLEAR:
+            return f"{part} not found in {place}: something hides {100 * (1 - look.visible):.0f} % of it"
+        if any(d.type is None for d in look.detections):
+            return f"{part} not found in {place}: something lies there whose shape is not known"
+        return f"{part} not found in {place}: expected, but not seen in {_MISSES} clear looks"

@@ -1,0 +1,33 @@
+"""Moves an arm to its travelling posture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_py.robot.motion import JointMove
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+
+__all__ = ["MoveArm"]
+
+
+class MoveArm(ArmPrimitive):
+    """Moves freely, around obstacles, with whatever is held."""
+
+    name: ClassVar[str] = "move_arm"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param("sk:Arm", "The arm that moves.", kind=Kind.HARDWARE)
+
+    def execute(self) -> Execution[Outcome]:
+        """Plans and moves."""
+        refusal = yield from self.go([(JointMove(self.arm_spec.home),)])
+        if refusal is not None:
+            return Failure(f"the arm cannot go home: {refusal.reason}")
+        return Success("home")

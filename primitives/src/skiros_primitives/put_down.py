@@ -1,0 +1,89 @@
+"""Puts what the gripper holds into a compartment and lets go."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.fingers import move_fingers
+from skiros_primitives.regions import inner_region
+from skiros_py.geometry import Pose
+from skiros_py.robot.devices import Gripper
+from skiros_py.robot.motion import Held, LineMove, MotionPlan, NoMotion, PoseMove, Route
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import held_by, owner
+from skiros_py.world.vocabulary import GRASP_WIDTH
+
+__all__ = ["PutDown"]
+
+_LIFT = 0.12
+"""How far above the release the approach starts and the retreat ends [m]."""
+_DROP = 0.004
+"""Height above the floor at which the part is released [m]."""
+_OPEN = 0.016
+"""How far the fingers open past the part's width [m]; more could touch the walls."""
+_FORCE = 30.0
+
+
+class PutDown(ArmPrimitive):
+    """Comes from straight above; approach and retreat are both checked before anything moves."""
+
+    name: ClassVar[str] = "put_down"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
+        gripper: str = param("sk:Gripper", "The gripper on it.", kind=Kind.HARDWARE)
+        part: str = param("sk:Manipulatable", "The part it holds.")
+        compartment: str = param("sk:Container", "Where to put it.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Approaches, opens, retreats."""
+        holding = held_by(self.context, self.params.gripper)
+        if holding is None or holding[0] != self.params.part:
+            return Failure(f"{self.params.gripper} does not hold {self.params.part}")
+        region = inner_region(self.context, self.params.compartment)
+        if isinstance(region, str):
+            return Failure(region)
+        planned = yield from self.plan(self._routes(region.pose, holding[1]))
+        if isinstance(planned, NoMotion):
+            return Failure(f"{self.params.compartment} cannot be reached: {planned.reason}")
+        return (yield from self._release(planned))
+
+    def _routes(self, floor: Pose, held: Held) -> list[Route]:
+        """Four headings: the part's sides along the compartment's."""
+        kit = owner(self.world, self.params.compartment, "sk:Container")
+        inside = {self.params.part, self.params.compartment, kit or ""} | set(self.world.subjects("sk:hasA", kit or ""))
+        above = Pose((0.0, 0.0, _LIFT))
+        routes: list[Route] = []
+        for quarter in range(4):
+            part = floor @ Pose.of(0.0, 0.0, _DROP, yaw=quarter * math.pi / 2.0)
+            level = Pose.of(*part.position, yaw=part.yaw)
+            tool = level @ held.pose.inverse()
+            high = above @ tool
+            down = LineMove(tool, speed=0.20, touching=frozenset(inside))
+            routes.append((PoseMove(high), down, LineMove(high, speed=0.20, touching=frozenset(inside))))
+        return routes
+
+    def _release(self, planned: MotionPlan) -> Execution[Outcome]:
+        gripper = Gripper(self.context.board, self.params.gripper)
+        width = self.world.value(self.params.part, GRASP_WIDTH)
+        approach, down, up = planned.legs
+        self.progress(1, "approaching")
+        yield from self.follow(approach)
+        yield from self.follow(down)
+        self.progress(2, "releasing")
+        before = gripper.state.gap
+        gap = min(0.08, (width if isinstance(width, float) else before) + _OPEN)
+        state = yield from move_fingers(self.context, gripper, gap, _FORCE)
+        self.progress(3, "retreating")
+        yield from self.follow(up)
+        if state.gap < before + 0.5 * _OPEN:
+            return Failure(f"the fingers did not open: gap {state.gap * 1e3:.0f} mm")
+        return Success(f"released over {self.params.compartment}")

@@ -1,0 +1,67 @@
+"""Looks at a kit and corrects where it is believed to be, before something is put into it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose
+from skiros_py.robot.motion import NoMotion
+from skiros_py.robot.perception import RegistrationRequest, RegistrationResult
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import map_pose, set_pose, solid_of
+from skiros_py.world.vocabulary import POSE_FRAME
+
+__all__ = ["RegisterKit"]
+
+
+class RegisterKit(ArmPrimitive):
+    """The kit's walls are fitted to what the camera sees; a bad fit is an answer, not a pose."""
+
+    name: ClassVar[str] = "register_kit"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param("sk:Arm", "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param("sk:Camera", "The camera to look with.", kind=Kind.HARDWARE)
+        kit: str = param("sk:Container", "The kit.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Looks, and corrects the belief."""
+        believed = map_pose(self.context, self.params.kit)
+        if believed is None:
+            return Failure(f"nobody said where {self.params.kit} is")
+        result = yield from self._look(believed)
+        if isinstance(result, NoMotion):
+            return Failure(result.reason)
+        if result.pose is None:
+            return Failure(f"{self.params.kit} is not recognised where it should be: {result.reason}")
+        self._write(result.pose, result.cost)
+        moved = result.pose.distance(believed) * 1e3
+        return Success(f"{self.params.kit} is {moved:.0f} mm from where it was believed")
+
+    def _look(self, believed: Pose) -> Execution[RegistrationResult | NoMotion]:
+        registrar, solid = self.context.libraries.registrar, solid_of(self.world, self.params.kit)
+        if registrar is None or solid is None:
+            raise DeviceError(f"register_kit needs a registrar, and a shape of {self.params.kit}")
+        camera = self.camera_spec(self.params.camera)
+        image = yield from self.look_down(camera, *believed.position)
+        if isinstance(image, NoMotion):
+            return image
+        pose = yield from self.camera_pose(camera, image)
+        request = RegistrationRequest(image, pose, solid, believed, self.seed())
+        return (yield from self.wait(registrar.register(request)))
+
+    def _write(self, pose: Pose, cost: float) -> None:
+        kit = self.params.kit
+        frame = next(iter(self.world.objects(kit, POSE_FRAME)), None)
+        in_map = map_pose(self.context, frame) if frame else None
+        own = in_map.inverse() @ pose if in_map is not None else pose
+        with self.world.transaction(author=self.name, reason=f"fitted within {cost * 1e3:.1f} mm") as tx:
+            set_pose(tx, self.world, kit, own, frame)

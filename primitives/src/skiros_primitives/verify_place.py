@@ -1,0 +1,84 @@
+"""Looks into a compartment after something was put there, and writes what is seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.part_models import part_models
+from skiros_primitives.regions import inner_region
+from skiros_py.errors import DeviceError
+from skiros_py.robot.motion import NoMotion
+from skiros_py.robot.perception import Detection, LookRequest, LookResult, Region
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import set_pose
+from skiros_py.world.vocabulary import IN, MISSING, ON, UNKNOWN_LOCATION
+
+__all__ = ["VerifyPlace"]
+
+_LOOKS = 2
+
+
+class VerifyPlace(ArmPrimitive):
+    """Only what was seen in the compartment is believed to be in it."""
+
+    name: ClassVar[str] = "verify_place"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param("sk:Arm", "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param("sk:Camera", "The camera to look with.", kind=Kind.HARDWARE)
+        part: str = param("sk:Manipulatable", "The part that was put down.")
+        compartment: str = param("sk:Container", "Where it should be.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Looks, at most twice."""
+        region = inner_region(self.context, self.params.compartment)
+        if isinstance(region, str):
+            return Failure(region)
+        for attempt in range(_LOOKS):
+            look = yield from self._look(region, aside=0.03 * attempt)
+            if isinstance(look, NoMotion):
+                return Failure(look.reason)
+            seen = self._find(look)
+            if seen is not None:
+                return self._confirm(seen)
+        return self._deny(look)
+
+    def _look(self, region: Region, *, aside: float) -> Execution[LookResult | NoMotion]:
+        camera, detector = self.camera_spec(self.params.camera), self.context.libraries.detector
+        if detector is None:
+            raise DeviceError("verify_place needs a part detector")
+        x, y, floor = region.pose.position
+        image = yield from self.look_down(camera, x + aside, y, floor)
+        if isinstance(image, NoMotion):
+            return image
+        pose = yield from self.camera_pose(camera, image)
+        request = LookRequest(image, pose, region, part_models(self.world), self.seed())
+        return (yield from self.wait(detector.detect(request)))
+
+    def _find(self, look: LookResult) -> Detection | None:
+        wanted = self.world.element(self.params.part).type
+        return next((d for d in look.detections if d.type == wanted), None)
+
+    def _confirm(self, seen: Detection) -> Outcome:
+        part, compartment = self.params.part, self.params.compartment
+        with self.world.transaction(author=self.name, reason=f"seen in {compartment}") as tx:
+            tx.place(part, IN, compartment)
+            set_pose(tx, self.world, part, seen.pose)
+        return Success(f"{part} is in {compartment}")
+
+    def _deny(self, look: LookResult) -> Outcome:
+        part, compartment = self.params.part, self.params.compartment
+        strange = any(d.type is None for d in look.detections)
+        what = "something of unknown shape" if strange else "nothing of its kind"
+        with self.world.transaction(author=self.name, reason=f"{what} seen in {compartment}") as tx:
+            set_pose(tx, self.world, part, None)
+            tx.set(part, MISSING, True)
+            tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
+        return Failure(f"{part} was released over {compartment}, but {what} is seen there")

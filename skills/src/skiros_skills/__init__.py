@@ -1,0 +1,1 @@
+"""The built-in skills and conditions for kitting. Found through entry points."""

@@ -1,0 +1,27 @@
+"""Drive: the base takes its robot to where a location can be worked at."""
+
+from __future__ import annotations
+
+from skiros_py.skills.composition import AssertEffects, Do, P
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_skills.conditions import CAN_BE_WORKED_AT, HAS_PART, ROBOT_AT_LOCATION
+
+__all__ = ["DESCRIPTION", "DRIVE", "DRIVE_FAKE"]
+
+DESCRIPTION = SkillDescription(
+    name="drive",
+    help="Drives the robot to a location.",
+    agent="Base",
+    target="Location",
+    params=(
+        Param("Base", "sk:Base", "The base that drives.", Kind.HARDWARE),
+        Param("Robot", "sk:Robot", "The robot it carries.", Kind.PLANNING),
+        Param("Location", "sk:Location", "Where to go."),
+    ),
+    pre=(HAS_PART("Robot", "Base"), CAN_BE_WORKED_AT("Location")),
+    post=(ROBOT_AT_LOCATION("Robot", "Location"),),
+)
+
+DRIVE = Skill(DESCRIPTION, Do.of("drive_base", base=P("Base"), robot=P("Robot"), location=P("Location")))
+DRIVE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

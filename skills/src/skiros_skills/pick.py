@@ -1,0 +1,46 @@
+"""Pick: the arm takes a part out of a storage place."""
+
+from __future__ import annotations
+
+from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_skills.conditions import EMPTY_HANDED, HAS_PART, HOLDING, OBJECT_AT_LOCATION, ROBOT_AT_LOCATION
+
+__all__ = ["DESCRIPTION", "PICK", "PICK_FAKE"]
+
+DESCRIPTION = SkillDescription(
+    name="pick",
+    help="Picks a part from a storage place.",
+    agent="Arm",
+    target="Object",
+    params=(
+        Param("Arm", "sk:Arm", "The arm that picks.", Kind.HARDWARE),
+        Param("Gripper", "sk:Gripper", "The gripper on the arm.", Kind.HARDWARE),
+        Param("Camera", "sk:Camera", "The camera to look with.", Kind.HARDWARE),
+        Param("Robot", "sk:Robot", "The robot that has the arm.", Kind.PLANNING),
+        Param("Container", "kitting:StoragePlace", "Where the part lies."),
+        Param("Object", "sk:Manipulatable", "The part."),
+    ),
+    pre=(
+        HAS_PART("Robot", "Arm"),
+        HAS_PART("Arm", "Gripper"),
+        HAS_PART("Arm", "Camera"),
+        ROBOT_AT_LOCATION("Robot", "Container"),
+        OBJECT_AT_LOCATION("Object", "Container"),
+        EMPTY_HANDED("Gripper"),
+    ),
+    post=(HOLDING("Gripper", "Object"), ~EMPTY_HANDED("Gripper")),
+)
+
+PICK = Skill(
+    DESCRIPTION,
+    Sequence.of(
+        Do.of("gripper_control", gripper=P("Gripper")),
+        Do.of("locate", arm=P("Arm"), camera=P("Camera"), place=P("Container"), part=P("Object")),
+        Do.of("register_part", arm=P("Arm"), camera=P("Camera"), part=P("Object")),
+        Do.of("grasp", arm=P("Arm"), gripper=P("Gripper"), part=P("Object")),
+    ),
+    finish=Do.of("move_arm", arm=P("Arm")),
+)
+PICK_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

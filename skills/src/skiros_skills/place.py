@@ -1,0 +1,58 @@
+"""Place: the arm puts the part it holds into a compartment of a kit, on a table or carried along."""
+
+from __future__ import annotations
+
+from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.skills.conditions import any_of
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_skills.conditions import (
+    CARRYING,
+    EMPTY_HANDED,
+    FITS_IN,
+    HAS_PART,
+    HOLDING,
+    LOCATION_EMPTY,
+    OBJECT_AT_LOCATION,
+    ROBOT_AT_LOCATION,
+)
+
+__all__ = ["DESCRIPTION", "PLACE", "PLACE_FAKE"]
+
+DESCRIPTION = SkillDescription(
+    name="place",
+    help="Places a held part into a compartment of a kit.",
+    agent="Arm",
+    target="Compartment",
+    params=(
+        Param("Arm", "sk:Arm", "The arm that places.", Kind.HARDWARE),
+        Param("Gripper", "sk:Gripper", "The gripper on the arm.", Kind.HARDWARE),
+        Param("Camera", "sk:Camera", "The camera to look with.", Kind.HARDWARE),
+        Param("Robot", "sk:Robot", "The robot that has the arm.", Kind.PLANNING),
+        Param("Object", "sk:Manipulatable", "The part."),
+        Param("Compartment", "kitting:Compartment", "Where the part goes."),
+        Param("Kit", "kitting:Kit", "The kit that has the compartment.", Kind.PLANNING),
+    ),
+    pre=(
+        HAS_PART("Robot", "Arm"),
+        HAS_PART("Arm", "Gripper"),
+        HAS_PART("Arm", "Camera"),
+        HAS_PART("Kit", "Compartment"),
+        any_of(ROBOT_AT_LOCATION("Robot", "Kit"), CARRYING("Robot", "Kit")),
+        HOLDING("Gripper", "Object"),
+        LOCATION_EMPTY("Compartment"),
+        FITS_IN("Object", "Compartment"),
+    ),
+    post=(OBJECT_AT_LOCATION("Object", "Compartment"), EMPTY_HANDED("Gripper")),
+)
+
+PLACE = Skill(
+    DESCRIPTION,
+    Sequence.of(
+        Do.of("register_kit", arm=P("Arm"), camera=P("Camera"), kit=P("Kit")),
+        Do.of("put_down", arm=P("Arm"), gripper=P("Gripper"), part=P("Object"), compartment=P("Compartment")),
+        Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
+    ),
+    finish=Do.of("move_arm", arm=P("Arm")),
+)
+PLACE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

@@ -1,0 +1,89 @@
+"""The ``skiros`` command: its sub-commands, and what happens to faults."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from importlib import import_module
+
+import click
+
+from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED, USAGE
+from skiros_py.errors import DeviceError, PlanningError, SkirosError
+
+__all__ = ["cli", "main"]
+
+_COMMANDS = {
+    "run": ("skiros_py.cli.run", "Plan and do the goal of a scene."),
+    "plan": ("skiros_py.cli.plan", "Show domain, problem and plan without doing anything."),
+    "skills": ("skiros_py.cli.skills", "List the skills, primitives and conditions that were found."),
+    "scene": ("skiros_py.cli.scene", "Look at scenes."),
+}
+
+
+class _LazyGroup(click.Group):
+    """Imports a command's module only when it is used, so that help is there at once."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _COMMANDS:
+            return None
+        command: click.Command = import_module(_COMMANDS[cmd_name][0]).command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, help_) for name, (_, help_) in _COMMANDS.items()])
+
+
+@click.command(
+    cls=_LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Example: skiros run kitting --goal 'InKit(Starter, kit_1)' --record run.png",
+)
+@click.version_option(package_name="skiros-py", prog_name="skiros")
+def cli() -> None:
+    """Describe a scene, state a goal: a robot plans and does it.
+
+    Exit status: 0 goal reached, 1 not reached, 2 wrong usage or a broken file, 3 no plan, 130 stopped.
+    """
+
+
+def main() -> None:
+    """Runs the command line; faults become one message and an exit status, never a traceback."""
+    sys.exit(_run(sys.argv[1:]))
+
+
+def _run(arguments: list[str]) -> int:
+    as_json = "--json" in arguments
+    try:
+        status = cli.main(args=arguments, prog_name="skiros", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        return _fault(error.format_message(), USAGE, as_json=as_json)
+    except (click.Abort, KeyboardInterrupt):
+        return _fault("stopped", STOPPED, as_json=as_json, show=True)
+    except SkirosError as error:
+        broken = isinstance(error, DeviceError | PlanningError)
+        return _fault(str(error), NOT_REACHED if broken else USAGE, as_json=as_json, show=True)
+    except BrokenPipeError:
+        sys.stderr.close()
+        return STOPPED
+    except Exception as error:  # noqa: BLE001 - the last line of defence: users never see a traceback
+        if os.environ.get("SKIROS_DEBUG"):
+            traceback.print_exc()
+        text = f"internal error: {type(error).__name__}: {error} (SKIROS_DEBUG=1 shows where)"
+        return _fault(text, NOT_REACHED, as_json=as_json, show=True)
+    return status if isinstance(status, int) else REACHED
+
+
+def _fault(text: str, status: int, *, as_json: bool, show: bool = False) -> int:
+    if show:
+        click.echo(f"skiros: {text}", err=True)
+    if as_json:
+        click.echo(json.dumps({"error": text, "status": status}))
+    return status

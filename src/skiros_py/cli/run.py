@@ -1,0 +1,130 @@
+"""``skiros run``: plan, do it with a live display, and end with a table."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
+
+if TYPE_CHECKING:
+    from skiros_py.runtime import Session
+    from skiros_py.tasks.report import GoalReport
+
+__all__ = ["command"]
+
+
+class _Pace(click.ParamType[float | None]):
+    name = "max|real|N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
+        if value in (None, "max"):
+            return None
+        try:
+            factor = 1.0 if value == "real" else float(value)
+        except ValueError:
+            factor = -1.0
+        if not 0.0 < factor < float("inf"):
+            self.fail(f"'{value}' is not 'max', 'real' or a positive factor such as 2", param, ctx)
+        return factor
+
+
+@click.command("run", epilog="Example: skiros run kitting --seed 3 --goal 'InKit(Starter, kit_1)' --record run.png")
+@click.argument("scene")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of every random choice.  [default: 0]")
+@click.option("--goal", "goals", multiple=True, metavar="TEXT", help="Goal instead of the scene's; may be repeated.")
+@click.option("--robot", metavar="NAME", help="Robot to use; needed where the scene has several.")
+@click.option("--pace", type=_Pace(), default="max", help="Simulated seconds per second.  [default: max]")
+@click.option("--gui", is_flag=True, help="Open PyBullet's window.")
+@click.option(
+    "--record",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Contact sheet of the key moments (.png) or animation (.gif, .webp).",
+)
+@click.option("--fake", is_flag=True, help="No physics: skills pretend.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
+def command(
+    scene: str,
+    seed: int,
+    goals: tuple[str, ...],
+    robot: str | None,
+    pace: float | None,
+    gui: bool,
+    record: Path | None,
+    fake: bool,
+    as_json: bool,
+) -> int:
+    """Plans and does the goal of SCENE (a name, or a path to a .ttl file)."""
+    from skiros_py.recording import check_recording
+    from skiros_py.system import check_display, check_system_libraries
+
+    if record is not None:
+        check_recording(record, fake=fake)
+    if gui:
+        check_display(os.environ.get("DISPLAY"))
+    if not fake:
+        check_system_libraries()
+    from skiros_py.runtime import Options, Session
+
+    options = Options(seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals)
+    with Session(scene, options) as session:
+        return _run(session, record, as_json=as_json)
+
+
+def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
+    from skiros_py.cli.display import RunDisplay
+    from skiros_py.recording import Recorder
+
+    recorder = Recorder(session) if record is not None else None
+    with RunDisplay(session, to_stderr=as_json) as display, _stopping(session):
+        report = session.run()
+    display.show_report(report)
+    if recorder is not None and record is not None:
+        recorder.write(record)
+        display.say(f"recorded to {record}")
+    if as_json:
+        click.echo(json.dumps(_as_json(session, report)))
+    return _status(report)
+
+
+@contextmanager
+def _stopping(session: Session) -> Iterator[None]:
+    """Ctrl-C and a polite kill halt the robot in the next cycle; a second one ends the hard way."""
+
+    def stop(number: int, _frame: object) -> None:
+        signal.signal(number, signal.default_int_handler)
+        session.stop()
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _status(report: GoalReport) -> int:
+    if report.stopped:
+        return STOPPED
+    if report.no_plan:
+        return NO_PLAN
+    return REACHED if report.reached else NOT_REACHED
+
+
+def _as_json(session: Session, report: GoalReport) -> dict[str, Any]:
+    return {
+        "scene": session.scene,
+        "seed": session.options.seed,
+        "status": _status(report),
+        "reached": report.reached,
+        **dataclasses.asdict(report),
+    }

@@ -1,0 +1,126 @@
+"""The one tree of faults.
+
+::
+
+    SkirosError
+    ├── UsageError            somebody asked for something that does not exist or does not parse
+    │   ├── UnknownName       ... and here are the names that do exist
+    │   └── GoalSyntaxError   ... at this column of the goal
+    ├── FileError             a file cannot be read or understood: path, line, reason
+    ├── WorldError            a write to the world model was refused
+    ├── DescriptionError      a skill, primitive or robot is described wrongly (its author must mend it)
+    ├── PlanningError         a planner broke (not: "there is no plan", which is an answer)
+    ├── DeviceError           a device or the simulation broke
+    └── MissingSystemLibrary  a library that pip cannot install is absent
+
+Expected outcomes ("no plan", "part not found", "condition does not hold") are values, never exceptions.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from pathlib import Path
+
+__all__ = [
+    "DescriptionError",
+    "DeviceError",
+    "FileError",
+    "GoalSyntaxError",
+    "MissingSystemLibrary",
+    "PlanningError",
+    "SkirosError",
+    "UnknownName",
+    "UsageError",
+    "WorldError",
+]
+
+
+class SkirosError(Exception):
+    """Base of every fault this platform raises on purpose; its text is meant for the user."""
+
+
+class UsageError(SkirosError):
+    """Somebody asked for something that does not exist or does not parse."""
+
+
+class UnknownName(UsageError):
+    """A name that nobody knows.
+
+    Attributes:
+        kind: What was looked for, in the user's words ("scene", "condition", ...).
+        name: The name given.
+        known: The names that exist, sorted.
+        nearest: The known name most like the given one, or None.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], *, where: str = "") -> None:
+        self.kind = kind
+        self.name = name
+        self.known = tuple(sorted(known))
+        folded = {candidate.casefold(): candidate for candidate in self.known}
+        close = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.4)
+        self.nearest = folded[close[0]] if close else None
+        hint = f" Did you mean '{self.nearest}'?" if self.nearest else ""
+        shown = ", ".join(self.known[:20]) + (", …" if len(self.known) > 20 else "")
+        there_is = f" Known: {shown}." if self.known else " There is none."
+        super().__init__(f"unknown {kind} '{name}'{' ' + where if where else ''}.{hint}{there_is}")
+
+
+class GoalSyntaxError(UsageError):
+    """A goal text that the grammar does not accept.
+
+    Attributes:
+        text: The whole goal text.
+        column: 1-based column of the first character that does not fit.
+    """
+
+    def __init__(self, text: str, column: int, reason: str) -> None:
+        self.text = text
+        self.column = column
+        super().__init__(f"goal, column {column}: {reason}\n  {text}\n  {' ' * (column - 1)}^")
+
+
+class FileError(SkirosError):
+    """A file that cannot be read or understood; nothing was started.
+
+    Attributes:
+        path: The file.
+        line: 1-based line, or None where the fault has no line.
+        reason: What is wrong and what would be right.
+    """
+
+    def __init__(self, path: Path, reason: str, *, line: int | None = None) -> None:
+        self.path = path
+        self.line = line
+        self.reason = reason
+        where = f"{path}:{line}" if line else f"{path}"
+        super().__init__(f"{where}: {reason}")
+
+
+class WorldError(SkirosError):
+    """A write to the world model was refused; the text says what would be allowed."""
+
+
+class DescriptionError(SkirosError):
+    """A skill, primitive, condition or robot is described wrongly; its author must mend it."""
+
+
+class PlanningError(SkirosError):
+    """A planner program broke, or returned something that is not a plan."""
+
+
+class DeviceError(SkirosError):
+    """A device, the simulation or a worker process broke."""
+
+
+class MissingSystemLibrary(SkirosError):
+    """A system library that pip cannot bring is absent.
+
+    Attributes:
+        package: The Debian package that holds it.
+    """
+
+    def __init__(self, needed_by: str, library: str, package: str) -> None:
+        self.package = package
+        super().__init__(f"{needed_by} needs {library}: install it with 'apt-get install {package}'")

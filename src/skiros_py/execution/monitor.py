@@ -1,0 +1,61 @@
+"""What is going on, as a stream: which module started, how far it is, how it ended (paper §4.1)."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable
+from dataclasses import dataclass
+
+__all__ = ["ModuleEvent", "Monitor", "Status"]
+
+
+class Status(enum.Enum):
+    """State of a module."""
+
+    STARTED = "started"
+    """Its first tick comes with this cycle."""
+    RUNNING = "running"
+    """It reported progress."""
+    PREEMPTED = "preempted"
+    """It was stopped from outside."""
+    TERMINATED = "terminated"
+    """It ended well."""
+    ERROR = "error"
+    """It ended without success; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleEvent:
+    """One message about one module.
+
+    Attributes:
+        time: Run time [s].
+        kind: "skill" or "primitive".
+        module: Its name.
+        status: Its state.
+        code: Progress code; negative for an error.
+        text: Words for a person.
+    """
+
+    time: float
+    kind: str
+    module: str
+    status: Status
+    code: int
+    text: str
+
+
+class Monitor:
+    """Hands module events to whoever listens, in order."""
+
+    def __init__(self) -> None:
+        self._listeners: list[Callable[[ModuleEvent], None]] = []
+
+    def subscribe(self, listener: Callable[[ModuleEvent], None]) -> None:
+        """Calls the listener with each event; it must be quick."""
+        self._listeners.append(listener)
+
+    def publish(self, event: ModuleEvent) -> None:
+        """Hands an event to all listeners."""
+        for listener in self._listeners:
+            listener(event)

@@ -1,0 +1,80 @@
+"""Belief against truth: the final report asks the simulator what is really the case. Nothing else may."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.robot.cell import CellSpec
+from skiros_py.simulation.pybullet.cell import PyBulletCell
+from skiros_py.simulation.truth import Truth
+from skiros_py.skills.conditions import Condition
+from skiros_py.world.overlay import Overlay
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import (
+    AT,
+    CONTAINER,
+    DRIVING_POSE,
+    FLOOR,
+    GRIPPER,
+    HELD_BY,
+    IN,
+    LOCATION,
+    MANIPULATABLE,
+    ON,
+)
+
+__all__ = ["judge"]
+
+_THERE = (0.06, 0.06)
+"""A robot is at a location when it stands this close to where it should [m, rad]."""
+
+
+def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Condition]) -> tuple[bool, ...]:
+    """Evaluates conditions on the world as it really is.
+
+    Args:
+        cell: The simulation.
+        spec: The cell as brought up.
+        view: The world as believed: gives classes, structure and what is not physical.
+        goal: Conditions over elements and classes.
+    """
+    truth = Truth(cell)
+    real = Overlay(view)
+    placements = truth.placements()
+    for part in view.instances(MANIPULATABLE):
+        place = placements.get(part)
+        if place is None:
+            real.unplace(part)
+        else:
+            real.place(part, _relation(view, place), _floor(view) if place == "floor" else place)
+    for robot in spec.robots:
+        real.place(robot.id, AT, _location(view, truth, robot.base.id))
+    return tuple(bool(condition.evaluate(real)) for condition in goal)
+
+
+def _relation(view: WorldView, place: str) -> str:
+    if place == "floor":
+        return ON
+    type_ = view.element(place).type
+    if view.ontology.is_a(type_, GRIPPER):
+        return HELD_BY
+    return IN if view.ontology.is_a(type_, CONTAINER) else ON
+
+
+def _floor(view: WorldView) -> str:
+    return view.instances(FLOOR)[0]
+
+
+def _location(view: WorldView, truth: Truth, base: str) -> str:
+    """Returns where a robot really stands: the location whose driving pose it is at, or the floor."""
+    bodies = truth.poses()
+    at = truth.base_pose(base)
+    for location in view.instances(LOCATION):
+        driving = view.value(location, DRIVING_POSE)
+        if isinstance(driving, Pose) and location in bodies:
+            wanted = bodies[location] @ driving
+            off = ((at.position[0] - wanted.position[0]) ** 2 + (at.position[1] - wanted.position[1]) ** 2) ** 0.5
+            if off <= _THERE[0] and abs(wrap_angle(at.yaw - wanted.yaw)) <= _THERE[1]:
+                return location
+    return _floor(view)

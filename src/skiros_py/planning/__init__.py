@@ -1,0 +1,1 @@
+"""From world, skills and goal to a plan that was replayed, or to the reasons why there is none."""

@@ -1,0 +1,187 @@
+"""Skills as actions (paper §6.2): ``can_<skill>``, variants, implicit deletes over the placement family.
+
+Written for relations in general: which relations move something, and which end moves, is said by the ontology.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.literals import CAN, NOTHING, Conjunction, atom_of, expand
+from skiros_py.planning.model import Action, Atom, Variable
+from skiros_py.skills.conditions import Condition, Not, Nothing, Related
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.ontology import Ontology
+
+__all__ = ["actions_of", "emptiness_classes", "maintain_emptiness", "moved_and_place"]
+
+
+def actions_of(skill: SkillDescription, ontology: Ontology) -> tuple[Action, ...]:
+    """Translates one skill; one action for each way its preconditions can hold.
+
+    Raises:
+        PlanningError: A condition cannot be said in typed STRIPS; the message names it.
+    """
+    where = f"skill '{skill.name}'"
+    choices = [expand(c.pattern, f"{where}, precondition {c}") for c in skill.pre]
+    variants = list(product(*choices))
+    names = [skill.name] if len(variants) == 1 else [f"{skill.name}-{i + 1}" for i in range(len(variants))]
+    return tuple(_action(name, skill, variant, ontology) for name, variant in zip(names, variants, strict=True))
+
+
+def _action(name: str, skill: SkillDescription, pre: Sequence[Conjunction], ontology: Ontology) -> Action:
+    own = tuple(Variable(param.key, param.type) for param in skill.params if param.is_element)
+    extra = tuple(dict.fromkeys(variable for part in pre for variable in part.variables))
+    atoms = [Atom(CAN + skill.name, (skill.agent,)), *(atom for part in pre for atom in part.atoms)]
+    add, delete = _declared_effects(skill)
+    draft = Action(name, skill.name, own + extra, tuple(dict.fromkeys(atoms)), add, delete)
+    return _with_question_marks(_with_implicit_deletes(draft, ontology))
+
+
+def _declared_effects(skill: SkillDescription) -> tuple[tuple[Atom, ...], tuple[Atom, ...]]:
+    add: list[Atom] = []
+    delete: list[Atom] = []
+    for condition in skill.post:
+        match condition.pattern:
+            case Related() as pattern:
+                add.append(atom_of(pattern))
+            case Not(Related() as pattern):
+                delete.append(atom_of(pattern))
+            case Nothing() | Not(Nothing()):
+                pass  # follows from what is moved: see maintain_emptiness
+            case _:
+                raise PlanningError(_cannot_cause(skill, condition))
+    return tuple(add), tuple(delete)
+
+
+def _cannot_cause(skill: SkillDescription, condition: Condition) -> str:
+    return (
+        f"skill '{skill.name}', postcondition {condition}: a skill can bring about a relation, the end of one, or that "
+        "nothing is there; use the relation that this condition follows from"
+    )
+
+
+def moved_and_place(atom: Atom, ontology: Ontology) -> tuple[str, str]:
+    """Returns the argument that moves and the one that is its place, of an atom of the placement family."""
+    subject, object_ = atom.arguments
+    at_object = ontology.relations[atom.predicate].place_end == "object"
+    return (subject, object_) if at_object else (object_, subject)
+
+
+def _is_placement(atom: Atom, ontology: Ontology) -> bool:
+    return atom.predicate in ontology.relations and ontology.is_placement(atom.predicate)
+
+
+def _with_implicit_deletes(action: Action, ontology: Ontology) -> Action:
+    """Whatever gets a new place loses its old one: named by a precondition, else by a further parameter."""
+    for added in action.add:
+        if not _is_placement(added, ontology):
+            continue
+        moved, _ = moved_and_place(added, ontology)
+        old = [a for a in action.pre if _is_placement(a, ontology) and moved_and_place(a, ontology)[0] == moved]
+        if not old:
+            action, fact = _with_old_place(action, added, moved, ontology)
+            old = [fact]
+        missing = tuple(atom for atom in old if atom not in action.delete)
+        note = f"deletes {', '.join(map(_show, missing))}: {moved} has one place only"
+        action = replace(action, delete=action.delete + missing, notes=(*action.notes, note))
+    return action
+
+
+def _with_old_place(action: Action, added: Atom, moved: str, ontology: Ontology) -> tuple[Action, Atom]:
+    relation = ontology.relations[added.predicate]
+    at_object = relation.place_end == "object"
+    variable = Variable(f"{moved}_from", (relation.range if at_object else relation.domain))
+    arguments = (moved, variable.name) if at_object else (variable.name, moved)
+    fact = Atom(added.predicate, arguments)
+    note = f"parameter {variable.name} and precondition {_show(fact)}: the place that {moved} leaves"
+    parameters = (*action.parameters, variable)
+    return replace(action, parameters=parameters, pre=(*action.pre, fact), notes=(*action.notes, note)), fact
+
+
+def _show(atom: Atom) -> str:
+    return f"{atom.predicate.partition(':')[2] or atom.predicate}({', '.join(atom.arguments)})"
+
+
+def _with_question_marks(action: Action) -> Action:
+    names = {v.name: "?" + v.name for v in action.parameters}
+    return replace(
+        action,
+        parameters=tuple(Variable(names[v.name], v.type) for v in action.parameters),
+        pre=tuple(a.bind(names) for a in action.pre),
+        add=tuple(a.bind(names) for a in action.add),
+        delete=tuple(a.bind(names) for a in action.delete),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Emptiness:
+    """ "Nothing has this relation to a place of this class", asked for by some precondition or goal."""
+
+    relation: str
+    class_: str
+
+    @property
+    def predicate(self) -> str:
+        return NOTHING + self.relation
+
+
+def emptiness_classes(actions: Iterable[Action]) -> dict[str, str]:
+    """Returns the class of place that each "nothing …" precondition asks about.
+
+    Raises:
+        PlanningError: Two preconditions ask about different classes.
+    """
+    classes: dict[str, str] = {}
+    for action in actions:
+        types = {v.name: v.type for v in action.parameters}
+        for atom in action.pre:
+            if atom.predicate.startswith(NOTHING):
+                class_ = types[atom.arguments[0]]
+                if classes.setdefault(atom.predicate, class_) != class_:
+                    both = f"{classes[atom.predicate]} and {class_}"
+                    raise PlanningError(f"'{atom.predicate}' is asked of {both}; use one class of place")
+    return classes
+
+
+def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[Action, ...]:
+    """Adds what skills do to "nothing is there": filling ends it, taking the only thing restores it.
+
+    This is sound because every action that fills such a place asks that it be empty before.
+
+    Raises:
+        PlanningError: An action fills such a place without asking that it be empty.
+    """
+    drafts = tuple(actions)
+    asked = [_Emptiness(p.removeprefix(NOTHING), c) for p, c in emptiness_classes(drafts).items()]
+    for emptiness in asked:
+        drafts = tuple(_maintain(action, emptiness, ontology) for action in drafts)
+    return drafts
+
+
+def _maintain(action: Action, emptiness: _Emptiness, ontology: Ontology) -> Action:
+    types = {v.name: v.type for v in action.parameters}
+    filled = [a.arguments[1] for a in action.add if a.predicate == emptiness.relation]
+    freed = [a.arguments[1] for a in action.delete if a.predicate == emptiness.relation]
+    ends = tuple(Atom(emptiness.predicate, (p,)) for p in filled if _overlap(types[p], emptiness.class_, ontology))
+    unasked = [atom for atom in ends if atom not in action.pre]
+    if unasked:
+        raise PlanningError(
+            f"skill '{action.skill}' puts something to {unasked[0].arguments[0].lstrip('?')}, which others want empty: "
+            f"give it a precondition that nothing is there"
+        )
+    starts = tuple(Atom(emptiness.predicate, (p,)) for p in freed if ontology.is_a(types[p], emptiness.class_))
+    for place in freed:
+        if not ontology.is_a(types[place], emptiness.class_) and ontology.is_a(emptiness.class_, types[place]):
+            raise PlanningError(
+                f"skill '{action.skill}' takes things from any {types[place]}, some of which ({emptiness.class_}) are "
+                "asked to be empty: give its parameter a narrower class"
+            )
+    return replace(action, add=action.add + starts, delete=action.delete + ends)
+
+
+def _overlap(one: str, other: str, ontology: Ontology) -> bool:
+    return ontology.is_a(one, other) or ontology.is_a(other, one)

@@ -1,0 +1,173 @@
+"""Why there is no plan: which goal condition, which skill would give it, which of its preconditions never holds.
+
+Works on the delete relaxation: facts that can never be true even if nothing were ever undone (Hoffmann & Nebel 2001).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from skiros_py.planning.goals import REACHED
+from skiros_py.planning.literals import CAN, HAS, NOTHING
+from skiros_py.planning.model import Action, Atom
+from skiros_py.planning.task import PlanningTask
+from skiros_py.world.ontology import Ontology
+
+__all__ = ["explain"]
+
+_DEPTH = 5
+
+
+def explain(task: PlanningTask, ontology: Ontology) -> tuple[str, ...]:
+    """Returns one reason for each goal condition that can never hold; empty when each alone could."""
+    relaxed = _Relaxation(task, ontology)
+    reasons = []
+    for condition, atoms in _atoms_by_condition(task):
+        missing = [atom for atom in atoms if atom not in relaxed.facts]
+        if missing:
+            reasons.append(f"{condition} cannot be reached: {relaxed.why(missing[0], {}, _DEPTH)}")
+    return tuple(reasons)
+
+
+def _atoms_by_condition(task: PlanningTask) -> Iterator[tuple[str, list[Atom]]]:
+    plain = [a for a in task.problem.goal if not a.predicate.startswith(REACHED)]
+    for number, condition in enumerate(task.goal, start=1):
+        reached = Atom(f"{REACHED}{number}")
+        if reached in task.problem.goal:
+            yield str(condition), [reached]
+        else:
+            own = [a for a in plain if set(a.arguments) <= set(condition.arguments)]
+            yield str(condition), own
+
+
+class _Relaxation:
+    """The facts that could ever become true, ignoring deletes."""
+
+    def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
+        self.task = task
+        self.ontology = ontology
+        self.facts: dict[Atom, None] = {}
+        self._by_predicate: dict[str, list[Atom]] = {}
+        for atom in sorted(task.problem.init):
+            self._learn(atom)
+        while self._grow():
+            pass
+
+    def _learn(self, atom: Atom) -> bool:
+        if atom in self.facts:
+            return False
+        self.facts[atom] = None
+        self._by_predicate.setdefault(atom.predicate, []).append(atom)
+        return True
+
+    def _grow(self) -> bool:
+        news = [
+            atom.bind(binding)
+            for action in self.task.domain.actions
+            for binding in self.bindings(action, action.pre, {})
+            for atom in action.add
+        ]
+        return any([self._learn(atom) for atom in news if not any(a.startswith("?") for a in atom.arguments)])
+
+    def bindings(self, action: Action, atoms: Sequence[Atom], start: Mapping[str, str]) -> Iterator[dict[str, str]]:
+        """Yields every way to make the atoms true at once."""
+        types = {v.name: v.type for v in action.parameters}
+
+        def extend(index: int, binding: dict[str, str]) -> Iterator[dict[str, str]]:
+            if index == len(atoms):
+                yield binding
+                return
+            for fact in list(self._by_predicate.get(atoms[index].predicate, ())):
+                matched = self._match(atoms[index], fact, binding, types)
+                if matched is not None:
+                    yield from extend(index + 1, matched)
+
+        return extend(0, dict(start))
+
+    def _match(
+        self, atom: Atom, fact: Atom, binding: Mapping[str, str], types: Mapping[str, str]
+    ) -> dict[str, str] | None:
+        result = dict(binding)
+        for argument, value in zip(atom.arguments, fact.arguments, strict=True):
+            if not argument.startswith("?"):
+                if argument != value:
+                    return None
+            elif result.setdefault(argument, value) != value or not self._fits(value, types.get(argument, "")):
+                return None
+        return result
+
+    def _fits(self, element: str, class_: str) -> bool:
+        return not class_ or self.ontology.is_a(self.task.problem.objects[element], class_)
+
+    def why(self, atom: Atom, types: Mapping[str, str], depth: int) -> str:
+        """Says why an atom (perhaps with variables left) never holds."""
+        givers = [(a, e) for a in self.task.domain.actions for e in a.add if e.predicate == atom.predicate]
+        if not givers or depth == 0:
+            return f"{self._words(atom, types)} does not hold, and no skill brings it about"
+        action, effect = givers[0]
+        start = {
+            variable: value
+            for variable, value in zip(effect.arguments, atom.arguments, strict=True)
+            if variable.startswith("?") and not value.startswith("?")
+        }
+        narrowed = {v.name: v.type for v in action.parameters}
+        for variable, value in zip(effect.arguments, atom.arguments, strict=True):
+            if value.startswith("?") and types.get(value) and self.ontology.is_a(types[value], narrowed[variable]):
+                narrowed[variable] = types[value]
+        return self._first_obstacle(action, start, narrowed, depth)
+
+    def _first_obstacle(self, action: Action, start: dict[str, str], types: Mapping[str, str], depth: int) -> str:
+        for variable, value in start.items():
+            if not self._fits(value, types[variable]):
+                return f"{value} is not a {_local(types[variable])}, which skill '{action.skill}' needs"
+        pre = self._easy_first(action)
+        for count in range(1, len(pre) + 1):
+            if next(self._typed(action, pre[:count], start, types), None) is None:
+                best = next(self._typed(action, pre[: count - 1], start, types), dict(start))
+                return self._because(action, pre[count - 1], best, start, types, depth)
+        return f"skill '{action.skill}' could do it for other elements only"
+
+    def _typed(
+        self, action: Action, atoms: Sequence[Atom], start: Mapping[str, str], types: Mapping[str, str]
+    ) -> Iterator[dict[str, str]]:
+        for binding in self.bindings(action, atoms, start):
+            if all(self._fits(value, types[variable]) for variable, value in binding.items()):
+                yield binding
+
+    def _easy_first(self, action: Action) -> list[Atom]:
+        """Puts what no skill changes first, so that the obstacle named is the real one."""
+        changing = {e.predicate for a in self.task.domain.actions for e in a.add}
+        return sorted(action.pre, key=lambda atom: atom.predicate in changing)
+
+    def _because(
+        self,
+        action: Action,
+        atom: Atom,
+        best: Mapping[str, str],
+        start: Mapping[str, str],
+        types: Mapping[str, str],
+        depth: int,
+    ) -> str:
+        bound = atom.bind(start if atom.predicate.startswith(CAN) else {**best, **start})
+        given = any(e.predicate == atom.predicate for a in self.task.domain.actions for e in a.add)
+        free = atom.bind(start)
+        reason = self.why(free, types, depth - 1) if given else f"{self._words(bound, types)} does not hold"
+        if action.skill is None:
+            return reason
+        need = self._words(free, types)
+        return f"skill '{action.skill}' would do it, but needs that {need}; {reason}"
+
+    def _words(self, atom: Atom, types: Mapping[str, str]) -> str:
+        """Returns the atom as a person would say it."""
+        names = [a if not a.startswith("?") else f"a {_local(types.get(a, '')) or 'thing'}" for a in atom.arguments]
+        if atom.predicate.startswith(CAN):
+            return f"{names[0]} has the skill '{atom.predicate.removeprefix(CAN)}'"
+        if atom.predicate.startswith(HAS):
+            return f"{names[0]} has a {_local(atom.predicate.removeprefix(HAS))}"
+        if atom.predicate.startswith(NOTHING):
+            return f"nothing is {_local(atom.predicate.removeprefix(NOTHING))} {names[0]}"
+        return f"{names[0]} {_local(atom.predicate)} {' '.join(names[1:])}".strip()
+
+
+def _local(curie: str) -> str:
+    return curie.partition(":")[2] or curie

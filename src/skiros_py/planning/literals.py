@@ -1,0 +1,75 @@
+"""Patterns as conjunctions of literals, with the variables that existentials bring along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.model import Atom, Variable
+from skiros_py.skills.conditions import AllOf, AnyOf, Computed, Exists, Has, Not, Nothing, Pattern, Related
+
+__all__ = ["CAN", "HAS", "NOTHING", "Conjunction", "atom_of", "expand"]
+
+CAN = "can_"
+HAS = "has "
+NOTHING = "nothing "
+
+
+@dataclass(frozen=True, slots=True)
+class Conjunction:
+    """Positive atoms that hold together, over the pattern's variables and these further ones."""
+
+    atoms: tuple[Atom, ...] = ()
+    variables: tuple[Variable, ...] = ()
+
+
+def atom_of(pattern: Related | Nothing | Has | Computed) -> Atom:
+    """Returns the atom of a pattern that is one literal; its arguments are the pattern's variables."""
+    match pattern:
+        case Related(relation, subject, object_) | Computed(relation, subject, object_, _):
+            return Atom(relation, (subject, object_))
+        case Nothing(relation, object_):
+            return Atom(NOTHING + relation, (object_,))
+        case Has(property_, subject):
+            return Atom(HAS + property_, (subject,))
+
+
+def expand(pattern: Pattern, where: str) -> tuple[Conjunction, ...]:
+    """Returns the pattern as a disjunction of conjunctions of positive literals.
+
+    Args:
+        pattern: Any pattern; existentials become variables, their names made unique by the caller's variables.
+        where: For the message of a refusal ("precondition X of skill 'y'").
+
+    Raises:
+        PlanningError: It has a part that typed STRIPS cannot say; the message names it.
+    """
+    match pattern:
+        case Related() | Nothing() | Has() | Computed():
+            return (Conjunction((atom_of(pattern),)),)
+        case Not(Nothing(relation, object_)):
+            other = f"any {relation} {object_}"
+            return (Conjunction((Atom(relation, (other, object_)),), (Variable(other, ""),)),)
+        case Not(Not(inner)):
+            return expand(inner, where)
+        case AllOf(patterns):
+            combinations = product(*(expand(p, where) for p in patterns))
+            return tuple(_join(combination) for combination in combinations)
+        case AnyOf(patterns):
+            return tuple(conjunction for p in patterns for conjunction in expand(p, where))
+        case Exists(variable, class_, inner):
+            extra = (Variable(variable, class_),)
+            return tuple(Conjunction(c.atoms, extra + c.variables) for c in expand(inner, where))
+        case _:
+            raise PlanningError(f"{where}: a negated {_inner_name(pattern)} cannot be written as plain PDDL")
+
+
+def _join(parts: tuple[Conjunction, ...]) -> Conjunction:
+    atoms = tuple(atom for part in parts for atom in part.atoms)
+    variables = tuple(variable for part in parts for variable in part.variables)
+    return Conjunction(tuple(dict.fromkeys(atoms)), tuple(dict.fromkeys(variables)))
+
+
+def _inner_name(pattern: Pattern) -> str:
+    return type(pattern.pattern).__name__ if isinstance(pattern, Not) else type(pattern).__name__

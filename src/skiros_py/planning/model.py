@@ -1,0 +1,67 @@
+"""A planning task as data: typed STRIPS, in the world model's own names (PDDL names come in at printing only)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+__all__ = ["Action", "Atom", "Domain", "Problem", "Variable"]
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Atom:
+    """A predicate applied to variables ("?Robot") or to element ids."""
+
+    predicate: str
+    arguments: tuple[str, ...] = ()
+
+    def bind(self, binding: Mapping[str, str]) -> Atom:
+        """Replaces variables by what they are bound to."""
+        return Atom(self.predicate, tuple(binding.get(argument, argument) for argument in self.arguments))
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A typed action parameter; ``name`` starts with '?'."""
+
+    name: str
+    type: str
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """A STRIPS action.
+
+    Attributes:
+        name: Unique name; a skill's variants are numbered ("place-2").
+        skill: The skill it stands for, or None for bookkeeping of the goal.
+        parameters: Typed variables; the skill's own come first, in their order.
+        pre, add, delete: Positive atoms over the parameters; deletes happen before adds.
+        notes: What was added to what the author wrote, and why.
+    """
+
+    name: str
+    skill: str | None
+    parameters: tuple[Variable, ...]
+    pre: tuple[Atom, ...]
+    add: tuple[Atom, ...]
+    delete: tuple[Atom, ...]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """Types (child to parent; roots have parent "object"), predicates (argument types) and actions."""
+
+    types: Mapping[str, str]
+    predicates: Mapping[str, tuple[str, ...]]
+    actions: tuple[Action, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Objects (id to type), what holds at the start, and what shall hold at the end."""
+
+    objects: Mapping[str, str]
+    init: frozenset[Atom]
+    goal: tuple[Atom, ...]

@@ -1,0 +1,122 @@
+"""Writes a planning task as standard PDDL (1.2: ``:strips :typing``), deterministic and readable."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from skiros_py.planning.classes import IS
+from skiros_py.planning.literals import HAS, NOTHING
+from skiros_py.planning.model import Action, Atom, Domain, Problem, Variable
+from skiros_py.planning.names import NameMap
+
+__all__ = ["PddlTexts", "write_pddl"]
+
+
+@dataclass(frozen=True, slots=True)
+class PddlTexts:
+    """A domain, a problem, and the way back from PDDL names."""
+
+    domain: str
+    problem: str
+    objects: NameMap = field(repr=False)
+    actions: Mapping[str, Action] = field(repr=False)
+
+
+class _Writer:
+    """One task being written; types, predicates, objects and actions have separate name spaces."""
+
+    def __init__(self, domain: Domain, problem: Problem) -> None:
+        self.domain = domain
+        self.problem = problem
+        self.types = NameMap(sorted(domain.types))
+        self.predicates = NameMap(_predicate_words(name) for name in sorted(domain.predicates))
+        self.objects = NameMap(sorted(problem.objects))
+        self.actions = NameMap(action.name for action in domain.actions)
+        named = {a for action in domain.actions for atom in action.pre for a in atom.arguments}
+        self.constants = sorted(named & set(problem.objects))
+
+    def object(self, element: str) -> str:
+        return f"    {self.objects.pddl(element)} - {self.type(self.problem.objects[element])}"
+
+    def atom(self, atom: Atom) -> str:
+        words = [self.predicates.pddl(_predicate_words(atom.predicate))]
+        words += [_variable(a) if a.startswith("?") else self.objects.pddl(a) for a in atom.arguments]
+        return f"({' '.join(words)})"
+
+    def conjunction(self, atoms: Iterable[Atom], indent: str, *, deletes: Iterable[Atom] = ()) -> str:
+        lines = [self.atom(atom) for atom in atoms] + [f"(not {self.atom(atom)})" for atom in deletes]
+        return "(and" + "".join(f"\n{indent}{line}" for line in lines) + ")"
+
+    def type(self, class_: str) -> str:
+        return "object" if class_ == "object" else self.types.pddl(class_)
+
+    def typed(self, variables: Iterable[Variable]) -> str:
+        return " ".join(f"{_variable(v.name)} - {self.type(v.type)}" for v in variables)
+
+
+def write_pddl(domain: Domain, problem: Problem, *, name: str) -> PddlTexts:
+    """Writes domain and problem.
+
+    Args:
+        domain: Types, predicates and actions.
+        problem: Objects, initial facts and goal.
+        name: Name of the problem (made a PDDL name).
+    """
+    writer = _Writer(domain, problem)
+    actions = {writer.actions.pddl(action.name): action for action in domain.actions}
+    title = NameMap().pddl(name)
+    return PddlTexts(_domain_text(writer, title), _problem_text(writer, title), writer.objects, actions)
+
+
+def _domain_text(writer: _Writer, title: str) -> str:
+    domain = writer.domain
+    types = [f"    {writer.type(t)} - {writer.type(domain.types[t])}" for t in sorted(domain.types)]
+    predicates = [f"    {_predicate(writer, name, types_)}" for name, types_ in sorted(domain.predicates.items())]
+    actions = [_action_text(writer, action) for action in domain.actions]
+    head = [f"(define (domain {title})", "  (:requirements :strips :typing)", "  (:types", *types, "  )"]
+    if writer.constants:  # elements that the goal names
+        head += ["  (:constants", *map(writer.object, writer.constants), "  )"]
+    return "\n".join([*head, "  (:predicates", *predicates, "  )", *actions, ")"]) + "\n"
+
+
+def _predicate(writer: _Writer, name: str, types: tuple[str, ...]) -> str:
+    variables = [Variable(f"?x{i + 1}", type_) for i, type_ in enumerate(types)]
+    return f"({' '.join(filter(None, [writer.predicates.pddl(_predicate_words(name)), writer.typed(variables)]))})"
+
+
+def _action_text(writer: _Writer, action: Action) -> str:
+    indent = " " * 6
+    return "\n".join(
+        [
+            f"  (:action {writer.actions.pddl(action.name)}",
+            f"    :parameters ({writer.typed(action.parameters)})",
+            f"    :precondition {writer.conjunction(action.pre, indent)}",
+            f"    :effect {writer.conjunction(action.add, indent, deletes=_real_deletes(action))})",
+        ]
+    )
+
+
+def _real_deletes(action: Action) -> list[Atom]:
+    return [atom for atom in action.delete if atom not in action.add]
+
+
+def _problem_text(writer: _Writer, title: str) -> str:
+    problem = writer.problem
+    objects = [writer.object(o) for o in sorted(problem.objects) if o not in writer.constants]
+    init = sorted(f"    {writer.atom(atom)}" for atom in problem.init)
+    goal = writer.conjunction(problem.goal, " " * 4)
+    lines = [f"(define (problem {title})", f"  (:domain {title})", "  (:objects", *objects, "  )"]
+    return "\n".join([*lines, "  (:init", *init, "  )", f"  (:goal {goal})", ")"]) + "\n"
+
+
+def _variable(name: str) -> str:
+    words = "".join(c if c.isalnum() or c in "_-" else "_" for c in name.lstrip("?"))
+    return "?" + words.lower()
+
+
+def _predicate_words(name: str) -> str:
+    for prefix in (HAS, IS, NOTHING):
+        if name.startswith(prefix):
+            return f"{prefix.strip()}_{name.removeprefix(prefix).partition(':')[2]}"
+    return name

@@ -1,0 +1,69 @@
+"""A plan: skills with all their parameters, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.pddl import PddlTexts
+
+__all__ = ["NoPlan", "Plan", "Step", "read_plan"]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One skill to run.
+
+    Attributes:
+        skill: Its name.
+        arguments: Element id by parameter key.
+    """
+
+    skill: str
+    arguments: Mapping[str, str]
+
+    def __str__(self) -> str:
+        return f"{self.skill}({', '.join(f'{key}={value}' for key, value in self.arguments.items())})"
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Steps that lead to the goal, replayed and found right."""
+
+    steps: tuple[Step, ...]
+
+    def __str__(self) -> str:
+        return "\n".join(f"{i:2}. {step}" for i, step in enumerate(self.steps, start=1))
+
+
+@dataclass(frozen=True, slots=True)
+class NoPlan:
+    """There is no plan; the reasons are in the operator's words, one for each condition that cannot be reached."""
+
+    reasons: tuple[str, ...]
+
+
+def read_plan(lines: tuple[tuple[str, ...], ...], texts: PddlTexts, keys: Mapping[str, tuple[str, ...]]) -> Plan:
+    """Turns a planner's answer back into skills; parameters and actions of our own making are left out.
+
+    Args:
+        lines: Action name and objects of each step, in PDDL names.
+        texts: The task as written.
+        keys: Element parameter keys by skill.
+
+    Raises:
+        PlanningError: The answer names an action or object that the task does not have.
+    """
+    steps: list[Step] = []
+    for name, *objects in lines:
+        try:
+            action = texts.actions[name.lower()]
+            ids = [texts.objects.back(o) for o in objects]
+        except KeyError as error:
+            raise PlanningError(f"the planner answered with {error}, which is not in the task") from error
+        if action.skill is not None:
+            wanted = keys[action.skill]
+            steps.append(Step(action.skill, MappingProxyType(dict(zip(wanted, ids[: len(wanted)], strict=True)))))
+    return Plan(tuple(steps))

@@ -1,0 +1,92 @@
+"""Planning as one call: task, PDDL, planner, replay, explanation."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.explanation import explain
+from skiros_py.planning.pddl import PddlTexts, write_pddl
+from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
+from skiros_py.planning.planner import Answer, Planner, Unsolvable
+from skiros_py.planning.task import Capability, PlanningTask, build_task
+from skiros_py.planning.validation import replay
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.view import WorldView
+
+__all__ = ["Planned", "PlanningService"]
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """A planning result with everything it was made from.
+
+    Attributes:
+        outcome: The plan, or why there is none.
+        texts: Domain and problem as given to the planner.
+        wall: Wall time from world model to replayed plan [s].
+    """
+
+    outcome: Plan | NoPlan
+    texts: PddlTexts
+    wall: float
+
+
+class PlanningService:
+    """Plans with one planner; the world given is never changed.
+
+    Args:
+        planner: What solves the PDDL.
+        name: Name of domain and problem.
+        lockstep: True when simulated time stands still while the planner works.
+    """
+
+    def __init__(self, planner: Planner, name: str = "skiros", *, lockstep: bool = True) -> None:
+        self.planner = planner
+        self._name = name
+        self._lockstep = lockstep
+
+    def plan(
+        self, view: WorldView, capabilities: Sequence[Capability], goal: Sequence[Condition]
+    ) -> Generator[None, None, Planned]:
+        """Plans; yields while the planner works, unless in lockstep.
+
+        Raises:
+            PlanningError: The task cannot be written, the planner broke, or its plan does not survive the replay.
+        """
+        started = time.perf_counter()
+        task = build_task(view, capabilities, goal)
+        texts = write_pddl(task.domain, task.problem, name=self._name)
+        pending = self.planner.solve(texts.domain, texts.problem)
+        while not (self._lockstep or pending.done()):
+            yield
+        outcome = self._outcome(view, task, texts, pending.result())
+        return Planned(outcome, texts, time.perf_counter() - started)
+
+    def _outcome(self, view: WorldView, task: PlanningTask, texts: PddlTexts, answer: Answer) -> Plan | NoPlan:
+        if isinstance(answer, Unsolvable):
+            reasons = explain(task, view.ontology)
+            together = "each condition could be reached alone, but not all of them together"
+            return NoPlan(reasons or (together,))
+        skills = {c.skill.name: c.skill for c in task.capabilities}
+        keys = {name: tuple(p.key for p in skill.params if p.is_element) for name, skill in skills.items()}
+        plan = read_plan(answer.steps, texts, keys)
+        flaw = replay(view, plan.steps, task.goal, skills)
+        if flaw is not None:
+            where = f"step {flaw.step + 1} ({plan.steps[flaw.step]})" if flaw.step is not None else "the end"
+            raise PlanningError(f"the plan of {self.planner.name} is wrong at {where}: {flaw.verdict.text}")
+        return Plan(_without_detours(view, plan.steps, task, skills))
+
+
+def _without_detours(
+    view: WorldView, steps: tuple[Step, ...], task: PlanningTask, skills: Mapping[str, SkillDescription]
+) -> tuple[Step, ...]:
+    """Leaves out steps without which the plan still survives the replay (a satisficing planner may wander)."""
+    for index in reversed(range(len(steps))):
+        shorter = steps[:index] + steps[index + 1 :]
+        if replay(view, shorter, task.goal, skills) is None:
+            steps = shorter
+    return steps

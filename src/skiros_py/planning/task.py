@@ -1,0 +1,157 @@
+"""Builds the planning task: skills that are there, the world as believed, the goal that is wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from skiros_py.planning.actions import actions_of, maintain_emptiness
+from skiros_py.planning.classes import IS, common_class, primary_line, with_class_predicates
+from skiros_py.planning.goals import compile_goal
+from skiros_py.planning.literals import CAN, HAS, NOTHING
+from skiros_py.planning.model import Action, Atom, Domain, Problem
+from skiros_py.skills.conditions import AllOf, AnyOf, Computed, Condition, Exists, Not, Pattern
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
+
+__all__ = ["Capability", "PlanningTask", "build_task"]
+
+
+@dataclass(frozen=True, slots=True)
+class Capability:
+    """A skill that is there, and the ids of the subsystems whose skill managers offer it."""
+
+    skill: SkillDescription
+    agents: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningTask:
+    """Everything a planner, a validator and an explanation need."""
+
+    domain: Domain
+    problem: Problem
+    goal: tuple[Condition, ...]
+    capabilities: tuple[Capability, ...]
+
+
+def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequence[Condition]) -> PlanningTask:
+    """Translates world, skills and goal.
+
+    Raises:
+        PlanningError: Something in them cannot be said in typed STRIPS; the message names it.
+    """
+    ontology = view.ontology
+    skills = [c.skill for c in capabilities]
+    actions = maintain_emptiness((a for s in skills for a in actions_of(s, ontology)), ontology)
+    compiled = compile_goal(goal, actions, ontology)
+    objects = _objects(view, compiled.actions, [a for c in goal for a in c.arguments])
+    typed = with_class_predicates(compiled.actions, objects, ontology)
+    computed = {c.relation: c for s in skills for k in s.pre for c in _computed(k.pattern)}
+    computed |= {c.relation: c for k in goal for c in _computed(k.pattern)}
+
+    def predicates_and_facts(actions: Sequence[Action]) -> tuple[dict[str, tuple[str, ...]], set[Atom]]:
+        predicates = _predicates(actions, compiled.atoms, objects, ontology)
+        facts = {atom for name, types in predicates.items() for atom in _facts(view, name, types, objects, computed)}
+        able = {Atom(CAN + c.skill.name, (agent,)) for c in capabilities for agent in c.agents}
+        return predicates, facts | able | compiled.init
+
+    typed = _supported(typed, predicates_and_facts(typed)[1])
+    predicates, init = predicates_and_facts(typed)
+    domain = Domain(_types(objects, typed, predicates, ontology), predicates, typed)
+    problem = Problem(objects, frozenset(init), compiled.atoms)
+    return PlanningTask(domain, problem, tuple(goal), tuple(capabilities))
+
+
+def _supported(actions: Sequence[Action], init: set[Atom]) -> tuple[Action, ...]:
+    """Leaves out variants that nothing in this scene can ever make possible (no kit is carried, ...).
+
+    A skill's last variant stays, so that an explanation can say what it lacks.
+    """
+    there = {atom.predicate for atom in init} | {atom.predicate for action in actions for atom in action.add}
+    good = [a for a in actions if all(atom.predicate in there for atom in a.pre)]
+    kept = {action.skill for action in good}
+    return tuple(a for a in actions if a in good or a.skill is None or a.skill not in kept)
+
+
+def _objects(view: WorldView, actions: Iterable[Action], named: Iterable[str]) -> dict[str, str]:
+    """Returns every element that some parameter could be, under its most specific class."""
+    wanted = dict.fromkeys(v.type for action in actions for v in action.parameters if v.type)
+    ids = {i for class_ in wanted for i in view.instances(class_)} | {n for n in named if view.has(n)}
+    return {i: view.element(i).type for i in sorted(ids)}
+
+
+def _predicates(
+    actions: Sequence[Action], goal: Sequence[Atom], objects: Mapping[str, str], ontology: Ontology
+) -> dict[str, tuple[str, ...]]:
+    """Returns argument types of every predicate in use: the nearest common class of what it is used with."""
+    found: dict[str, tuple[str, ...]] = {}
+
+    def meet(atom: Atom, types: Mapping[str, str]) -> None:
+        new = tuple(types.get(argument, "") for argument in atom.arguments)
+        old = found.get(atom.predicate, new)
+        found[atom.predicate] = tuple(common_class(a, b, ontology) for a, b in zip(old, new, strict=True))
+
+    for action in actions:
+        types = {v.name: v.type for v in action.parameters} | dict(objects)
+        for atom in (*action.pre, *action.add, *action.delete):
+            meet(atom, types)
+    for atom in goal:
+        meet(atom, objects)
+    return found
+
+
+def _facts(
+    view: WorldView,
+    name: str,
+    types: tuple[str, ...],
+    objects: Mapping[str, str],
+    computed: Mapping[str, Computed],
+) -> Iterable[Atom]:
+    fitting = [[o for o, t in objects.items() if _is_a(t, type_, view.ontology)] for type_ in types]
+    if name in computed:
+        pattern = computed[name]
+        pairs = product(fitting[0], fitting[1])
+        return [Atom(name, pair) for pair in pairs if pattern.function(view, *pair)]
+    if name.startswith(NOTHING):
+        relation = name.removeprefix(NOTHING)
+        return [Atom(name, (place,)) for place in fitting[0] if not view.subjects(relation, place)]
+    if name.startswith(IS):
+        return [Atom(name, (o,)) for o in fitting[0] if view.ontology.is_a(objects[o], name.removeprefix(IS))]
+    if name.startswith(HAS):
+        property_ = name.removeprefix(HAS)
+        return [Atom(name, (o,)) for o in fitting[0] if view.value(o, property_) is not None]
+    if name not in view.ontology.relations:
+        return []
+    targets = set(fitting[1])
+    return [Atom(name, (s, o)) for s in fitting[0] for o in view.objects(s, name) if o in targets]
+
+
+def _is_a(type_: str, class_: str, ontology: Ontology) -> bool:
+    return class_ in ("", "object") or ontology.is_a(type_, class_)
+
+
+def _computed(pattern: Pattern) -> tuple[Computed, ...]:
+    match pattern:
+        case Computed():
+            return (pattern,)
+        case AllOf(patterns) | AnyOf(patterns):
+            return tuple(c for p in patterns for c in _computed(p))
+        case Exists(_, _, inner) | Not(inner):
+            return _computed(inner)
+        case _:
+            return ()
+
+
+def _types(
+    objects: Mapping[str, str],
+    actions: Sequence[Action],
+    predicates: Mapping[str, tuple[str, ...]],
+    ontology: Ontology,
+) -> dict[str, str]:
+    """Returns the class tree over the classes in use, along primary parents."""
+    asked = {v.type for a in actions for v in a.parameters} | {t for types in predicates.values() for t in types}
+    used = (asked | set(objects.values())) - {"", "object"}
+    return {c: next((a for a in primary_line(ontology, c) if a in used), "object") for c in sorted(used)}

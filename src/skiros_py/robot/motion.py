@@ -1,0 +1,190 @@
+"""Ports to motion libraries: kinematics, arm motion planning, base path planning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.robot.pending import Pending
+
+__all__ = [
+    "ArmPlanner",
+    "BaseLeg",
+    "BasePath",
+    "BasePathRequest",
+    "BasePlanner",
+    "Held",
+    "JointMove",
+    "LineMove",
+    "MotionPlan",
+    "MotionRequest",
+    "Move",
+    "NoMotion",
+    "Obstacle",
+    "PoseMove",
+    "Route",
+    "Trajectory",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """Something not to touch: a solid at a pose in the map."""
+
+    id: str
+    solid: Solid
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """What the gripper holds: a solid at a pose in the arm's tip frame; it moves with the arm."""
+
+    solid: Solid
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class JointMove:
+    """Move freely to joint angles [rad]."""
+
+    positions: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PoseMove:
+    """Move freely until the arm's tip is at a pose in the map."""
+
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class LineMove:
+    """Move the tip on a straight line, turning evenly, to a pose in the map.
+
+    Attributes:
+        pose: Where the tip ends.
+        speed: Greatest tip speed [m/s].
+        touching: Ids of obstacles that this move may come close to or touch (the part to grasp, its support).
+    """
+
+    pose: Pose
+    speed: float = 0.25
+    touching: frozenset[str] = frozenset()
+
+
+Move = JointMove | PoseMove | LineMove
+Route = tuple[Move, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionRequest:
+    """What the arm shall do next, all of it checked before anything moves.
+
+    Attributes:
+        arm: Device id.
+        start: Joint angles now [rad].
+        base: Pose of the robot's base in the map, as localised.
+        routes: Alternative routes (two grasp directions, ...); of the feasible ones the one with the least joint motion
+            is taken. All moves of a route are planned, one after the other.
+        obstacles: Bodies in the map that the arm, the gripper and what it holds must not touch.
+        held: What the gripper holds, or None.
+        gap: Gap between the fingers while moving [m].
+        speed: Share of the joint speed limits to use, 0 to 1.
+        seed: Seed of every random choice of the planner.
+    """
+
+    arm: str
+    start: tuple[float, ...]
+    base: Pose
+    routes: tuple[Route, ...]
+    obstacles: tuple[Obstacle, ...] = ()
+    held: Held | None = None
+    gap: float = 0.08
+    speed: float = 1.0
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """Joint set-points, one per control period, from rest to rest.
+
+    Attributes:
+        positions: [rad], shape (samples, joints); the first row is the start.
+        velocities: [rad/s], same shape.
+    """
+
+    positions: Array
+    velocities: Array
+
+
+@dataclass(frozen=True, slots=True)
+class MotionPlan:
+    """A feasible route: the index of the route taken and one trajectory for each of its moves."""
+
+    route: int
+    legs: tuple[Trajectory, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class NoMotion:
+    """No feasible motion was found; the reason is meant for a person ("pose 2 cannot be reached", ...)."""
+
+    reason: str
+
+
+class ArmPlanner(Protocol):
+    """Kinematics and collision-free motions of the arms of one robot."""
+
+    def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:
+        """Plans one request."""
+        ...
+
+    def frame_pose(self, arm: str, positions: tuple[float, ...], frame: str) -> Pending[Pose]:
+        """Returns the pose of a URDF link in the robot's base frame at the given joint angles [rad]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class BasePathRequest:
+    """Where the base shall drive.
+
+    Attributes:
+        start: Base pose now, in the map.
+        goal: Base pose wanted; the last stretch to it is driven straight ahead.
+        footprint: Corners of the base's outline in its frame [m].
+        obstacles: What stands on the floor.
+        clearance: Distance kept from obstacles on the way [m] (less where it docks).
+    """
+
+    start: Pose
+    goal: Pose
+    footprint: tuple[tuple[float, float], ...]
+    obstacles: tuple[Obstacle, ...]
+    clearance: float = 0.08
+
+
+@dataclass(frozen=True, slots=True)
+class BaseLeg:
+    """Turn towards a point in the map (or away from it, to reverse), then drive straight to it [m]."""
+
+    x: float
+    y: float
+    backwards: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class BasePath:
+    """Legs one after the other, then a turn on the spot to ``heading`` [rad]."""
+
+    legs: tuple[BaseLeg, ...]
+    heading: float
+
+
+class BasePlanner(Protocol):
+    """Paths of a differential-drive base among obstacles."""
+
+    def plan(self, request: BasePathRequest) -> Pending[BasePath | NoMotion]:
+        """Plans one path."""
+        ...

@@ -1,0 +1,142 @@
+"""Ports to perception libraries: which parts lie there, where exactly is this kit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from skiros_py.geometry import Pose, Solid
+from skiros_py.robot.pending import Pending
+from skiros_py.robot.values import DepthImage
+
+__all__ = [
+    "Detection",
+    "LookRequest",
+    "LookResult",
+    "PartDetector",
+    "PartModel",
+    "Region",
+    "Registrar",
+    "RegistrationRequest",
+    "RegistrationResult",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class PartModel:
+    """What one type of part looks like."""
+
+    type: str
+    solid: Solid
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A flat place to look at: a rectangle at a pose in the map (its frame lies on the surface), half extents [m]."""
+
+    pose: Pose
+    half_extents: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class LookRequest:
+    """One image, to be searched for parts that stand on one surface.
+
+    Attributes:
+        image: The shot.
+        camera_pose: Pose of the optical frame in the map, as known from joints and localisation.
+        region: Where to search; nothing outside is reported. Its height is a guess (± 0.08 m): the plane is found.
+        models: The types that may lie there.
+        seed: Seed of every random choice.
+    """
+
+    image: DepthImage
+    camera_pose: Pose
+    region: Region
+    models: tuple[PartModel, ...]
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """One thing seen on the surface.
+
+    Attributes:
+        type: The type whose shape fits, or None: *unknown*, no shape fits well enough.
+        pose: Pose of the solid's frame in the map (for unknown things: of the middle of its box).
+        cost: Mean misfit of the best type [m]; smaller is better.
+        margin: Misfit of the second best type less that of the best [m].
+        size: Length, width, height of the box around it [m].
+    """
+
+    type: str | None
+    pose: Pose
+    cost: float
+    margin: float
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class LookResult:
+    """What one image shows.
+
+    Attributes:
+        surface: Height of the support surface in the map [m], or None when no surface was found.
+        detections: Things on it, nearest to the region's middle first.
+        visible: Share of the region (0 to 1) that the camera saw without anything in between and without being cut
+            off by the image border; a look is *clear* when this is high.
+    """
+
+    surface: float | None
+    detections: tuple[Detection, ...]
+    visible: float
+
+
+class PartDetector(Protocol):
+    """Finds and tells apart parts on a flat support."""
+
+    def detect(self, request: LookRequest) -> Pending[LookResult]:
+        """Searches one image."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class RegistrationRequest:
+    """One image in which a known rigid body (a kit) shall be found exactly.
+
+    Attributes:
+        image: The shot.
+        camera_pose: Pose of the optical frame in the map.
+        solid: The body's shape.
+        guess: Its believed pose in the map; it stands upright, at most about 3 cm and 5 degrees from there.
+        seed: Seed of every random choice.
+    """
+
+    image: DepthImage
+    camera_pose: Pose
+    solid: Solid
+    guess: Pose
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class RegistrationResult:
+    """Outcome of a registration.
+
+    Attributes:
+        pose: The body's pose in the map, or None when it does not fit what is seen.
+        cost: Mean misfit of the points used [m].
+        reason: Why there is no pose; empty when there is one.
+    """
+
+    pose: Pose | None
+    cost: float
+    reason: str = ""
+
+
+class Registrar(Protocol):
+    """Finds the exact pose of a known body near a guess."""
+
+    def register(self, request: RegistrationRequest) -> Pending[RegistrationResult]:
+        """Registers one body."""
+        ...

@@ -1,0 +1,317 @@
+"""The composition root: reads the scene, loads plug-ins, wires adapters to ports, starts and stops everything."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, replace
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skiros_py.config import find_scene, ontology_paths
+from skiros_py.errors import DescriptionError, UnknownName, UsageError
+from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.monitor import Monitor
+from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.plugins import PluginFault, load_plugins
+from skiros_py.robot.devices import DeviceBoard
+from skiros_py.robot.driver import CellDriver
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.skills.conditions import Condition, ConditionType
+from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.tasks.report import ConditionReport, GoalReport
+from skiros_py.tasks.task_manager import TaskManager
+from skiros_py.world.change import Change
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.scene import load_scene
+from skiros_py.world.vocabulary import AGENT, HAS_A, ROBOT
+from skiros_py.world.world import World
+
+if TYPE_CHECKING:
+    from skiros_py.simulation.pybullet.cell import PyBulletCell
+
+__all__ = ["Catalogue", "Options", "Session", "load_catalogue"]
+
+_HASH_EVERY = 20
+"""Cycles between two entries of joint states into a run's digest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to open a session.
+
+    Attributes:
+        seed: Seed of every random choice.
+        robot: Id of the robot to use; None for all robots of the scene.
+        fake: True for no physics: skills only pretend.
+        pace: Simulated seconds per wall second; None for as fast as possible.
+        gui: True to open PyBullet's window.
+        goal: Goal texts; empty for the goal that goes with the scene.
+    """
+
+    seed: int = 0
+    robot: str | None = None
+    fake: bool = False
+    pace: float | None = None
+    gui: bool = False
+    goal: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Catalogue:
+    """What plug-ins brought: skills, primitives and conditions; and the faults of those that did not load."""
+
+    skills: Mapping[str, Skill]
+    primitives: Mapping[str, type[Primitive[Any]]]
+    conditions: Mapping[str, ConditionType]
+    planners: Mapping[str, Any]
+    sources: Mapping[str, str]
+    faults: tuple[PluginFault, ...]
+
+
+def load_catalogue() -> Catalogue:
+    """Loads all plug-ins of the groups ``skiros.skills``, ``.primitives``, ``.conditions`` and ``.planners``."""
+    found: dict[str, dict[str, Any]] = {}
+    sources: dict[str, str] = {}
+    faults: list[PluginFault] = []
+    for kind in ("skills", "primitives", "conditions", "planners"):
+        plugins, broken = load_plugins(f"skiros.{kind}")
+        found[kind] = {plugin.name: plugin.value for plugin in plugins}
+        sources |= {f"{kind}/{plugin.name}": plugin.distribution for plugin in plugins}
+        faults += broken
+    return Catalogue(
+        found["skills"], found["primitives"], found["conditions"], found["planners"], sources, tuple(faults)
+    )
+
+
+class Session:
+    """A scene brought to life: world, robots, skill managers, task manager. Close it, or use it in a ``with``.
+
+    Attributes:
+        world: The live world model.
+        monitor: Module events.
+        goal: The goal: that of the options, else the one that goes with the scene.
+        catalogue: The plug-ins found.
+        cell: The driver: simulation or fake.
+        spec: The cell as brought up.
+        cycle: The control cycle.
+    """
+
+    def __init__(self, scene: str, options: Options = Options(), *, catalogue: Catalogue | None = None) -> None:
+        self._stack = ExitStack()
+        self._stop_wanted = False
+        self._digest = hashlib.sha256()
+        self._on_plan: list[Callable[[Planned], None]] = []
+        self.options = options
+        self.scene = scene
+        self.catalogue = catalogue or load_catalogue()
+        self.monitor = Monitor()
+        try:
+            self._open(scene)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, scene: str) -> None:
+        self.world = open_world(scene)
+        self.goal = parse_goal(self.options.goal or self.world.goals, self.world, self.catalogue.conditions)
+        self.spec = read_cell(self.world, self._robots())
+        libraries = Libraries() if self.options.fake else self._start_libraries()
+        self.cell = self._start_cell()
+        board = DeviceBoard(self.cell)
+        self.world.clock = lambda: board.snapshot.time
+        self.world.subscribe(self._digest_change)
+        self.cycle = ControlCycle(board, self.options.pace)
+        self.cycle.observe(self._digest_state)
+        context = RunContext(
+            world=self.world,
+            board=board,
+            libraries=libraries,
+            cell=self.spec,
+            rng=np.random.default_rng([self.options.seed, 1]),
+            lockstep=self.options.pace is None,
+            report=lambda _module, _code, _text: None,
+        )
+        self.managers = self._start_managers(context)
+        planner = self._stack.enter_context(closing(self.catalogue.planners["fast-downward"]()))
+        self.planning = PlanningService(planner, scene_title(scene), lockstep=self.options.pace is None)
+        self.tasks = TaskManager(
+            self.world, self.managers, self.planning, self.cycle, on_plan=lambda p: [tell(p) for tell in self._on_plan]
+        )
+
+    def _robots(self) -> tuple[str, ...]:
+        robots = self.world.instances(ROBOT)
+        wanted = self.options.robot
+        if wanted is None:
+            return robots
+        by_name = {name: robot for robot in robots for name in (self.world.element(robot).label, robot)}
+        if wanted not in by_name:
+            raise UnknownName("robot", wanted, robots, where=f"in scene '{self.scene}'")
+        return (by_name[wanted],)
+
+    def _start_libraries(self) -> Libraries:
+        """Starts the worker processes first: their imports take seconds and run side by side."""
+        from skiros_py.motion.arm_planner import WorkerArmPlanner
+        from skiros_py.motion.base_paths import ShapelyBasePlanner
+        from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
+
+        if len(self.spec.robots) != 1:
+            raise DescriptionError("a physical run takes one robot so far: choose it with --robot")
+        perception = self._stack.enter_context(closing(start_perception()))
+        arm_planner = self._stack.enter_context(closing(WorkerArmPlanner(self.spec.robots[0])))
+        base_planner = self._stack.enter_context(closing(ShapelyBasePlanner()))
+        return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
+
+    def _start_cell(self) -> CellDriver:
+        if self.options.fake:
+            from skiros_py.simulation.fake.cell import FakeCell
+
+            return self._stack.enter_context(closing(FakeCell(self.spec, seed=self.options.seed)))
+        from skiros_py.simulation.pybullet.cell import PyBulletCell
+
+        return self._stack.enter_context(closing(PyBulletCell(self.spec, seed=self.options.seed, gui=self.options.gui)))
+
+    def _start_managers(self, context: RunContext) -> dict[str, SkillManager]:
+        """One skill manager for each subsystem of each robot (paper §3.3)."""
+        managers = {}
+        for robot in self.spec.robots:
+            for agent in self.world.objects(robot.id, HAS_A):
+                if self.world.ontology.is_a(self.world.element(agent).type, AGENT):
+                    managers[agent] = self._manager(agent, context)
+        return managers
+
+    def _manager(self, agent: str, context: RunContext) -> SkillManager:
+        skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
+        manager = SkillManager(
+            agent, skills, self.catalogue.primitives, context, self.cycle, self.monitor, driver=self.cell.kind
+        )
+        manager.register()
+        if not self.options.fake:
+            manager.watch()
+        return manager
+
+    # ------------------------------------------------------------------ use
+
+    def parse(self, texts: Sequence[str]) -> tuple[Condition, ...]:
+        """Reads goal texts; see :func:`skiros_py.tasks.goals.parse_goal`."""
+        return parse_goal(texts, self.world, self.catalogue.conditions)
+
+    def on_plan(self, listener: Callable[[Planned], None]) -> None:
+        """Calls the listener with every new plan."""
+        self._on_plan.append(listener)
+
+    def plan(self, goal: Sequence[Condition] | None = None) -> Planned:
+        """Plans from the present beliefs without doing anything."""
+        planning = self.tasks.plan(tuple(goal if goal is not None else self.goal))
+        while True:
+            try:
+                next(planning)
+            except StopIteration as end:
+                result: Planned = end.value
+                return result
+            time.sleep(0.001)
+
+    def run(self, goal: Sequence[Condition] | Sequence[str] | None = None) -> GoalReport:
+        """Pursues a goal to its end, or until :meth:`stop`.
+
+        Args:
+            goal: Conditions or goal texts; None for the goal of the scene.
+
+        Raises:
+            UsageError: There is no goal.
+        """
+        wanted = self._conditions(goal)
+        started = time.perf_counter(), self.cycle.board.snapshot.time
+        task = self.cycle.start(self.tasks.pursue(wanted))
+        while not task.done and not self._stop_wanted:
+            self.cycle.step()
+        if task.done:
+            report = task.result
+        else:
+            self.cycle.stop_all()
+            report = self._stopped_report(wanted, *started)
+        report = replace(report, digest=self._digest.hexdigest()[:16])
+        return report if self.options.fake else report.with_truth(self._truths(wanted))
+
+    def stop(self) -> None:
+        """Asks the run to stop: everything halts in the next cycle; safe to call from a signal handler."""
+        self._stop_wanted = True
+
+    def _conditions(self, goal: Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
+        given = self.goal if goal is None else goal
+        texts = [part for part in given if isinstance(part, str)]
+        conditions = tuple(part for part in given if isinstance(part, Condition)) + (self.parse(texts) if texts else ())
+        if not conditions:
+            raise UsageError(
+                f"scene '{self.scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'"
+            )
+        return conditions
+
+    def _stopped_report(self, goal: Sequence[Condition], wall: float, simulated: float) -> GoalReport:
+        conditions = tuple(ConditionReport(str(c), bool(c.evaluate(self.world)), None, 0, "stopped") for c in goal)
+        used = self.cycle.board.snapshot.time - simulated, time.perf_counter() - wall
+        return GoalReport(conditions, tuple(self.tasks.steps), *used, stopped=True)
+
+    def _truths(self, goal: Sequence[Condition]) -> tuple[bool, ...]:
+        from skiros_py.judgement import judge
+
+        return judge(self.simulation, self.spec, self.world, goal)
+
+    @property
+    def simulation(self) -> PyBulletCell:
+        """The physics simulation, for what only a simulation can do (moving bodies, outside pictures).
+
+        Raises:
+            UsageError: The session runs on a fake.
+        """
+        from skiros_py.simulation.pybullet.cell import PyBulletCell
+
+        if not isinstance(self.cell, PyBulletCell):
+            raise UsageError("there is no simulation behind a fake robot: leave out --fake")
+        return self.cell
+
+    # ------------------------------------------------------------------ digest and end
+
+    def _digest_change(self, change: Change) -> None:
+        self._digest.update(json.dumps(change.as_json(), sort_keys=True).encode())
+
+    def _digest_state(self) -> None:
+        if not self.options.fake and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
+            self._digest.update(self.simulation.state_bytes())
+
+    def close(self) -> None:
+        """Ends all processes and the simulation; may be called twice."""
+        self._stack.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def open_world(scene: str) -> World:
+    """Loads the ontology and a scene, without robots, plug-ins or physics.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: A file cannot be read or understood.
+    """
+    path = find_scene(scene)
+    return load_scene(Ontology.load(ontology_paths()), path, ontology_paths())
+
+
+def scene_title(scene: str) -> str:
+    """Returns the name of a scene given by name or path."""
+    return find_scene(scene).stem

@@ -1,0 +1,165 @@
+"""Reads the cell from the world model: bodies and robots as the plain data that drivers and adapters take.
+
+Same skills on another robot: other individuals only (paper §5.1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from skiros_py.errors import DescriptionError
+from skiros_py.geometry import Pose
+from skiros_py.robot.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
+from skiros_py.skills.surroundings import solid_of
+from skiros_py.world import vocabulary as v
+from skiros_py.world.view import WorldView
+
+__all__ = ["read_cell"]
+
+_COMPARTMENT = "kitting:Compartment"
+
+
+def read_cell(view: WorldView, robots: Sequence[str]) -> CellSpec:
+    """Reads every body with a shape and the given robots.
+
+    Raises:
+        DescriptionError: A robot or body lacks something; the message names the element and the property.
+    """
+    bodies = [_body(view, e) for e in view.instances(v.SPATIAL_THING) if _is_body(view, e)]
+    bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
+    return CellSpec(tuple(bodies), tuple(_robot(view, robot) for robot in robots))
+
+
+def _is_body(view: WorldView, element: str) -> bool:
+    type_ = view.element(element).type
+    robotic = any(view.ontology.is_a(type_, class_) for class_ in (v.ROBOT, v.DEVICE))
+    return not robotic and solid_of(view, element) is not None
+
+
+def _body(view: WorldView, element: str) -> BodySpec:
+    solid = solid_of(view, element)
+    assert solid is not None
+    pose, carrier = _pose(view, element)
+    placement = view.placement(element)
+    place = placement.place if placement and placement.relation == v.IN else None
+    half, offset = view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)
+    has_support = isinstance(half, tuple) and isinstance(offset, tuple)
+    type_ = view.element(element).type
+    if pose is None and place is None:
+        raise DescriptionError(f"{element} has neither a pose nor a place: say where it is")
+    return BodySpec(
+        id=element,
+        type=type_,
+        solid=solid,
+        mass=_number(view, element, v.MASS, default=0.0),
+        pose=pose,
+        place=place,
+        carrier=carrier,
+        support=(half[0], half[1]) if has_support else None,  # type: ignore[index]  # has_support says it is a tuple
+        support_height=offset[2] if has_support else 0.0,  # type: ignore[index]
+        support_centre=(offset[0], offset[1]) if has_support else (0.0, 0.0),  # type: ignore[index]
+        compartment=_COMPARTMENT in view.ontology.classes and view.ontology.is_a(type_, _COMPARTMENT),
+    )
+
+
+def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:
+    """Returns the pose in the map, or in the frame of the base that carries it, and that base's id."""
+    pose = view.value(element, v.POSE)
+    frames = view.objects(element, v.POSE_FRAME)
+    if not isinstance(pose, Pose) or not frames:
+        return (pose if isinstance(pose, Pose) else None), None
+    if view.ontology.is_a(view.element(frames[0]).type, v.BASE):
+        return pose, frames[0]
+    frame, carrier = _pose(view, frames[0])
+    return (frame @ pose if frame is not None else None), carrier
+
+
+def _robot(view: WorldView, robot: str) -> RobotSpec:
+    parts = _structure(view, robot)
+    bases = [p for p in parts if view.ontology.is_a(view.element(p).type, v.BASE)]
+    if len(bases) != 1:
+        raise DescriptionError(f"{robot} must have one sk:Base, it has {len(bases)}")
+    of = {c: [p for p in parts if view.ontology.is_a(view.element(p).type, c)] for c in (v.ARM, v.GRIPPER, v.CAMERA)}
+    return RobotSpec(
+        id=robot,
+        model=_text(view, robot, v.MODEL),
+        base=_base(view, bases[0]),
+        arms=tuple(_arm(view, arm) for arm in of[v.ARM]),
+        grippers=tuple(_gripper(view, gripper) for gripper in of[v.GRIPPER]),
+        cameras=tuple(_camera(view, camera) for camera in of[v.CAMERA]),
+    )
+
+
+def _structure(view: WorldView, whole: str) -> list[str]:
+    parts = view.objects(whole, v.HAS_A)
+    return [p for part in parts for p in (part, *_structure(view, part))]
+
+
+def _base(view: WorldView, base: str) -> BaseSpec:
+    start = view.value(base, v.POSE)
+    if not isinstance(start, Pose):
+        raise DescriptionError(f"{base} has no sk:pose: the scene must say where it starts")
+    corners = _vector(view, base, v.FOOTPRINT)
+    return BaseSpec(
+        id=base,
+        start=start,
+        max_linear=_number(view, base, v.MAX_LINEAR),
+        max_angular=_number(view, base, v.MAX_ANGULAR),
+        max_linear_acceleration=_number(view, base, v.MAX_LINEAR_ACCELERATION),
+        max_angular_acceleration=_number(view, base, v.MAX_ANGULAR_ACCELERATION),
+        footprint=tuple(zip(corners[0::2], corners[1::2], strict=True)),
+    )
+
+
+def _arm(view: WorldView, arm: str) -> ArmSpec:
+    joints = tuple(_text(view, arm, v.JOINTS).split())
+    home = _vector(view, arm, v.HOME)
+    if len(home) != len(joints):
+        raise DescriptionError(f"{arm}: sk:home has {len(home)} angles for {len(joints)} joints")
+    return ArmSpec(arm, joints, _text(view, arm, v.TIP), home)
+
+
+def _gripper(view: WorldView, gripper: str) -> GripperSpec:
+    owners = view.subjects(v.HAS_A, gripper)
+    arms = [o for o in owners if view.ontology.is_a(view.element(o).type, v.ARM)]
+    if not arms:
+        raise DescriptionError(f"{gripper} is on no arm: relate an sk:Arm to it by sk:hasA")
+    joints = tuple(_text(view, gripper, v.JOINTS).split())
+    return GripperSpec(gripper, joints, arms[0], _number(view, gripper, v.MAX_GAP), _number(view, gripper, v.MAX_FORCE))
+
+
+def _camera(view: WorldView, camera: str) -> CameraSpec:
+    return CameraSpec(
+        id=camera,
+        frame=_text(view, camera, v.FRAME),
+        width=int(_number(view, camera, v.WIDTH)),
+        height=int(_number(view, camera, v.HEIGHT)),
+        vertical_fov=_number(view, camera, v.VERTICAL_FOV),
+        near=_number(view, camera, v.NEAR),
+        far=_number(view, camera, v.FAR),
+        noise=_number(view, camera, v.DEPTH_NOISE),
+        latency=_number(view, camera, v.LATENCY),
+    )
+
+
+def _number(view: WorldView, element: str, property_: str, default: float | None = None) -> float:
+    value = view.value(element, property_)
+    if value is None and default is not None:
+        return default
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise DescriptionError(f"{element} has no number for {property_}")
+    return float(value)
+
+
+def _text(view: WorldView, element: str, property_: str) -> str:
+    value = view.value(element, property_)
+    if not isinstance(value, str):
+        raise DescriptionError(f"{element} has no text for {property_}")
+    return value
+
+
+def _vector(view: WorldView, element: str, property_: str) -> tuple[float, ...]:
+    value = view.value(element, property_)
+    if not isinstance(value, tuple):
+        raise DescriptionError(f"{element} has no numbers for {property_}")
+    return value

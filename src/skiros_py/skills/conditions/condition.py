@@ -1,0 +1,112 @@
+"""Conditions: named patterns in the words of the domain, over a skill's parameters or over elements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from skiros_py.errors import DescriptionError
+from skiros_py.skills.conditions.pattern import AnyOf, Binding, Exists, Not, Pattern
+from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.world.view import WorldView
+
+__all__ = ["Condition", "ConditionType", "Role", "any_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """One argument of a condition: its name and the class that may fill it."""
+
+    name: str
+    class_: str
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionType:
+    """A word of the domain: "RobotAtLocation", "InKit". Calling it with argument names makes a condition.
+
+    Attributes:
+        name: The word.
+        roles: Its arguments, in order; the pattern's free variables are their names.
+        pattern: What it means.
+        help: One sentence for people.
+        abstract: True when a goal may give a class instead of an element ("any starter").
+    """
+
+    name: str
+    roles: tuple[Role, ...]
+    pattern: Pattern
+    help: str
+    abstract: bool = False
+
+    def __call__(self, *arguments: str) -> Condition:
+        """Applies it to a skill's parameter keys, to element ids, or (where abstract) to classes.
+
+        Raises:
+            DescriptionError: Wrong number of arguments.
+        """
+        if len(arguments) != len(self.roles):
+            expected = ", ".join(role.name for role in self.roles)
+            raise DescriptionError(f"{self.name} takes ({expected}), got ({', '.join(arguments)})")
+        return Condition(self, arguments)
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A condition type applied to arguments; ``~condition`` is its negation.
+
+    Attributes:
+        type: The word.
+        arguments: Parameter keys in a skill; element ids or class CURIEs in a goal.
+        negated: True when it must *not* hold.
+    """
+
+    type: ConditionType
+    arguments: tuple[str, ...]
+    negated: bool = False
+
+    def __invert__(self) -> Condition:
+        return replace(self, negated=not self.negated)
+
+    def __str__(self) -> str:
+        arguments = ", ".join(argument.partition(":")[2] or argument for argument in self.arguments)
+        return f"{'not ' if self.negated else ''}{self.type.name}({arguments})"
+
+    @property
+    def pattern(self) -> Pattern:
+        """Its pattern, over its arguments."""
+        names = {role.name: argument for role, argument in zip(self.type.roles, self.arguments, strict=True)}
+        pattern = self.type.pattern.rename(names)
+        return Not(pattern) if self.negated else pattern
+
+    def bind(self, binding: Mapping[str, str]) -> Condition:
+        """Replaces parameter keys by the ids they are bound to."""
+        return replace(self, arguments=tuple(binding.get(argument, argument) for argument in self.arguments))
+
+    def evaluate(self, view: WorldView, binding: Binding | None = None) -> Verdict:
+        """Tells whether it holds.
+
+        Args:
+            view: The world as believed, a snapshot, or an overlay.
+            binding: Element ids by parameter key; None when the arguments are ids or classes already.
+        """
+        grounded = self.bind(binding or {})
+        pattern: Pattern = grounded.pattern
+        for class_ in dict.fromkeys(a for a in grounded.arguments if a in view.ontology.classes):
+            pattern = Exists(class_, class_, pattern)
+        inner = pattern.evaluate(view, {argument: argument for argument in grounded.arguments})
+        return Verdict(inner.holds, str(grounded), (inner,))
+
+
+def any_of(*conditions: Condition) -> Condition:
+    """Makes a condition that holds when at least one of the given ones does."""
+    arguments = tuple(dict.fromkeys(argument for condition in conditions for argument in condition.arguments))
+    classes = {
+        argument: role.class_
+        for condition in conditions
+        for role, argument in zip(condition.type.roles, condition.arguments, strict=True)
+    }
+    roles = tuple(Role(argument, classes[argument]) for argument in arguments)
+    name = " or ".join(condition.type.name for condition in conditions)
+    pattern = AnyOf(tuple(condition.pattern for condition in conditions))
+    return Condition(ConditionType(name, roles, pattern, " or ".join(c.type.help for c in conditions)), arguments)

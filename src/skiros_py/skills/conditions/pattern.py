@@ -1,0 +1,193 @@
+"""Patterns over the world: the one thing a condition is made of.
+
+Everything is derived from the pattern: checking it with reasons (:meth:`Pattern.evaluate`), simulating it
+(:func:`assert_pattern`), and writing it as PDDL (:mod:`skiros_py.planning.domain`). Variables are names; a binding
+gives each the id of an element.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.world.view import WorldView
+
+__all__ = ["AllOf", "AnyOf", "Binding", "Computed", "Exists", "Has", "Not", "Nothing", "Pattern", "Related"]
+
+Binding = Mapping[str, str]
+"""Element id by variable."""
+
+
+class Pattern(Protocol):
+    """Something about the world that holds or not."""
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Tells whether it holds, and why. Every free variable must be bound."""
+        ...
+
+    def rename(self, names: Mapping[str, str]) -> Pattern:
+        """Returns the same pattern with other variable names."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Related:
+    """A stored relation holds between two elements (sub-relations count)."""
+
+    relation: str
+    subject: str
+    object: str
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Looks it up."""
+        subject, object_ = binding[self.subject], binding[self.object]
+        holds = view.related(subject, self.relation, object_)
+        return Verdict(holds, _says(view, self.relation, subject, object_, holds))
+
+    def rename(self, names: Mapping[str, str]) -> Related:
+        """Returns the same pattern with other variable names."""
+        return Related(self.relation, names.get(self.subject, self.subject), names.get(self.object, self.object))
+
+
+def _says(view: WorldView, relation: str, subject: str, object_: str, holds: bool) -> str:
+    verb = relation.partition(":")[2]
+    if holds:
+        return f"{subject} {verb} {object_}"
+    place = view.placement(subject) if view.ontology.is_placement(relation) else None
+    instead = f": it is {place.relation.partition(':')[2]} {place.place}" if place else ""
+    return f"{subject} is not {verb} {object_}{instead}"
+
+
+@dataclass(frozen=True, slots=True)
+class Nothing:
+    """No element at all has the relation to this one (an empty gripper, an empty compartment)."""
+
+    relation: str
+    object: str
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Looks for one that has."""
+        object_ = binding[self.object]
+        there = view.subjects(self.relation, object_)
+        verb = self.relation.partition(":")[2]
+        return Verdict(not there, f"{', '.join(there) or 'nothing'} {verb} {object_}")
+
+    def rename(self, names: Mapping[str, str]) -> Nothing:
+        """Returns the same pattern with other variable names."""
+        return Nothing(self.relation, names.get(self.object, self.object))
+
+
+@dataclass(frozen=True, slots=True)
+class Has:
+    """An element (or its class) has a value for a property."""
+
+    property: str
+    subject: str
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Looks it up."""
+        subject = binding[self.subject]
+        holds = view.value(subject, self.property) is not None
+        return Verdict(holds, f"{subject} has {'a' if holds else 'no'} {self.property.partition(':')[2]}")
+
+    def rename(self, names: Mapping[str, str]) -> Has:
+        """Returns the same pattern with other variable names."""
+        return Has(self.property, names.get(self.subject, self.subject))
+
+
+@dataclass(frozen=True, slots=True)
+class Computed:
+    """A relation that is worked out from what the two elements are (sizes, poses); no skill can change it.
+
+    Attributes:
+        relation: CURIE of the computed relation.
+        subject, object: Variables.
+        function: Works it out: ``function(view, subject id, object id)`` gives a verdict.
+    """
+
+    relation: str
+    subject: str
+    object: str
+    function: Callable[[WorldView, str, str], Verdict]
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Works it out."""
+        return self.function(view, binding[self.subject], binding[self.object])
+
+    def rename(self, names: Mapping[str, str]) -> Computed:
+        """Returns the same pattern with other variable names."""
+        renamed = names.get(self.subject, self.subject), names.get(self.object, self.object)
+        return Computed(self.relation, *renamed, self.function)
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    """The pattern does not hold."""
+
+    pattern: Pattern
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Turns the answer round."""
+        inner = self.pattern.evaluate(view, binding)
+        return Verdict(not inner.holds, inner.text, inner.parts)
+
+    def rename(self, names: Mapping[str, str]) -> Not:
+        """Returns the same pattern with other variable names."""
+        return Not(self.pattern.rename(names))
+
+
+@dataclass(frozen=True, slots=True)
+class AllOf:
+    """All patterns hold."""
+
+    patterns: tuple[Pattern, ...]
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Evaluates each."""
+        parts = tuple(pattern.evaluate(view, binding) for pattern in self.patterns)
+        return Verdict(all(parts), "all of these", parts)
+
+    def rename(self, names: Mapping[str, str]) -> AllOf:
+        """Returns the same pattern with other variable names."""
+        return AllOf(tuple(pattern.rename(names) for pattern in self.patterns))
+
+
+@dataclass(frozen=True, slots=True)
+class AnyOf:
+    """At least one of the patterns holds."""
+
+    patterns: tuple[Pattern, ...]
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Evaluates each."""
+        parts = tuple(pattern.evaluate(view, binding) for pattern in self.patterns)
+        return Verdict(any(parts), "any of these", parts)
+
+    def rename(self, names: Mapping[str, str]) -> AnyOf:
+        """Returns the same pattern with other variable names."""
+        return AnyOf(tuple(pattern.rename(names) for pattern in self.patterns))
+
+
+@dataclass(frozen=True, slots=True)
+class Exists:
+    """There is an element of a class for which the pattern holds."""
+
+    variable: str
+    class_: str
+    pattern: Pattern
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Tries the elements of the class in the order of their ids."""
+        for candidate in view.instances(self.class_):
+            verdict = self.pattern.evaluate(view, {**binding, self.variable: candidate})
+            if verdict:
+                return Verdict(True, f"{candidate} is the {self.class_.partition(':')[2]}", (verdict,))
+        bound = ", ".join(value for key, value in sorted(binding.items()) if key != self.variable)
+        return Verdict(False, f"no {self.class_.partition(':')[2]} makes it true for {bound}")
+
+    def rename(self, names: Mapping[str, str]) -> Exists:
+        """Returns the same pattern with other names of its free variables."""
+        free = {old: new for old, new in names.items() if old != self.variable}
+        return Exists(self.variable, self.class_, self.pattern.rename(free))

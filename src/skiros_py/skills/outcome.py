@@ -1,0 +1,37 @@
+"""How something that takes time ended. Failing is an expected outcome, so it is a value with a reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["BROKEN_OFF", "Failure", "Outcome", "Success"]
+
+BROKEN_OFF = -2
+"""Code of a failure that is not the skill's own: it was ended because the world changed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Success:
+    """It worked.
+
+    Attributes:
+        message: One line for a person.
+    """
+
+    message: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """It did not work.
+
+    Attributes:
+        reason: What happened, in the operator's words.
+        code: Negative progress code (paper §4.1).
+    """
+
+    reason: str
+    code: int = -1
+
+
+Outcome = Success | Failure

@@ -1,0 +1,105 @@
+"""Where things are for a robot that acts: poses through moving frames, obstacles, what it holds, what belongs to what."""
+
+from __future__ import annotations
+
+from skiros_py.errors import WorldError
+from skiros_py.geometry import Pose, Solid
+from skiros_py.robot.motion import Held, Obstacle
+from skiros_py.skills.context import RunContext
+from skiros_py.world.element import Value
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import HAS_A, HELD_BY, MANIPULATABLE, POSE, POSE_FRAME, ROBOT, SOLID, SPATIAL_THING
+
+__all__ = ["held_by", "map_pose", "obstacles", "owner", "set_pose", "solid_of"]
+
+
+def map_pose(context: RunContext, element: str) -> Pose | None:
+    """Returns the believed pose of an element in the map, or None when it has none.
+
+    A pose may be given in the frame of another element; a mobile base's own pose comes from localisation.
+    """
+    base = context.board.snapshot.bases.get(element)
+    if base is not None:
+        return base.pose
+    pose = context.world.value(element, POSE)
+    if not isinstance(pose, Pose):
+        return None
+    frames = context.world.objects(element, POSE_FRAME)
+    if not frames:
+        return pose
+    frame = map_pose(context, frames[0])
+    return frame @ pose if frame is not None else None
+
+
+def set_pose(tx: Transaction, view: WorldView, element: str, pose: Pose | None, frame: str | None = None) -> None:
+    """Writes an element's pose: in the map, or in the frame of another element; None forgets it."""
+    for old in view.objects(element, POSE_FRAME):
+        if old != frame:
+            tx.unrelate(element, POSE_FRAME, old)
+    if frame is not None and frame not in view.objects(element, POSE_FRAME):
+        tx.relate(element, POSE_FRAME, frame)
+    tx.set(element, POSE, pose)
+
+
+def solid_of(view: WorldView, element: str) -> Solid | None:
+    """Returns the shape of an element or of its class, or None.
+
+    Raises:
+        WorldError: The shape cannot be read.
+    """
+    value: Value | None = view.value(element, SOLID)
+    if value is None:
+        return None
+    try:
+        return Solid.from_json(str(value))
+    except ValueError as error:
+        raise WorldError(f"{element}: its sk:solid is {error}") from error
+
+
+def owner(view: WorldView, element: str, class_: str = ROBOT) -> str | None:
+    """Returns the nearest element of a class that has this one in its structure (the robot of a gripper)."""
+    current: tuple[str, ...] = (element,)
+    while current:
+        for candidate in current:
+            if view.ontology.is_a(view.element(candidate).type, class_):
+                return candidate
+        current = tuple(o for c in current for o in view.subjects(HAS_A, c))
+    return None
+
+
+def held_by(context: RunContext, gripper: str) -> tuple[str, Held] | None:
+    """Returns what a gripper holds, by belief: its id, and its shape at its pose in the arm's tip frame."""
+    for element in context.world.subjects(HELD_BY, gripper):
+        solid = solid_of(context.world, element)
+        pose = context.world.value(element, POSE)
+        if solid is not None and isinstance(pose, Pose) and gripper in context.world.objects(element, POSE_FRAME):
+            return element, Held(solid, pose)
+    return None
+
+
+def obstacles(context: RunContext, *, parts: bool, without: frozenset[str] = frozenset()) -> tuple[Obstacle, ...]:
+    """Returns everything believed to stand around, with shape and map pose.
+
+    Args:
+        context: The run.
+        parts: Whether parts that were seen count too.
+        without: Ids to leave out.
+    """
+    view = context.world
+    found = []
+    for element in view.instances(SPATIAL_THING):
+        type_ = view.element(element).type
+        if element in without or (not parts and view.ontology.is_a(type_, MANIPULATABLE)):
+            continue
+        if any(view.ontology.is_a(type_, class_) for class_ in ("sk:Device", ROBOT, "kitting:Compartment")):
+            continue
+        solid, pose = solid_of(view, element), map_pose(context, element)
+        if solid is not None and pose is not None and not _in_hand(view, element):
+            found.append(Obstacle(element, solid, pose))
+    return tuple(found)
+
+
+def _in_hand(view: WorldView, element: str) -> bool:
+    placement = view.placement(element)
+    return placement is not None and placement.relation == HELD_BY

@@ -1,0 +1,50 @@
+"""Checks, before anything starts, for what pip cannot install."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from importlib.util import find_spec
+
+from skiros_py.errors import MissingSystemLibrary, UsageError
+
+__all__ = ["check_display", "check_system_libraries"]
+
+_NEEDED = (
+    # (used by, shared library, Debian package)
+    ("open3d", "libX11.so.6", "libx11-6"),
+    ("open3d", "libGL.so.1", "libgl1"),
+    ("open3d", "libudev.so.1", "libudev1"),
+    ("open3d", "libgomp.so.1", "libgomp1"),
+    ("pinocchio", "libgomp.so.1", "libgomp1"),
+)
+
+
+def check_system_libraries() -> None:
+    """Looks for the system libraries that the simulation, motion and perception packages load.
+
+    Raises:
+        MissingSystemLibrary: One is absent; the message says which package brings it.
+    """
+    if sys.platform != "linux":
+        return
+    for package, library, debian in _NEEDED:
+        if find_spec(package) is None:
+            continue
+        try:
+            ctypes.CDLL(library)
+        except OSError as error:
+            raise MissingSystemLibrary(package, library, debian) from error
+
+
+def check_display(display: str | None) -> None:
+    """Checks that a window can be opened.
+
+    Args:
+        display: The environment's ``DISPLAY``.
+
+    Raises:
+        UsageError: There is no display.
+    """
+    if sys.platform == "linux" and not display:
+        raise UsageError("--gui needs a display and DISPLAY is not set; use --record FILE for pictures instead")

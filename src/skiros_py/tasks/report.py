@@ -1,0 +1,89 @@
+"""What came of a goal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+__all__ = ["ConditionReport", "GoalReport", "StepReport"]
+
+
+@dataclass(frozen=True, slots=True)
+class StepReport:
+    """One skill that was run.
+
+    Attributes:
+        skill: Its name.
+        arguments: Element id by parameter key.
+        start, end: Run time [s].
+        reason: Why it failed; empty when it worked.
+    """
+
+    skill: str
+    arguments: dict[str, str]
+    start: float
+    end: float
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionReport:
+    """One condition of the goal.
+
+    Attributes:
+        condition: As written.
+        believed: Whether it holds in the world model.
+        true: Whether it holds in the simulator's truth; None where nothing physical was there to ask.
+        tries: How often a skill was tried for it before it held or was given up; 0 when it held already.
+        reason: Why it is missing; empty when it holds.
+    """
+
+    condition: str
+    believed: bool
+    true: bool | None
+    tries: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class GoalReport:
+    """The end of a task.
+
+    Attributes:
+        conditions: One report each.
+        steps: Every skill that was run, in order.
+        simulated: Run time used [s].
+        wall: Wall time used [s].
+        no_plan: Reasons why there was no plan at all at the start; empty when there was one.
+        stopped: True when somebody stopped it.
+        digest: Hash over joint states and world changes; equal runs have equal digests.
+    """
+
+    conditions: tuple[ConditionReport, ...]
+    steps: tuple[StepReport, ...]
+    simulated: float
+    wall: float
+    no_plan: tuple[str, ...] = ()
+    stopped: bool = False
+    digest: str = ""
+
+    @property
+    def reached(self) -> bool:
+        """True when every condition holds: by the truth where there is one, else by belief."""
+        return not self.stopped and all(c.believed if c.true is None else c.true for c in self.conditions)
+
+    def with_truth(self, truths: tuple[bool, ...]) -> GoalReport:
+        """Returns the report with the simulator's truth beside each belief."""
+        pairs = zip(self.conditions, truths, strict=True)
+        return replace(self, conditions=tuple(replace(c, true=t) for c, t in pairs))
+
+    def __str__(self) -> str:
+        lines = [_line(c) for c in self.conditions]
+        verdict = "reached" if self.reached else "stopped" if self.stopped else "not reached"
+        lines += [f"no plan: {reason}" for reason in self.no_plan]
+        return "\n".join([*lines, f"goal {verdict} in {self.simulated:.1f} s simulated, {self.wall:.1f} s wall"])
+
+
+def _line(c: ConditionReport) -> str:
+    truth = "" if c.true is None else f", truth {'yes' if c.true else 'no'}"
+    tail = f" ({c.reason})" if c.reason else ""
+    return f"{c.condition}: believed {'yes' if c.believed else 'no'}{truth}, tries {c.tries}{tail}"

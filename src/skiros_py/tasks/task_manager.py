@@ -1,0 +1,194 @@
+"""The task manager: goal → plan → done, or the rest of the goal done and the reason for what is missing (paper §3.4)."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+
+from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.skill_manager import Transport
+from skiros_py.planning.plan import NoPlan, Plan, Step
+from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.task import Capability
+from skiros_py.planning.validation import replay_rest
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import HAS_SKILL
+from skiros_py.world.without import Without
+from skiros_py.world.world import World
+
+__all__ = ["TaskManager"]
+
+
+class TaskManager:
+    """Pursues goals with the skill managers that are there.
+
+    Args:
+        world: The live world model.
+        managers: Skill managers by agent id.
+        planning: Plans.
+        cycle: Runs everything.
+        on_plan: Told of every new plan.
+        attempts: How often a skill may fail on one target before that target is left out of further plans.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        managers: Mapping[str, Transport],
+        planning: PlanningService,
+        cycle: ControlCycle,
+        *,
+        on_plan: Callable[[Planned], None] = lambda _planned: None,
+        attempts: int = 3,
+    ) -> None:
+        self._world = world
+        self._managers = managers
+        self._planning = planning
+        self._cycle = cycle
+        self._on_plan = on_plan
+        self._attempts = attempts
+        self.steps: list[StepReport] = []
+        self._failures: Counter[tuple[str, str]] = Counter()
+        self._reasons: dict[str, str] = {}
+
+    @property
+    def capabilities(self) -> tuple[Capability, ...]:
+        """The skills that the world model says are there, with who has them."""
+        found: dict[str, tuple[SkillDescription, list[str]]] = {}
+        for agent, manager in sorted(self._managers.items()):
+            registered = {self._world.element(s).label for s in self._world.objects(agent, HAS_SKILL)}
+            for name, description in manager.descriptions.items():
+                if name in registered:
+                    found.setdefault(name, (description, []))[1].append(agent)
+        return tuple(Capability(d, tuple(agents)) for _, (d, agents) in sorted(found.items()))
+
+    def plan(self, goal: Sequence[Condition]) -> Execution[Planned]:
+        """Plans from what is believed now, leaving out targets on which skills failed too often."""
+        return self._planning.plan(self._view(), self.capabilities, goal)
+
+    def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
+        """Pursues a goal to its end.
+
+        What fails is tried again or planned anew a bounded number of times; what can no longer be reached is given up, and the rest of
+        the goal is still done.
+        """
+        started = time.perf_counter(), self._cycle.board.snapshot.time
+        wanted = [c for c in goal if not c.evaluate(self._world)]
+        held = set(goal) - set(wanted)
+        given_up: dict[Condition, str] = {}
+        no_plan: tuple[str, ...] = ()
+        plans = 0
+        while wanted and plans < self._attempts * (len(goal) + 2):
+            plans += 1
+            planned = yield from self.plan(self._keep(goal, given_up))
+            if isinstance(planned.outcome, Plan):
+                self._on_plan(planned)
+                yield from self._dispatch(planned.outcome, self._keep(goal, given_up))
+            elif not self.steps:
+                no_plan = planned.outcome.reasons
+                self._on_plan(planned)
+                break
+            else:
+                given_up |= yield from self._unreachable(self._keep(goal, given_up), planned.outcome)
+            wanted = [c for c in self._keep(goal, given_up) if not c.evaluate(self._world)]
+        reports = tuple(self._condition_report(c, given_up, c in held) for c in goal)
+        wall, simulated = time.perf_counter() - started[0], self._cycle.board.snapshot.time - started[1]
+        return GoalReport(reports, tuple(self.steps), simulated, wall, no_plan)
+
+    @staticmethod
+    def _keep(goal: Sequence[Condition], given_up: Mapping[Condition, str]) -> tuple[Condition, ...]:
+        return tuple(c for c in goal if c not in given_up)
+
+    def _view(self) -> WorldView:
+        out = frozenset(target for (_, target), count in self._failures.items() if count >= self._attempts)
+        return Without(self._world, out) if out else self._world
+
+    def _dispatch(self, plan: Plan, goal: Sequence[Condition]) -> Execution[None]:
+        """Runs a plan until it is done or something is not as planned."""
+        for index, step in enumerate(plan.steps):
+            rest = plan.steps[index + 1 :]
+            outcome = yield from self._run(step, rest, goal)
+            if isinstance(outcome, Failure):
+                return
+            if self._flaw(rest, goal):
+                return
+
+    def _run(self, step: Step, rest: Sequence[Step], goal: Sequence[Condition]) -> Execution[Outcome]:
+        capability = next(c for c in self.capabilities if c.skill.name == step.skill)
+        manager = self._managers[step.arguments[capability.skill.agent]]
+        start = self._cycle.board.snapshot.time
+        task = manager.start(step.skill, step.arguments, break_off=lambda: self._obsolete(step, rest, goal))
+        try:
+            while not task.done:
+                yield
+        finally:
+            task.stop()
+        self._record(step, capability.skill, start, task.result)
+        return task.result
+
+    def _record(self, step: Step, skill: SkillDescription, start: float, outcome: Outcome) -> None:
+        reason = outcome.reason if isinstance(outcome, Failure) else ""
+        self.steps.append(StepReport(step.skill, dict(step.arguments), start, self._cycle.board.snapshot.time, reason))
+        if isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
+            target = step.arguments[skill.target]
+            self._failures[step.skill, target] += 1
+            self._reasons[target] = reason
+
+    def _obsolete(self, step: Step, rest: Sequence[Step], goal: Sequence[Condition]) -> str | None:
+        """Says why going on makes no sense after the world changed, if it does not."""
+        flaw = replay_rest(self._world, step, rest, goal, self._skills())
+        return f"the plan no longer leads to the goal: {flaw.verdict.text}" if flaw else None
+
+    def _flaw(self, rest: Sequence[Step], goal: Sequence[Condition]) -> bool:
+        return replay_rest(self._world, None, rest, goal, self._skills()) is not None
+
+    def _skills(self) -> dict[str, SkillDescription]:
+        return {c.skill.name: c.skill for c in self.capabilities}
+
+    def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
+        """Finds a subset of the goal that can be reached together and returns the rest with reasons."""
+        kept: list[Condition] = []
+        dropped: dict[Condition, str] = {}
+        for condition in goal:
+            planned = yield from self.plan((*kept, condition))
+            if isinstance(planned.outcome, Plan):
+                kept.append(condition)
+            else:
+                dropped[condition] = "; ".join(planned.outcome.reasons)
+        if not dropped:  # each was reachable in turn, so the whole is: only a planner that errs gets here
+            dropped = {condition: "; ".join(answer.reasons) for condition in goal}
+        return dropped
+
+    def _condition_report(self, c: Condition, given_up: Mapping[Condition, str], held: bool) -> ConditionReport:
+        verdict = c.evaluate(self._world)
+        tries = 0 if held else self._tries(c)
+        reason = "" if verdict else self._why_missing(c, given_up)
+        return ConditionReport(str(c), bool(verdict), None, tries, reason)
+
+    def _tries(self, condition: Condition) -> int:
+        """Counts runs of the skill tried most often on an element that could fulfil the condition."""
+        counts: Counter[tuple[str, str]] = Counter()
+        skills = self._skills()
+        for step in self.steps:
+            target = step.arguments[skills[step.skill].target]
+            if any(self._fits(target, argument) for argument in condition.arguments):
+                counts[step.skill, target] += 1
+        return max(counts.values(), default=0)
+
+    def _fits(self, element: str, argument: str) -> bool:
+        if not self._world.has(element):
+            return False
+        is_class = argument in self._world.ontology.classes
+        return (
+            self._world.ontology.is_a(self._world.element(element).type, argument) if is_class else element == argument
+        )
+
+    def _why_missing(self, condition: Condition, given_up: Mapping[Condition, str]) -> str:
+        failed = [r for target, r in self._reasons.items() if any(self._fits(target, a) for a in condition.arguments)]
+        return "; ".join(filter(None, [*failed[-1:], given_up.get(condition, "")]))

@@ -1,0 +1,136 @@
+"""Worker processes for what would hold the interpreter: planners, perception, rendering.
+
+A worker owns one object, built inside its own process; calls are answered in order. The processes are loky's, which need
+no ``if __name__ == "__main__"`` in the user's script; they ignore Ctrl-C (the parent decides) and end with their parent.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from typing import Any, Generic, TypeVar
+
+from loky import ProcessPoolExecutor
+from loky.process_executor import BrokenProcessPool
+
+from skiros_py.errors import DeviceError
+
+__all__ = ["Call", "Worker"]
+
+T = TypeVar("T")
+
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_subject: Any = None
+
+
+class Call(Generic[T]):
+    """A call under way in a worker; a :class:`skiros_py.robot.pending.Pending`."""
+
+    def __init__(self, future: Future[T], worker: str, latency: float) -> None:
+        self._future = future
+        self._worker = worker
+        self._latency = latency
+
+    @property
+    def latency(self) -> float:
+        """Declared time from request to answer [s]."""
+        return self._latency
+
+    def done(self) -> bool:
+        """Returns True when :meth:`result` will not block."""
+        return self._future.done()
+
+    def result(self) -> T:
+        """Waits for the answer and returns it.
+
+        Raises:
+            DeviceError: The worker process died.
+        """
+        try:
+            return self._future.result()
+        except BrokenProcessPool as error:
+            raise DeviceError(f"the {self._worker} worker process died: {error}") from error
+
+
+class Worker:
+    """One process that owns one object.
+
+    Numerical libraries run on one thread there, so that results do not depend on the number of cores.
+
+    Args:
+        name: For messages ("perception").
+        factory: Picklable; builds the object inside the process, where its heavy imports happen too.
+    """
+
+    def __init__(self, name: str, factory: Callable[[], object]) -> None:
+        self.name = name
+        with _sigint_ignored():
+            self._pool = ProcessPoolExecutor(
+                max_workers=1, timeout=None, initializer=_build, initargs=(factory, os.getpid()), env=_ONE_THREAD
+            )
+            self._ready = self._pool.submit(_probe)
+
+    def call(self, method: str, *args: object, latency: float = 0.0) -> Call[Any]:
+        """Calls a method of the worker's object.
+
+        Args:
+            method: Name of the method.
+            *args: Picklable arguments.
+            latency: Declared time from request to answer [s].
+        """
+        return Call(self._pool.submit(_call, method, args), self.name, latency)
+
+    def wait_ready(self) -> None:
+        """Waits until the object is built.
+
+        Raises:
+            DeviceError: It could not be built.
+        """
+        try:
+            self._ready.result()
+        except BrokenProcessPool as error:
+            raise DeviceError(f"the {self.name} worker process did not start: {error}") from error
+
+    def close(self) -> None:
+        """Ends the process and waits for it; work under way is thrown away."""
+        self._pool.shutdown(wait=True, kill_workers=True)
+
+
+@contextmanager
+def _sigint_ignored() -> Iterator[None]:
+    """Lets a process start that never sees a Ctrl-C meant for its parent: an ignored signal stays ignored over exec."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _build(factory: Callable[[], object], parent: int) -> None:
+    global _subject
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    _subject = factory()
+
+
+def _end_with(parent: int) -> None:
+    """Ends this process when its parent is gone (killed, crashed), so that no orphan stays behind."""
+    while os.getppid() == parent:
+        time.sleep(0.5)
+    os._exit(1)
+
+
+def _probe() -> bool:
+    return _subject is not None
+
+
+def _call(method: str, args: tuple[object, ...]) -> object:
+    return getattr(_subject, method)(*args)

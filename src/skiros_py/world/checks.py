@@ -1,0 +1,163 @@
+"""What a write may say (checked as it is said) and what a state must be (checked before it is published).
+
+Everything here answers with sentences for the person who wrote; it never raises for what the person did.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from skiros_py.errors import UnknownName
+from skiros_py.geometry import Solid
+from skiros_py.world.element import Value
+from skiros_py.world.index import Index
+from skiros_py.world.literals import DATATYPES
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.terms import Family
+from skiros_py.world.vocabulary import ELEMENT, LABEL, POSE_FRAME, ROOT, SOLID, SPATIAL_THING
+
+__all__ = ["checked_value", "class_problem", "element_problem", "relation_problem", "state_problems"]
+
+_UNCHANGED = "the ontology is never changed at run time"
+
+
+def class_problem(ontology: Ontology, class_: str) -> str | None:
+    """Says why there can be no element of a class, or None."""
+    if class_ not in ontology.classes:
+        if class_.partition(":")[0] in ("owl", "rdf", "rdfs"):
+            return f"'{class_}' makes a term of the ontology, and {_UNCHANGED}"
+        return str(UnknownName("class", class_, ontology.subclasses(ELEMENT)))
+    if not ontology.is_a(class_, ELEMENT):
+        return f"{class_} is no {ELEMENT}, so there can be no element of it"
+    return None
+
+
+def element_problem(view: Index, element_id: str) -> str | None:
+    """Says why an id names no element, or None."""
+    if view.has(element_id):
+        return None
+    ontology = view.ontology
+    if any(element_id in terms for terms in (ontology.classes, ontology.relations, ontology.properties)):
+        return f"'{element_id}' is a term of the ontology, and {_UNCHANGED}"
+    return str(UnknownName("element", element_id, view.instances(ELEMENT)))
+
+
+def relation_problem(view: Index, subject: str, relation: str, object_: str) -> str | None:
+    """Says why a relation between two existing elements cannot be stated, or None."""
+    ontology = view.ontology
+    if relation not in ontology.relations:
+        if relation.partition(":")[0] in ("owl", "rdf", "rdfs"):
+            return f"'{relation}' speaks of the ontology, and {_UNCHANGED}"
+        return str(UnknownName("relation", relation, ontology.relations))
+    declared = ontology.relations[relation]
+    if declared.family is Family.COMPUTED:
+        return f"{relation} is computed by a reasoner and never stored"
+    faults = [
+        f"its {end} must be a {allowed}, and {name} is a {view.element(name).type}"
+        for end, name, allowed in (("subject", subject, declared.domain), ("object", object_, declared.range))
+        if allowed is not None and not ontology.is_a(view.element(name).type, allowed)
+    ]
+    if not faults:
+        return None
+    return f"{subject} {relation} {object_}: {'; '.join(faults)}. {_allowed(view, subject, object_)}"
+
+
+def checked_value(view: Index, element_id: str, property_: str, value: Value | None) -> Value | None:
+    """Returns the value in the form in which an existing element bears it; None stays None.
+
+    Raises:
+        ValueError: The element cannot bear it; the text says why.
+    """
+    if property_ == LABEL:
+        if not isinstance(value, str) or not value:
+            raise ValueError(f"{LABEL} of {element_id} needs a text, got {value!r}")
+        return value
+    declared = view.ontology.properties.get(property_)
+    if declared is None:
+        raise ValueError(str(UnknownName("property", property_, view.ontology.properties)))
+    if value is None:
+        return None
+    type_ = view.element(element_id).type
+    if declared.domain is not None and not view.ontology.is_a(type_, declared.domain):
+        raise ValueError(f"{property_} is borne by a {declared.domain}, and {element_id} is a {type_}")
+    try:
+        checked = DATATYPES[declared.range].check(value)
+        if property_ == SOLID:
+            Solid.from_json(str(checked))
+    except ValueError as error:
+        hint = f" ({error})" if str(error) else ""
+        says = DATATYPES[declared.range].says
+        raise ValueError(f"{property_} of {element_id} needs {says}, got {value!r}{hint}") from None
+    return checked
+
+
+def state_problems(view: Index, touched: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yields (element, what is wrong with it) for the elements of a state that a transaction touched."""
+    present = sorted(name for name in touched if view.has(name))
+    for element_id in present:
+        for problem in (_place_problem(view, element_id), *_owner_problems(view, element_id)):
+            if problem:
+                yield element_id, problem
+    yield from _cycles(present, lambda name: _parents(view, name), "is inside itself")
+    yield from _cycles(present, lambda name: view.objects(name, POSE_FRAME), f"has its own frame as {POSE_FRAME}")
+
+
+def _allowed(view: Index, subject: str, object_: str) -> str:
+    ontology = view.ontology
+    types = view.element(subject).type, view.element(object_).type
+    fitting = [
+        r.curie
+        for r in sorted(ontology.relations.values(), key=lambda r: r.curie)
+        if r.family is not Family.COMPUTED
+        and len(ontology.sub_relations(r.curie)) == 1
+        and all(end is None or ontology.is_a(t, end) for t, end in zip(types, (r.domain, r.range), strict=True))
+    ]
+    return f"From a {types[0]} to a {types[1]} there may be: {', '.join(fitting) or 'nothing'}"
+
+
+def _place_problem(view: Index, element_id: str) -> str | None:
+    type_ = view.element(element_id).type
+    placed, owned = view.placement(element_id) is not None, bool(view.owners(element_id))
+    if placed or owned or not view.ontology.is_a(type_, SPATIAL_THING) or view.ontology.is_a(type_, ROOT):
+        return None
+    relations = sorted(r for r in view.ontology.relations if view.ontology.is_placement(r))
+    leaves = [r for r in relations if len(view.ontology.sub_relations(r)) == 1]
+    return f"{element_id} ({type_}) is nowhere: give it a placement ({', '.join(leaves)}) or an owner"
+
+
+def _owner_problems(view: Index, element_id: str) -> Iterator[str]:
+    owners = view.owners(element_id)
+    if len(owners) > 1:
+        yield f"{element_id} is a piece of {' and '.join(owners)}: a piece has one owner"
+    if owners and view.placement(element_id) is not None:
+        yield f"{element_id} is a piece of {owners[0]} and goes with it: it can have no placement of its own"
+
+
+def _parents(view: Index, element_id: str) -> tuple[str, ...]:
+    placement = view.placement(element_id)
+    return (*view.owners(element_id), *((placement.place,) if placement else ()))
+
+
+def _cycles(names: list[str], parents: Callable[[str], tuple[str, ...]], says: str) -> Iterator[tuple[str, str]]:
+    """Yields each cycle once, at its first element."""
+    reported: set[str] = set()
+    for name in names:
+        path = _way_back(name, parents)
+        if path and not reported & set(path):
+            reported |= set(path)
+            yield name, f"{name} {says}: {' -> '.join((*path, name))}"
+
+
+def _way_back(start: str, parents: Callable[[str], tuple[str, ...]]) -> list[str]:
+    """The way from an element up to itself, or nothing."""
+    waiting: list[list[str]] = [[start]]
+    seen: set[str] = set()
+    while waiting:
+        path = waiting.pop()
+        for parent in parents(path[-1]):
+            if parent == start:
+                return path
+            if parent not in seen:
+                seen.add(parent)
+                waiting.append([*path, parent])
+    return []

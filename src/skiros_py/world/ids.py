@@ -1,0 +1,55 @@
+"""Ids of elements: given once, never again."""
+
+from __future__ import annotations
+
+import re
+
+from skiros_py.world.names import local_name
+
+__all__ = ["Ids", "is_valid_id"]
+
+
+def is_valid_id(element_id: str) -> bool:
+    """Returns True for letters, digits and underscores that do not begin with a digit."""
+    return re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", element_id) is not None
+
+
+class Ids:
+    """Which ids were ever given. A transaction keeps a book of its own and hands it in when it takes effect."""
+
+    def __init__(self, before: Ids | None = None) -> None:
+        self._before = before
+        self._used: set[str] = set()
+        self._last: dict[str, int] = {}
+
+    def used(self, element_id: str) -> bool:
+        """Returns True when the id was ever given."""
+        return element_id in self._used or (self._before is not None and self._before.used(element_id))
+
+    def claim(self, element_id: str) -> None:
+        """Notes that the id is given."""
+        self._used.add(element_id)
+        numbered = re.fullmatch(r"(.+)_(\d+)", element_id)
+        if numbered:
+            self._raise(numbered[1], int(numbered[2]))
+
+    def next(self, class_: str) -> str:
+        """Gives the next id for an element of a class: ``kitting:RelayBox`` -> ``relay_box_1``."""
+        stem = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", local_name(class_)).lower()
+        element_id = f"{stem}_{self.highest(stem) + 1}"
+        self.claim(element_id)
+        return element_id
+
+    def highest(self, stem: str) -> int:
+        """Returns the highest number ever given after a stem ("relay_box"), or 0."""
+        before = self._before.highest(stem) if self._before is not None else 0
+        return max(before, self._last.get(stem, 0))
+
+    def absorb(self, later: Ids) -> None:
+        """Takes over what another book noted."""
+        self._used |= later._used
+        for stem, number in later._last.items():
+            self._raise(stem, number)
+
+    def _raise(self, stem: str, number: int) -> None:
+        self._last[stem] = max(number, self._last.get(stem, 0))

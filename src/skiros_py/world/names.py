@@ -1,0 +1,71 @@
+"""The one place where IRIs are spelt: prefix table, CURIE <-> IRI, and the bare names of scene individuals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from skiros_py.errors import UnknownName
+
+__all__ = ["CORE", "SCENE", "SCENE_GRAPH", "STANDARD_PREFIXES", "Names", "local_name"]
+
+CORE = "https://w3id.org/skiros-py/core#"
+"""Namespace of the upper ontology (prefix ``sk:``)."""
+
+SCENE = "https://w3id.org/skiros-py/scene#"
+"""Namespace of scene individuals, which Python names by their bare local name ("starter_1")."""
+
+SCENE_GRAPH = "https://w3id.org/skiros-py/scene"
+"""Name of the graph that holds the scene."""
+
+STANDARD_PREFIXES: Mapping[str, str] = MappingProxyType(
+    {
+        "rdf": "http://www.w3.org/1999/02/22-rdf-syntax-ns#",
+        "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
+        "owl": "http://www.w3.org/2002/07/owl#",
+        "xsd": "http://www.w3.org/2001/XMLSchema#",
+        "sk": CORE,
+        "scene": SCENE,
+    }
+)
+"""Prefixes that mean the same in every file."""
+
+
+def local_name(curie: str) -> str:
+    """Returns a CURIE without its prefix ("kitting:Starter" -> "Starter")."""
+    return curie.rpartition(":")[2]
+
+
+class Names:
+    """A fixed prefix table and the translations it allows.
+
+    Attributes:
+        prefixes: IRI by prefix.
+    """
+
+    def __init__(self, prefixes: Mapping[str, str]) -> None:
+        self.prefixes = MappingProxyType({**STANDARD_PREFIXES, **prefixes})
+        # Reversed, so that the prefix declared first wins where one IRI has two.
+        self._by_namespace = {iri: prefix for prefix, iri in reversed(list(self.prefixes.items()))}
+
+    def iri(self, name: str) -> str:
+        """Returns the IRI of a CURIE or of a bare scene name.
+
+        Raises:
+            UnknownName: No file declares the prefix.
+        """
+        prefix, colon, local = name.partition(":")
+        if not colon:
+            return SCENE + name
+        if prefix not in self.prefixes:
+            raise UnknownName("prefix", prefix, self.prefixes, where=f"in '{name}'")
+        return self.prefixes[prefix] + local
+
+    def name(self, iri: str) -> str:
+        """Returns the bare name of a scene individual, the CURIE of anything else, or the IRI where no prefix fits."""
+        cut = max(iri.rfind("#"), iri.rfind("/")) + 1
+        namespace, local = iri[:cut], iri[cut:]
+        if namespace == SCENE:
+            return local
+        prefix = self._by_namespace.get(namespace)
+        return f"{prefix}:{local}" if prefix is not None and local else iri

@@ -1,0 +1,203 @@
+"""The ontology: which classes, relations and properties there are, and how they depend on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+
+from skiros_py.errors import FileError, UnknownName, UsageError
+from skiros_py.world.declarations import Declarations, common_names, read_declarations
+from skiros_py.world.element import Placement, Value
+from skiros_py.world.names import Names, local_name
+from skiros_py.world.terms import Class, Family, Property, Relation
+from skiros_py.world.turtle import TurtleFile, read_turtle, turtle_files
+
+__all__ = ["Ontology"]
+
+
+class Ontology:
+    """Classes, relations and properties by CURIE; never changed once loaded.
+
+    "Ancestors", "subclasses" and "sub-relations" always include the term itself, first.
+
+    Attributes:
+        classes: Every class.
+        relations: Every relation between elements.
+        properties: Every property of elements; ``rdfs:comment`` is always among them.
+        names: The prefix table.
+        sources: The files it was read from. Scene individuals in them (a robot's) belong to whoever imports them.
+    """
+
+    def __init__(self, declarations: Declarations, names: Names, sources: Sequence[TurtleFile]) -> None:
+        self.classes: Mapping[str, Class] = MappingProxyType(dict(declarations.classes))
+        self.relations: Mapping[str, Relation] = MappingProxyType(dict(declarations.relations))
+        self.properties: Mapping[str, Property] = MappingProxyType(dict(declarations.properties))
+        self.names = names
+        self.sources = tuple(sources)
+        self._class_values = declarations.class_values
+        self._ancestors = {name: _line({n: c.parents for n, c in self.classes.items()}, name) for name in self.classes}
+        self._subclasses = _inverse(self._ancestors)
+        above = {name: relation.parents for name, relation in self.relations.items()}
+        self._sub_relations = _inverse({name: _line(above, name) for name in self.relations})
+
+    @classmethod
+    def load(cls, paths: Sequence[Path]) -> Ontology:
+        """Reads Turtle files (of a folder: all ``*.ttl`` below it).
+
+        Raises:
+            FileError: A file is missing or not Turtle, uses a term that no file declares, or two files collide.
+        """
+        files = [read_turtle(path) for path in turtle_files(paths)]
+        by_iri: dict[str, TurtleFile] = {}
+        for file in files:
+            if by_iri.setdefault(file.iri, file) is not file:
+                raise FileError(file.path, f"declares ontology <{file.iri}>, as {by_iri[file.iri].path} does")
+        names = common_names(files)
+        return cls(read_declarations(files, names), names, files)
+
+    # ------------------------------------------------------------ classes
+
+    def is_a(self, class_: str, ancestor: str) -> bool:
+        """Returns True when the class is the ancestor or a subclass of it.
+
+        Raises:
+            UnknownName: Either is not a class.
+        """
+        self._known_class(ancestor)
+        return ancestor in self.ancestors(class_)
+
+    def ancestors(self, class_: str) -> tuple[str, ...]:
+        """Returns the class and everything above it, the line of primary parents first.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        self._known_class(class_)
+        return self._ancestors[class_]
+
+    def subclasses(self, class_: str) -> tuple[str, ...]:
+        """Returns the class and everything below it, sorted after the first.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        self._known_class(class_)
+        return self._subclasses[class_]
+
+    def class_value(self, class_: str, property_: str) -> Value | None:
+        """Returns what the class, else its nearest ancestor, gives as the value of a property, or None.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        for above in self.ancestors(class_):
+            if property_ in self._class_values[above]:
+                return self._class_values[above][property_]
+        return None
+
+    # ------------------------------------------------------------ relations
+
+    def relation(self, relation: str) -> Relation:
+        """Returns one relation.
+
+        Raises:
+            UnknownName: There is none of that CURIE.
+        """
+        if relation not in self.relations:
+            raise UnknownName("relation", relation, self.relations)
+        return self.relations[relation]
+
+    def family(self, relation: str) -> Family:
+        """Returns what the relation is for.
+
+        Raises:
+            UnknownName: There is none of that CURIE.
+        """
+        return self.relation(relation).family
+
+    def is_placement(self, relation: str) -> bool:
+        """Returns True when the relation says where something is.
+
+        Raises:
+            UnknownName: There is none of that CURIE.
+        """
+        return self.family(relation) is Family.PLACEMENT
+
+    def sub_relations(self, relation: str) -> tuple[str, ...]:
+        """Returns the relation and everything below it, sorted after the first.
+
+        Raises:
+            UnknownName: There is none of that CURIE.
+        """
+        self.relation(relation)
+        return self._sub_relations[relation]
+
+    def placement_pair(self, element: str, placement: Placement) -> tuple[str, str]:
+        """Returns (subject, object) of the statement that says the element has the placement."""
+        place_is_object = self.relation(placement.relation).place_end == "object"
+        return (element, placement.place) if place_is_object else (placement.place, element)
+
+    def placed(self, subject: str, relation: str, object_: str) -> tuple[str, Placement]:
+        """Returns which element a placement statement places, and where."""
+        if self.relation(relation).place_end == "object":
+            return subject, Placement(relation, object_)
+        return object_, Placement(relation, subject)
+
+    # ------------------------------------------------------------ names as people write them
+
+    def resolve_class(self, name: str) -> str:
+        """Returns the CURIE of a class given by CURIE or by its bare name ("Starter").
+
+        Raises:
+            UnknownName: There is none; with the nearest.
+            UsageError: Several ontologies have one of that bare name.
+        """
+        return _resolve("class", name, self.classes)
+
+    def resolve_relation(self, name: str) -> str:
+        """Returns the CURIE of a relation given by CURIE or by its bare name ("heldBy").
+
+        Raises:
+            UnknownName: There is none; with the nearest.
+            UsageError: Several ontologies have one of that bare name.
+        """
+        return _resolve("relation", name, self.relations)
+
+    def _known_class(self, class_: str) -> None:
+        if class_ not in self.classes:
+            raise UnknownName("class", class_, self.classes)
+
+
+def _line(parents: Mapping[str, tuple[str, ...]], name: str) -> tuple[str, ...]:
+    """The name and all above it, depth first, each once."""
+    line: dict[str, None] = {}
+    waiting = [name]
+    while waiting:
+        current = waiting.pop()
+        if current not in line:
+            line[current] = None
+            waiting.extend(reversed(parents[current]))
+    return tuple(line)
+
+
+def _inverse(lines: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+    below: dict[str, list[str]] = {name: [name] for name in lines}
+    for name in sorted(lines):
+        for above in lines[name][1:]:
+            below[above].append(name)
+    return {name: tuple(names) for name, names in below.items()}
+
+
+def _resolve(kind: str, name: str, known: Iterable[str]) -> str:
+    curies = set(known)
+    if name in curies:
+        return name
+    if ":" in name:
+        raise UnknownName(kind, name, curies)
+    found = sorted(curie for curie in curies if local_name(curie) == name)
+    if len(found) > 1:
+        raise UsageError(f"'{name}' may be any of {', '.join(found)}: write one of these")
+    if not found:
+        raise UnknownName(kind, name, {local_name(curie) for curie in curies})
+    return found[0]

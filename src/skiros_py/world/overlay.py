@@ -1,0 +1,199 @@
+"""A copy-on-write world: what would be, over what is. Plans are simulated on it; the base never changes."""
+
+from __future__ import annotations
+
+from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.index import with_value
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
+
+__all__ = ["Overlay"]
+
+_Statement = tuple[str, str, str]
+
+
+class Overlay:
+    """A :class:`~skiros_py.world.view.WorldView` that differs from its base in what was set on it.
+
+    Nothing is checked here beyond names: an overlay holds suppositions, and a plan is allowed to pass through states
+    that no transaction would be. Overlays may lie on overlays.
+    """
+
+    def __init__(self, base: WorldView) -> None:
+        self._base = base
+        self._elements: dict[str, Element] = {}
+        self._placements: dict[str, Placement | None] = {}
+        self._added: set[_Statement] = set()
+        self._removed: set[_Statement] = set()
+
+    # ------------------------------------------------------------ supposing
+
+    def place(self, element: str, relation: str, place: str) -> None:
+        """Moves an element across the whole placement family.
+
+        Raises:
+            UnknownName: There is no such element, place or relation.
+        """
+        self.unplace(element)
+        self.element(place)
+        placement = Placement(relation, place)
+        self._placements[element] = placement
+        subject, object_ = self.ontology.placement_pair(element, placement)
+        self._suppose(subject, relation, object_)
+
+    def unplace(self, element: str) -> None:
+        """Leaves an element without any place.
+
+        Raises:
+            UnknownName: There is no such element.
+        """
+        old = self.placement(element)
+        self._placements[element] = None
+        if old is not None:
+            subject, object_ = self.ontology.placement_pair(element, old)
+            self._suppose_not(subject, old.relation, object_)
+
+    def set_relation(self, subject: str, relation: str, object_: str) -> None:
+        """Lets a relation hold; a placement moves its element, a functional relation replaces its object.
+
+        Raises:
+            UnknownName: There is no such element or relation.
+        """
+        if self.ontology.is_placement(relation):
+            element, placement = self.ontology.placed(subject, relation, object_)
+            self.place(element, relation, placement.place)
+            return
+        self.element(subject)
+        self.element(object_)
+        if self.ontology.relation(relation).functional:
+            for old in self.objects(subject, relation):
+                self._suppose_not(subject, relation, old)
+        self._suppose(subject, relation, object_)
+
+    def unset_relation(self, subject: str, relation: str, object_: str) -> None:
+        """Lets a relation, and what is narrower, hold no longer; where it does not hold, nothing happens.
+
+        Raises:
+            UnknownName: There is no such relation.
+        """
+        if not self.related(subject, relation, object_):
+            return
+        if self.ontology.is_placement(relation):
+            self.unplace(self.ontology.placed(subject, relation, object_)[0])
+        else:
+            self._suppose_not(subject, relation, object_)
+
+    def set_value(self, element: str, property_: str, value: Value | None) -> None:
+        """Sets an element's own value of a property; None takes it away.
+
+        Raises:
+            UnknownName: There is no such element.
+        """
+        self._elements[element] = with_value(self.element(element), property_, value)
+
+    # ------------------------------------------------------------ the world view
+
+    @property
+    def ontology(self) -> Ontology:
+        """The classes and relations."""
+        return self._base.ontology
+
+    def element(self, element_id: str) -> Element:
+        """Returns one element.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        return self._elements.get(element_id) or self._base.element(element_id)
+
+    def has(self, element_id: str) -> bool:
+        """Returns True when there is an element of that id."""
+        return self._base.has(element_id)
+
+    def instances(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of all elements of a class or of its subclasses, sorted.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._base.instances(class_)
+
+    def value(self, element_id: str, property_: str) -> Value | None:
+        """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
+
+        Raises:
+            UnknownName: There is no such element or property.
+        """
+        if element_id not in self._elements:
+            return self._base.value(element_id, property_)
+        element = self._elements[element_id]
+        own = element.properties.get(property_)
+        return self.ontology.class_value(element.type, property_) if own is None else own
+
+    def objects(self, subject: str, relation: str) -> tuple[str, ...]:
+        """Returns ids of what the subject is related to, sorted; sub-relations count.
+
+        Raises:
+            UnknownName: It is not a relation.
+        """
+        below = self.ontology.sub_relations(relation)
+        new = {o for s, r, o in self._added if s == subject and r in below}
+        old = self._base.objects(subject, relation)
+        return tuple(sorted(new.union(o for o in old if self._still(subject, relation, o))))
+
+    def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
+        """Returns ids of what is related to the object, sorted; sub-relations count.
+
+        Raises:
+            UnknownName: It is not a relation.
+        """
+        below = self.ontology.sub_relations(relation)
+        new = {s for s, r, o in self._added if o == object_ and r in below}
+        old = self._base.subjects(relation, object_)
+        return tuple(sorted(new.union(s for s in old if self._still(s, relation, object_))))
+
+    def related(self, subject: str, relation: str, object_: str) -> bool:
+        """Returns True when the relation (or a sub-relation) holds between the two.
+
+        Raises:
+            UnknownName: It is not a relation.
+        """
+        if any((subject, below, object_) in self._added for below in self.ontology.sub_relations(relation)):
+            return True
+        return self._base.related(subject, relation, object_) and self._still(subject, relation, object_)
+
+    def placement(self, element_id: str) -> Placement | None:
+        """Returns where an element is, or None for one that is nowhere (the root, a piece of structure).
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        return self._placements[element_id] if element_id in self._placements else self._base.placement(element_id)
+
+    # ------------------------------------------------------------ differences
+
+    def _suppose(self, subject: str, relation: str, object_: str) -> None:
+        self._added.add((subject, relation, object_))
+
+    def _suppose_not(self, subject: str, relation: str, object_: str) -> None:
+        gone = {(subject, below, object_) for below in self.ontology.sub_relations(relation)}
+        self._added -= gone
+        self._removed |= gone
+
+    def _still(self, subject: str, relation: str, object_: str) -> bool:
+        """Whether a relation of the base, that holds there, was not taken away here.
+
+        The base answers for a relation and all narrower ones at once, so where something was taken away the
+        question is whether one of those left has no narrower one to thank for it.
+        """
+        below = self.ontology.sub_relations(relation)
+        if not any((subject, name, object_) in self._removed for name in below):
+            return True
+        return any(
+            (subject, name, object_) not in self._removed
+            and self._base.related(subject, name, object_)
+            and not any(
+                self._base.related(subject, narrower, object_) for narrower in self.ontology.sub_relations(name)[1:]
+            )
+            for name in below
+        )

@@ -1,0 +1,57 @@
+"""The small reading face of the world model. Live world, snapshot and overlay all have it; conditions need no more."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from skiros_py.world.element import Element, Placement, Value
+
+if TYPE_CHECKING:
+    from skiros_py.world.ontology import Ontology
+
+__all__ = ["WorldView"]
+
+
+class WorldView(Protocol):
+    """What is, as triples with typed indexes. Every answer is sorted by id, so that runs repeat."""
+
+    @property
+    def ontology(self) -> Ontology:
+        """The classes and relations."""
+        ...
+
+    def element(self, element_id: str) -> Element:
+        """Returns one element.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        ...
+
+    def has(self, element_id: str) -> bool:
+        """Returns True when there is an element of that id."""
+        ...
+
+    def instances(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of all elements of a class or of its subclasses."""
+        ...
+
+    def value(self, element_id: str, property_: str) -> Value | None:
+        """Returns the element's own value, else the one its class (or nearest superclass) gives, else None."""
+        ...
+
+    def objects(self, subject: str, relation: str) -> tuple[str, ...]:
+        """Returns ids of what the subject is related to; sub-relations count."""
+        ...
+
+    def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
+        """Returns ids of what is related to the object; sub-relations count."""
+        ...
+
+    def related(self, subject: str, relation: str, object_: str) -> bool:
+        """Returns True when the relation (or a sub-relation) holds between the two."""
+        ...
+
+    def placement(self, element_id: str) -> Placement | None:
+        """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure)."""
+        ...
