@@ -144,9 +144,7 @@ class Session:
         self.managers = self._start_managers(context)
         planner = self._stack.enter_context(closing(self.catalogue.planners["fast-downward"]()))
         self.planning = PlanningService(planner, scene_title(scene), lockstep=self.options.pace is None)
-        self.tasks = TaskManager(
-            self.world, self.managers, self.planning, self.cycle, on_plan=lambda p: [tell(p) for tell in self._on_plan]
-        )
+        self.tasks = TaskManager(self.world, self.managers, self.planning, self.cycle, on_plan=self._tell_plan)
 
     def _robots(self) -> tuple[str, ...]:
         robots = self.world.instances(ROBOT)
@@ -208,6 +206,10 @@ class Session:
     def on_plan(self, listener: Callable[[Planned], None]) -> None:
         """Calls the listener with every new plan."""
         self._on_plan.append(listener)
+
+    def _tell_plan(self, planned: Planned) -> None:
+        for listener in self._on_plan:
+            listener(planned)
 
     def plan(self, goal: Sequence[Condition] | None = None) -> Planned:
         """Plans from the present beliefs without doing anything."""

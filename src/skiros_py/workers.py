@@ -1,7 +1,8 @@
 """Worker processes for what would hold the interpreter: planners, perception, rendering.
 
-A worker owns one object, built inside its own process; calls are answered in order. The processes are loky's, which need
-no ``if __name__ == "__main__"`` in the user's script; they ignore Ctrl-C (the parent decides) and end with their parent.
+A worker owns one object, built inside its own process; calls are answered in order. The processes are loky's, which
+need no ``if __name__ == "__main__"`` in the user's script; they ignore Ctrl-C (the parent decides) and end with their
+parent.
 """
 
 from __future__ import annotations

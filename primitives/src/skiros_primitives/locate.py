@@ -47,7 +47,7 @@ class Locate(ArmPrimitive):
         region = support_region(self.context, self.params.place)
         if isinstance(region, str):
             return Failure(region)
-        clear_looks = 0
+        clear_looks, why = 0, ""
         for attempt in range(1, _MISSES + 2):
             self.progress(attempt, f"look {attempt} at {self.params.place}")
             look = yield from self._look(region, aside=0.04 * (attempt - 1))
@@ -57,9 +57,10 @@ class Locate(ArmPrimitive):
             if self.params.part in seen:
                 return Success(f"{self.params.part} is there; {len(seen)} parts seen")
             clear_looks += look.visible >= _CLEAR
+            why = self._not_seen(look)
             if clear_looks >= _MISSES:
                 break
-        return Failure(self._not_seen(look))
+        return Failure(why)
 
     def _look(self, region: Region, *, aside: float) -> Execution[LookResult | NoMotion]:
         camera = self.camera_spec(self.params.camera)
@@ -94,7 +95,8 @@ class Locate(ArmPrimitive):
     def _count_misses(self, tx: Transaction, found: Association, *, unknown: int) -> None:
         """Something unknown may be a part that was expected, so it excuses as many of those."""
         for part in found.unseen[: max(0, len(found.unseen) - unknown)]:
-            misses = int(self.world.value(part, MISSED_LOOKS) or 0) + 1
+            before = self.world.value(part, MISSED_LOOKS)
+            misses = (before if isinstance(before, int) else 0) + 1
             set_pose(tx, self.world, part, None)
             tx.set(part, MISSED_LOOKS, misses)
             if misses >= _MISSES:

@@ -41,6 +41,7 @@ class VerifyPlace(ArmPrimitive):
         region = inner_region(self.context, self.params.compartment)
         if isinstance(region, str):
             return Failure(region)
+        strange = False
         for attempt in range(_LOOKS):
             look = yield from self._look(region, aside=0.03 * attempt)
             if isinstance(look, NoMotion):
@@ -48,7 +49,8 @@ class VerifyPlace(ArmPrimitive):
             seen = self._find(look)
             if seen is not None:
                 return self._confirm(seen)
-        return self._deny(look)
+            strange = any(d.type is None for d in look.detections)
+        return self._deny(strange=strange)
 
     def _look(self, region: Region, *, aside: float) -> Execution[LookResult | NoMotion]:
         camera, detector = self.camera_spec(self.params.camera), self.context.libraries.detector
@@ -73,9 +75,8 @@ class VerifyPlace(ArmPrimitive):
             set_pose(tx, self.world, part, seen.pose)
         return Success(f"{part} is in {compartment}")
 
-    def _deny(self, look: LookResult) -> Outcome:
+    def _deny(self, *, strange: bool) -> Outcome:
         part, compartment = self.params.part, self.params.compartment
-        strange = any(d.type is None for d in look.detections)
         what = "something of unknown shape" if strange else "nothing of its kind"
         with self.world.transaction(author=self.name, reason=f"{what} seen in {compartment}") as tx:
             set_pose(tx, self.world, part, None)

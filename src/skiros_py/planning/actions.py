@@ -94,7 +94,7 @@ def _with_implicit_deletes(action: Action, ontology: Ontology) -> Action:
 def _with_old_place(action: Action, added: Atom, moved: str, ontology: Ontology) -> tuple[Action, Atom]:
     relation = ontology.relations[added.predicate]
     at_object = relation.place_end == "object"
-    variable = Variable(f"{moved}_from", (relation.range if at_object else relation.domain))
+    variable = Variable(f"{moved}_from", (relation.range if at_object else relation.domain) or "")
     arguments = (moved, variable.name) if at_object else (variable.name, moved)
     fact = Atom(added.predicate, arguments)
     note = f"parameter {variable.name} and precondition {_show(fact)}: the place that {moved} leaves"

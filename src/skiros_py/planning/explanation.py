@@ -67,7 +67,8 @@ class _Relaxation:
             for binding in self.bindings(action, action.pre, {})
             for atom in action.add
         ]
-        return any([self._learn(atom) for atom in news if not any(a.startswith("?") for a in atom.arguments)])
+        learned = [self._learn(atom) for atom in news if not any(a.startswith("?") for a in atom.arguments)]
+        return any(learned)
 
     def bindings(self, action: Action, atoms: Sequence[Atom], start: Mapping[str, str]) -> Iterator[dict[str, str]]:
         """Yields every way to make the atoms true at once."""

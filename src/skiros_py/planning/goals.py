@@ -1,8 +1,9 @@
 """Goals inside a planning task: plain facts stay facts, everything else becomes a bookkeeping action at the end.
 
-A goal such as "any starter in compartment a" or "InKit" has a variable in it, which a STRIPS goal cannot say. So there is
-one action per such goal that may be taken once the robots have finished: what it needs is the goal's pattern, what it gives is a fact
-that says "this goal is reached". Nothing can be undone afterwards, because skills need "still working".
+A goal such as "any starter in compartment a" or "InKit" has a variable in it, which a STRIPS goal cannot say. So there
+is one action per such goal that may be taken once the robots have finished: what it needs is the goal's pattern, what
+it gives is a fact that says "this goal is reached". Nothing can be undone afterwards, because skills need "still
+working".
 """
 
 from __future__ import annotations

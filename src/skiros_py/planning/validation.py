@@ -1,4 +1,4 @@
-"""Replays a plan on an overlay by evaluating the *conditions*, so that no planner is believed and not our own PDDL either."""
+"""Replays a plan on an overlay by evaluating the *conditions*: no planner is believed, and not our own PDDL either."""
 
 from __future__ import annotations
 

@@ -21,8 +21,8 @@ class BodySpec:
         type: Its class ("kitting:Starter"); bodies of one type have one solid.
         solid: Its shape, standing on its own frame.
         mass: [kg]; 0 for what never moves.
-        pose: Pose of its frame in the map (or in ``carrier``'s base frame), or None: the driver of a simulation draws it
-            from the run's seed, somewhere on ``place``'s support surface.
+        pose: Pose of its frame in the map (or in ``carrier``'s base frame), or None: the driver of a simulation draws
+            it from the run's seed, somewhere on ``place``'s support surface.
         place: Id of the body that it lies on or in, or None for the floor.
         carrier: Id of the robot base it is fixed to, or None.
         support: Half extents (x, y) [m] of the flat surface on which parts lie; None where nothing can lie.

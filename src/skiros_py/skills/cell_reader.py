@@ -6,6 +6,7 @@ Same skills on another robot: other individuals only (paper §5.1).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
@@ -40,26 +41,37 @@ def _body(view: WorldView, element: str) -> BodySpec:
     solid = solid_of(view, element)
     assert solid is not None
     pose, carrier = _pose(view, element)
-    placement = view.placement(element)
-    place = placement.place if placement and placement.relation == v.IN else None
-    half, offset = view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)
-    has_support = isinstance(half, tuple) and isinstance(offset, tuple)
-    type_ = view.element(element).type
+    place = _place(view, element)
     if pose is None and place is None:
         raise DescriptionError(f"{element} has neither a pose nor a place: say where it is")
-    return BodySpec(
+    half, offset = view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)
+    body = BodySpec(
         id=element,
-        type=type_,
+        type=view.element(element).type,
         solid=solid,
         mass=_number(view, element, v.MASS, default=0.0),
         pose=pose,
         place=place,
         carrier=carrier,
-        support=(half[0], half[1]) if has_support else None,  # type: ignore[index]  # has_support says it is a tuple
-        support_height=offset[2] if has_support else 0.0,  # type: ignore[index]
-        support_centre=(offset[0], offset[1]) if has_support else (0.0, 0.0),  # type: ignore[index]
-        compartment=_COMPARTMENT in view.ontology.classes and view.ontology.is_a(type_, _COMPARTMENT),
+        compartment=_is_compartment(view, element),
     )
+    if isinstance(half, tuple) and isinstance(offset, tuple):
+        x, y, z = offset
+        return replace(body, support=(half[0], half[1]), support_centre=(x, y), support_height=z)
+    return body
+
+
+def _place(view: WorldView, element: str) -> str | None:
+    """Returns what a thing lies in, and for a compartment the kit that has it."""
+    if _is_compartment(view, element):
+        return next(iter(view.subjects(v.HAS_A, element)), None)
+    placement = view.placement(element)
+    return placement.place if placement and placement.relation == v.IN else None
+
+
+def _is_compartment(view: WorldView, element: str) -> bool:
+    ontology = view.ontology
+    return _COMPARTMENT in ontology.classes and ontology.is_a(view.element(element).type, _COMPARTMENT)
 
 
 def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:

@@ -74,8 +74,8 @@ class Skill:
         description: What it promises.
         body: What is done between the checks of pre- and postconditions.
         pre_sense: Sensing before the preconditions are checked, or None.
-        finish: Done after the body whether it worked or not (stow the arm), also when the skill is broken off for another
-            plan; not when everything is stopped.
+        finish: Done after the body whether it worked or not (stow the arm), also when the skill is broken off for
+            another plan; not when everything is stopped.
         driver: Kind of cell driver it is for ("fake"), or None for every driver that is not a fake.
         version: Version of this implementation.
     """

@@ -1,4 +1,4 @@
-"""Where things are for a robot that acts: poses through moving frames, obstacles, what it holds, what belongs to what."""
+"""Where things are for a robot that acts: poses through moving frames, obstacles, what it holds."""
 
 from __future__ import annotations
 

@@ -120,8 +120,8 @@ def _abstract(name: str, class_: str, type_: ConditionType, where: str, view: Wo
         known = [*view.instances(class_), *((_local(c) for c in subclasses) if type_.abstract else ())]
         raise UnknownName("element", name, known, where=f"in {where}")
     if not type_.abstract:
-        known = ", ".join(view.instances(class_)) or "none"
-        raise UsageError(f"{where}: {name} is a class; {type_.name} needs one element of the scene: {known}.")
+        there = ", ".join(view.instances(class_)) or "none"
+        raise UsageError(f"{where}: {name} is a class; {type_.name} needs one element of the scene: {there}.")
     return by_name[name]
 
 

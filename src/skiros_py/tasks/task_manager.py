@@ -1,4 +1,4 @@
-"""The task manager: goal → plan → done, or the rest of the goal done and the reason for what is missing (paper §3.4)."""
+"""The task manager: goal → plan → done, or the rest of the goal done and why something is missing (paper §3.4)."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ class TaskManager:
     def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
         """Pursues a goal to its end.
 
-        What fails is tried again or planned anew a bounded number of times; what can no longer be reached is given up, and the rest of
-        the goal is still done.
+        What fails is tried again or planned anew a bounded number of times; what can no longer be reached is given up,
+        and the rest of the goal is still done.
         """
         started = time.perf_counter(), self._cycle.board.snapshot.time
         wanted = [c for c in goal if not c.evaluate(self._world)]

@@ -1,0 +1,149 @@
+"""Paths of a differential-drive base: out of a dock backwards, around what stands there, straight ahead into a dock."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.motion.footprints import floor_outline, placed, swept
+from skiros_py.motion.visibility import DiscSpace
+from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion
+from skiros_py.robot.pending import Pending
+from skiros_py.workers import Worker
+
+__all__ = ["BasePaths", "ShapelyBasePlanner"]
+
+_THERE = 0.01  # [m] this near the goal ...
+_ALIGNED = math.radians(1.0)  # ... and this well aligned, the base need not move
+_RUN_UP = 0.25  # [m] the last straight stretch is at least as long, so that the base comes in without sideways error
+_FARTHEST = 3.0  # [m] a dock deeper than this is not looked for
+_STEP = 0.02  # [m]
+_DOCK_CLEARANCE = 0.02  # [m] kept by the base's outline while it docks
+_LATENCY = 0.05  # [s]
+_NO_WAY = 1e-6  # [m]
+
+
+class ShapelyBasePlanner:
+    """Plans base paths in a worker process; a :class:`skiros_py.robot.motion.BasePlanner`.
+
+    Args:
+        latency: Declared time from request to path [s]; in lockstep the simulation goes on for as long.
+    """
+
+    def __init__(self, *, latency: float = _LATENCY) -> None:
+        self._worker = Worker("base paths", BasePaths)
+        self._latency = latency
+
+    def plan(self, request: BasePathRequest) -> Pending[BasePath | NoMotion]:
+        """Plans one path."""
+        return self._worker.call("plan", request, latency=self._latency)
+
+    def close(self) -> None:
+        """Ends the worker process."""
+        self._worker.close()
+
+
+class BasePaths:
+    """Plans base paths at once, in tens of milliseconds.
+
+    In the open the base is a disc around its outline, so that it may turn anywhere on the way; docked it is the outline
+    itself and only drives straight.
+    """
+
+    def plan(self, request: BasePathRequest) -> BasePath | NoMotion:
+        """Plans one path."""
+        if _there(request):
+            return BasePath((), request.goal.yaw)
+        floor = _Floor(request)
+        if touched := floor.touched_at(request.goal):
+            return NoMotion(f"at its goal the base would touch {touched}")
+        out = floor.way_out(request.start)
+        if out is None:
+            return NoMotion(f"the base cannot leave where it stands: {floor.nearest(request.start)} is in the way")
+        run_up = floor.run_up(request.goal)
+        if run_up is None:
+            return NoMotion(f"the base cannot drive straight into its goal past {floor.nearest(request.goal)}")
+        way = floor.space.shortest(_xy(out), _xy(run_up))
+        if way is None:
+            return NoMotion("there is no way to the goal that is wide enough for the base")
+        return BasePath(_legs(request, out, [*way, _xy(request.goal)]), request.goal.yaw)
+
+
+def _legs(request: BasePathRequest, out: Pose, way: list[tuple[float, float]]) -> tuple[BaseLeg, ...]:
+    legs = [BaseLeg(x, y) for before, (x, y) in pairwise(way) if math.dist((x, y), before) > _NO_WAY]
+    if out.distance(request.start) > _NO_WAY:
+        behind = (request.start.inverse() @ out).position[0] < 0.0
+        legs.insert(0, BaseLeg(*_xy(out), backwards=behind))
+    return tuple(legs)
+
+
+def _there(request: BasePathRequest) -> bool:
+    turned = abs(wrap_angle(request.goal.yaw - request.start.yaw))
+    return math.dist(_xy(request.start), _xy(request.goal)) <= _THERE and turned <= _ALIGNED
+
+
+class _Floor:
+    """What the base may do among the outlines of one request."""
+
+    def __init__(self, request: BasePathRequest) -> None:
+        self._footprint = request.footprint
+        self._outlines = {obstacle.id: floor_outline(obstacle) for obstacle in request.obstacles}
+        self._clearance = min(_DOCK_CLEARANCE, request.clearance)
+        radius = max(math.hypot(x, y) for x, y in request.footprint)
+        self.space = DiscSpace(list(self._outlines.values()), radius + request.clearance)
+
+    def touched_at(self, pose: Pose) -> str:
+        """Returns an obstacle that the base would touch standing at a pose, or an empty text."""
+        return self._touched(placed(self._footprint, pose), 0.0)
+
+    def way_out(self, start: Pose) -> Pose | None:
+        """Returns where turning is free, straight behind the start (or ahead if not behind)."""
+        for sign in (-1.0, 1.0):
+            pose = self._first_free(start, sign, 0.0, self._clearance_at(start))
+            if pose is not None:
+                return pose
+        return None
+
+    def run_up(self, goal: Pose) -> Pose | None:
+        """Returns where turning is free straight behind the goal; or the goal, if it is free and nothing behind is."""
+        pose = self._first_free(goal, -1.0, _RUN_UP, self._clearance_at(goal))
+        return goal if pose is None and self.space.free(_xy(goal)) else pose
+
+    def nearest(self, pose: Pose) -> str:
+        """Returns the obstacle nearest to the base at a pose."""
+        outline = placed(self._footprint, pose)
+        return min(self._outlines, key=lambda name: float(shapely.distance(self._outlines[name], outline)))
+
+    def _first_free(self, dock: Pose, sign: float, least: float, clearance: float) -> Pose | None:
+        for step in range(round(least / _STEP), round(_FARTHEST / _STEP) + 1):
+            pose = _shifted(dock, sign * step * _STEP)
+            if self._touched(swept(self._footprint, dock, pose), clearance):
+                return None
+            if self.space.free(_xy(pose)):
+                return pose
+        return None
+
+    def _clearance_at(self, dock: Pose) -> float:
+        """Returns the docking clearance, or what there is of it where the base stands closer already."""
+        outline = placed(self._footprint, dock)
+        nearest = min((float(shapely.distance(other, outline)) for other in self._outlines.values()), default=math.inf)
+        return min(self._clearance, 0.9 * nearest)
+
+    def _touched(self, area: BaseGeometry, clearance: float) -> str:
+        """Returns the first obstacle nearer to an area than the clearance, or an empty text."""
+        for name, outline in self._outlines.items():
+            if shapely.dwithin(outline, area, clearance):
+                return name
+        return ""
+
+
+def _shifted(pose: Pose, distance: float) -> Pose:
+    return pose @ Pose((distance, 0.0, 0.0))
+
+
+def _xy(pose: Pose) -> tuple[float, float]:
+    return pose.position[0], pose.position[1]

@@ -1,0 +1,136 @@
+"""One arm of a robot as a kinematic model, seen from the robot's base frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from skiros_py.errors import UnknownName
+from skiros_py.geometry import Array, Pose
+from skiros_py.robot.cell import ArmSpec, GripperSpec
+
+__all__ = ["ArmModel", "se3"]
+
+_ACCELERATION = 5.0  # [rad/s²] a URDF has no such limit; gentle for what is held by friction
+
+
+def se3(pose: Pose) -> pin.SE3:
+    """Returns a pose as Pinocchio's rigid transform."""
+    return pin.SE3(pose.matrix())
+
+
+class ArmModel:
+    """The arm's joints alone; base and wheels stand at zero, so everything is seen from the robot's base frame.
+
+    Args:
+        urdf: The robot's description.
+        arm: Which joints and which tip.
+        grippers: Grippers of the robot; those on this arm move their fingers with the gap.
+
+    Attributes:
+        lower, upper: Joint limits [rad].
+        velocity: Joint speed limits [rad/s].
+        acceleration: Joint acceleration limits [rad/s²].
+        reach: Upper bound of the distance from the arm's shoulder to its tip [m].
+    """
+
+    def __init__(self, urdf: Path, arm: ArmSpec, grippers: Iterable[GripperSpec] = ()) -> None:
+        self.spec = arm
+        self._full = pin.buildModelFromUrdf(str(urdf))
+        self._shapes = _convex_shapes(self._full, urdf)
+        self._grippers = tuple(gripper for gripper in grippers if gripper.arm == arm.id)
+        self.model, _ = self._reduced(0.0)
+        self._data = self.model.createData()
+        self.tip = self._frame_id(arm.tip)
+        self.lower: Array = np.array(self.model.lowerPositionLimit)
+        self.upper: Array = np.array(self.model.upperPositionLimit)
+        self.velocity: Array = np.array(self.model.velocityLimit)
+        self.acceleration: Array = np.full(len(arm.joints), _ACCELERATION)
+        self.reach = self._chain_length()
+
+    def tip_pose(self, q: Array) -> pin.SE3:
+        """Returns the pose of the tip at joint angles [rad]."""
+        pin.framesForwardKinematics(self.model, self._data, q)
+        return self._data.oMf[self.tip].copy()
+
+    def tip_jacobian(self, q: Array) -> tuple[pin.SE3, Array]:
+        """Returns the tip's pose and its Jacobian in the tip frame, shape (6, n): linear part first."""
+        pin.computeJointJacobians(self.model, self._data, q)
+        pose = pin.updateFramePlacement(self.model, self._data, self.tip)
+        return pose, pin.getFrameJacobian(self.model, self._data, self.tip, pin.LOCAL)
+
+    def frame_pose(self, q: Array, link: str) -> Pose:
+        """Returns the pose of a link at joint angles [rad].
+
+        Raises:
+            UnknownName: The robot has no such link.
+        """
+        frame = self._frame_id(link)
+        pin.framesForwardKinematics(self.model, self._data, q)
+        return Pose.from_matrix(self._data.oMf[frame].homogeneous)
+
+    @cached_property
+    def shoulder(self) -> Array:
+        """Where the second joint of the arm is [m]."""
+        pin.forwardKinematics(self.model, self._data, pin.neutral(self.model))
+        return np.array(self._data.oMi[min(2, self.model.njoints - 1)].translation)
+
+    def collision_shapes(self, gap: float) -> pin.GeometryModel:
+        """Returns the convex shapes of the whole robot with the fingers a gap [m] apart, without collision pairs."""
+        return self._reduced(gap)[1]
+
+    @cached_property
+    def gripper_links(self) -> frozenset[str]:
+        """Links that move rigidly with the tip or are fingers: what may touch a part to be grasped."""
+        mounts = {self._parent_link(joint) for gripper in self._grippers for joint in gripper.joints}
+        mounts.add(self._full.frames[self._full.getFrameId(self.spec.tip)].name)
+        bodies = [frame for frame in self._full.frames if frame.type == pin.FrameType.BODY]
+        return frozenset(frame.name for frame in bodies if mounts & self._ancestors(frame))
+
+    def _reduced(self, gap: float) -> tuple[pin.Model, pin.GeometryModel]:
+        posture = pin.neutral(self._full)
+        for name in (joint for gripper in self._grippers for joint in gripper.joints):
+            joint = self._full.joints[self._full.getJointId(name)]
+            posture[joint.idx_q] = np.clip(gap / 2.0, *self._limits(joint))
+        locked = [i for i, name in enumerate(self._full.names) if i > 0 and name not in self.spec.joints]
+        return pin.buildReducedModel(self._full, self._shapes, locked, posture)  # type: ignore[no-any-return]
+
+    def _limits(self, joint: Any) -> tuple[float, float]:
+        return self._full.lowerPositionLimit[joint.idx_q], self._full.upperPositionLimit[joint.idx_q]
+
+    def _frame_id(self, link: str) -> int:
+        if not self.model.existFrame(link):
+            links = [frame.name for frame in self.model.frames if frame.type == pin.FrameType.BODY]
+            raise UnknownName("link", link, links)
+        return int(self.model.getFrameId(link))
+
+    def _chain_length(self) -> float:
+        steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
+        steps.append(self.model.frames[self.tip].placement.translation)
+        return float(sum(np.linalg.norm(step) for step in steps))
+
+    def _parent_link(self, joint: str) -> str:
+        frame = self._full.frames[self._full.getFrameId(joint)]
+        return str(self._full.frames[frame.parentFrame].name)
+
+    def _ancestors(self, frame: Any) -> set[str]:
+        names = {frame.name}
+        while frame.parentFrame != 0:
+            frame = self._full.frames[frame.parentFrame]
+            names.add(frame.name)
+        return names
+
+
+def _convex_shapes(model: pin.Model, urdf: Path) -> pin.GeometryModel:
+    """Replaces each mesh by its convex hull, which is what a physics engine collides too."""
+    shapes = pin.buildGeomFromUrdf(model, str(urdf), pin.GeometryType.COLLISION, package_dirs=[str(urdf.parent)])
+    for shape in shapes.geometryObjects:
+        if hasattr(shape.geometry, "buildConvexRepresentation"):
+            shape.geometry.buildConvexRepresentation(False)
+            shape.geometry = shape.geometry.convex
+    return shapes

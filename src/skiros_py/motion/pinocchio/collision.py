@@ -1,0 +1,213 @@
+"""Does the arm touch anything? Convex shapes of robot, obstacles and held body, checked with Coal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from skiros_py.geometry import Array, Pose, Primitive
+from skiros_py.motion.pinocchio.arm_model import ArmModel, se3
+from skiros_py.robot.motion import Held, Obstacle
+
+__all__ = ["Checker", "CollisionScene", "Contact", "self_collision_pairs"]
+
+_HELD = "what it holds"
+_SAMPLES = 200
+_ALWAYS = 0.9  # share of random postures; shapes that overlap that often are neighbours
+_DEEPEST_START = 0.03  # [m] how deep the arm may seem to stick in something where a motion starts (localisation error)
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Two things that are too close: a robot link (or the held body), and an obstacle's id or another link."""
+
+    link: str
+    other: str
+    obstacle: bool
+
+    def __str__(self) -> str:
+        return f"{self.link} would touch {self.other}{'' if self.obstacle else ' of the robot itself'}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    contact: Contact
+    may_touch: bool  # the gripper or the held body against an obstacle: what a move may declare as touching
+
+
+def self_collision_pairs(arm: ArmModel) -> frozenset[tuple[str, str]]:
+    """Returns the pairs of shapes of the robot that can collide, by name.
+
+    Left out are shapes of one rigid body, neighbours across one joint, and those whose hulls overlap in nearly every
+    posture or in the arm's home posture.
+    """
+    shapes = arm.collision_shapes(0.0)
+    _add_distant_pairs(arm.model, shapes)
+    data, results = arm.model.createData(), shapes.createData()
+    hits = np.zeros(len(shapes.collisionPairs))
+    rng = np.random.default_rng(0)
+    for _ in range(_SAMPLES):
+        hits += _hits(arm, data, shapes, results, rng.uniform(arm.lower, arm.upper))
+    at_home = _hits(arm, data, shapes, results, np.array(arm.spec.home))
+    kept = (hits < _ALWAYS * _SAMPLES) & ~at_home
+    names = [shape.name for shape in shapes.geometryObjects]
+    pairs = [(names[pair.first], names[pair.second]) for pair in shapes.collisionPairs]
+    return frozenset(pair for pair, keep in zip(pairs, kept, strict=True) if keep)
+
+
+def _add_distant_pairs(model: pin.Model, shapes: pin.GeometryModel) -> None:
+    parents = [shape.parentJoint for shape in shapes.geometryObjects]
+    for i, first in enumerate(parents):
+        for j, second in enumerate(parents[i + 1 :], start=i + 1):
+            if first != second and model.parents[max(first, second)] != min(first, second):
+                shapes.addCollisionPair(pin.CollisionPair(i, j))
+
+
+def _hits(
+    arm: ArmModel, data: pin.Data, shapes: pin.GeometryModel, results: pin.GeometryData, q: Array
+) -> NDArray[np.bool_]:
+    pin.computeCollisions(arm.model, data, shapes, results, q, False)
+    return np.array([result.isCollision() for result in results.collisionResults])
+
+
+class CollisionScene:
+    """The robot among the obstacles of one request.
+
+    Args:
+        arm: The arm that moves.
+        self_pairs: Pairs of robot shapes to check, from :func:`self_collision_pairs`.
+        base: Pose of the robot's base in the map.
+        obstacles: Bodies in the map.
+        held: What the gripper holds, or None.
+        gap: Gap between the fingers [m].
+    """
+
+    def __init__(
+        self,
+        arm: ArmModel,
+        self_pairs: Iterable[tuple[str, str]],
+        base: Pose,
+        obstacles: Iterable[Obstacle],
+        held: Held | None,
+        gap: float,
+    ) -> None:
+        self._arm = arm
+        self._shapes = arm.collision_shapes(gap)
+        self._pairs: list[_Pair] = []
+        self._robot = [(i, shape) for i, shape in enumerate(self._shapes.geometryObjects)]
+        self._held = self._add_held(held) if held else []
+        for first, second in sorted(self_pairs):
+            self._pair(self._shapes.getGeometryId(first), self._shapes.getGeometryId(second), None)
+        self._guard_robot_from_held()
+        to_base = base.inverse()
+        for obstacle in obstacles:
+            self._add_obstacle(obstacle, to_base @ obstacle.pose)
+
+    def checker(self, margin: float, touching: frozenset[str] = frozenset(), start: Array | None = None) -> Checker:
+        """Returns a checker for one kind of move.
+
+        Args:
+            margin: Smallest distance to keep [m].
+            touching: Ids of obstacles that gripper and held body may touch.
+            start: Joint angles [rad] at which the move starts; what is nearer than the margin there must only not get
+                nearer.
+        """
+        active = [not (pair.may_touch and pair.contact.other in touching) for pair in self._pairs]
+        checker = Checker(self._arm, self._shapes, [pair.contact for pair in self._pairs], active, margin)
+        if start is not None:
+            checker.tolerate(start)
+        return checker
+
+    def _add_held(self, held: Held) -> list[int]:
+        tip = self._arm.model.frames[self._arm.tip]
+        mount = tip.placement * se3(held.pose)
+        return [self._add(_HELD, tip.parentJoint, mount, block) for block in held.solid.primitives]
+
+    def _guard_robot_from_held(self) -> None:
+        for shape_id in self._held:
+            for i, shape in self._robot:
+                if self._link(i) not in self._arm.gripper_links and shape.parentJoint != self._arm.model.njoints - 1:
+                    self._pair(shape_id, i, None)
+
+    def _add_obstacle(self, obstacle: Obstacle, pose: Pose) -> None:
+        placement = se3(pose)
+        for block in obstacle.solid.primitives:
+            if not self._within_reach(placement, block):
+                continue
+            shape_id = self._add(obstacle.id, 0, placement, block)
+            for i, shape in self._robot:
+                if shape.parentJoint > 0:
+                    self._pair(i, shape_id, obstacle.id)
+            for held_id in self._held:
+                self._pair(held_id, shape_id, obstacle.id)
+
+    def _within_reach(self, placement: pin.SE3, block: Primitive) -> bool:
+        radius = float(np.linalg.norm(block.size))
+        centre = placement.act(np.array(block.pose.position))
+        return float(np.linalg.norm(centre - self._arm.shoulder)) - radius < self._arm.reach + 0.4
+
+    def _add(self, name: str, joint: int, placement: pin.SE3, block: Primitive) -> int:
+        shape = coal.Box(*block.size) if block.kind == "box" else coal.Cylinder(*block.size)
+        unique = f"{name}#{len(self._shapes.geometryObjects)}"
+        return int(
+            self._shapes.addGeometryObject(pin.GeometryObject(unique, joint, 0, placement * se3(block.pose), shape))
+        )
+
+    def _link(self, shape_id: int) -> str:
+        if shape_id in self._held:
+            return _HELD
+        shape = self._shapes.geometryObjects[shape_id]
+        return str(self._arm.model.frames[shape.parentFrame].name)
+
+    def _pair(self, first: int, second: int, obstacle: str | None) -> None:
+        link = self._link(first)
+        other = obstacle if obstacle is not None else self._link(second)
+        free_to_touch = obstacle is not None and (link == _HELD or link in self._arm.gripper_links)
+        self._shapes.addCollisionPair(pin.CollisionPair(first, second))
+        self._pairs.append(_Pair(Contact(link, other, obstacle is not None), free_to_touch))
+
+
+class Checker:
+    """Checks postures for one kind of move; made by :meth:`CollisionScene.checker`."""
+
+    def __init__(
+        self, arm: ArmModel, shapes: pin.GeometryModel, contacts: list[Contact], active: list[bool], margin: float
+    ) -> None:
+        self._arm = arm
+        self._shapes = shapes
+        self._contacts = contacts
+        self._data = arm.model.createData()
+        self._results = shapes.createData()
+        self._margin = margin
+        for i, is_active in enumerate(active):
+            self._results.collisionRequests[i].security_margin = margin
+            if not is_active:
+                self._results.deactivateCollisionPair(i)
+
+    def clear(self, q: Array) -> bool:
+        """Returns True when nothing is nearer than the margin at joint angles [rad]."""
+        return not pin.computeCollisions(self._arm.model, self._data, self._shapes, self._results, q, True)
+
+    def contact(self, q: Array) -> Contact | None:
+        """Returns what is too close at joint angles [rad], or None."""
+        touching = self._touching(q)
+        return self._contacts[touching[0]] if touching else None
+
+    def tolerate(self, q: Array) -> None:
+        """Lets what is too close at joint angles [rad] stay as close as it is there."""
+        for i in self._touching(q):
+            distance = pin.computeDistance(self._shapes, self._results, i).min_distance
+            if distance > -_DEEPEST_START:
+                self._results.collisionRequests[i].security_margin = min(self._margin, distance - 0.001)
+
+    def _touching(self, q: Array) -> list[int]:
+        if self.clear(q):
+            return []
+        pin.computeCollisions(self._arm.model, self._data, self._shapes, self._results, q, False)
+        results, active = self._results.collisionResults, self._results.activeCollisionPairs
+        return [i for i in range(len(self._contacts)) if active[i] and results[i].isCollision()]

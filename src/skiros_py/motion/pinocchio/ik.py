@@ -1,0 +1,117 @@
+"""Inverse kinematics: damped least squares from several seeds, inside the joint limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from skiros_py.geometry import Array
+from skiros_py.motion.pinocchio.arm_model import ArmModel
+
+__all__ = ["IkSolver"]
+
+_ITERATIONS = 40
+_POSITION_TOLERANCE = 1e-6  # [m] the last step converges quadratically, so being exact costs one more iteration
+_ANGLE_TOLERANCE = 1e-5  # [rad]
+_CLAMPED_JOINTS = 3  # joints at their limit that the others may make up for in one step
+_SETTLING = 15  # iterations that draw a solution to the reference
+_STRENGTH = 0.2  # share of the difference made up by each
+_LARGEST_STEP = 0.6  # [rad] per iteration
+_DISTINCT = 0.3  # [rad] two solutions closer than this in every joint are one
+
+
+class IkSolver:
+    """Finds joint angles that bring the tip to a pose.
+
+    Args:
+        arm: The kinematic model.
+    """
+
+    def __init__(self, arm: ArmModel) -> None:
+        self._arm = arm
+        self._identity = np.eye(6)
+
+    def solve(
+        self,
+        target: pin.SE3,
+        seed: Array,
+        *,
+        towards: Array | None = None,
+        pulls: int = 1,
+        strength: float = _STRENGTH,
+        iterations: int = _ITERATIONS,
+    ) -> Array | None:
+        """Iterates from one seed.
+
+        Args:
+            target: Pose of the tip in the robot's base frame.
+            seed: Joint angles to begin with [rad].
+            towards: Joint angles to draw near where the pose leaves freedom [rad], or None.
+            pulls: How many iterations draw there.
+            strength: Share of the difference made up by one of them, 0 to 1.
+            iterations: Bound of the effort.
+
+        Returns:
+            Joint angles within the limits [rad], or None: not found from this seed.
+        """
+        q, nowhere = seed.copy(), np.zeros(len(seed))
+        for iteration in range(iterations):
+            pose, jacobian = self._arm.tip_jacobian(q)
+            error = pin.log6(pose.actInv(target)).vector
+            pulled = towards is not None and iteration < pulls
+            if not pulled and _small(error):
+                return q
+            drift = strength * (towards - q) if towards is not None and pulled else nowhere
+            q = self._step(q, jacobian, error, drift)
+        return None
+
+    def solutions(
+        self, target: pin.SE3, reference: Array, rng: np.random.Generator, *, count: int = 6, restarts: int = 50
+    ) -> list[Array]:
+        """Returns distinct solutions, the one nearest to a reference first.
+
+        Each is also moved, elbow by elbow, as near to the reference as its pose allows; both are returned.
+
+        Args:
+            target: Pose of the tip in the robot's base frame.
+            reference: Joint angles from where the arm comes [rad]; also the first seed.
+            rng: Source of the other seeds.
+            count: Stop after as many solutions.
+            restarts: Bound of the effort: number of seeds.
+        """
+        found: list[Array] = []
+        for attempt in range(restarts):
+            seed = reference if attempt == 0 else rng.uniform(self._arm.lower, self._arm.upper)
+            raw = self.solve(target, seed)
+            if raw is None:
+                continue
+            for q in (self.solve(target, raw, towards=reference, pulls=_SETTLING), raw):
+                if q is not None and all(np.abs(q - other).max() > _DISTINCT for other in found):
+                    found.append(q)
+            if len(found) >= count:
+                break
+        return sorted(found, key=lambda q: float(np.linalg.norm(q - reference)))
+
+    def _step(self, q: Array, jacobian: Array, error: Array, drift: Array) -> Array:
+        """Moves towards the target; for a joint that would leave its range the others make up."""
+        free = np.ones(len(q), dtype=bool)
+        for _ in range(_CLAMPED_JOINTS):
+            step = self._least_squares(jacobian * free, error, drift * free)
+            wanted = q + step
+            inside = (wanted >= self._arm.lower) & (wanted <= self._arm.upper)
+            if inside.all():
+                return wanted
+            free &= inside | (step == 0.0)
+        return np.clip(wanted, self._arm.lower, self._arm.upper)
+
+    def _least_squares(self, jacobian: Array, error: Array, drift: Array) -> Array:
+        damping = 1e-9 + 1e-3 * float(error @ error)
+        square = jacobian @ jacobian.T + damping * self._identity
+        step: Array = drift + jacobian.T @ np.linalg.solve(square, error - jacobian @ drift)
+        largest = float(np.abs(step).max())
+        return step if largest <= _LARGEST_STEP else step * (_LARGEST_STEP / largest)
+
+
+def _small(error: Array) -> bool:
+    linear, angular = error[:3], error[3:]
+    return bool(linear @ linear < _POSITION_TOLERANCE**2 and angular @ angular < _ANGLE_TOLERANCE**2)

@@ -1,0 +1,239 @@
+"""Searches the postures that a route can be done with.
+
+A free move to a pose leaves the choice of the posture, and the lines that follow it depend on that choice. So first
+chains of postures are built for all routes, each line followed and checked, the free moves only guessed as straight;
+then, from the shortest chain on, the free moves are planned.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import pinocchio as pin
+
+from skiros_py.geometry import Array, Pose
+from skiros_py.motion.pinocchio.arm_model import ArmModel, se3
+from skiros_py.motion.pinocchio.collision import Checker, CollisionScene
+from skiros_py.motion.pinocchio.free_moves import Effort, FreeMoves
+from skiros_py.motion.pinocchio.ik import IkSolver
+from skiros_py.motion.pinocchio.lines import Line, LineFollower
+from skiros_py.motion.smoothing import round_corners
+from skiros_py.robot.motion import JointMove, LineMove, Move, PoseMove, Route
+
+__all__ = ["Chain", "FreeLeg", "LineLeg", "Refusal", "RouteSearch"]
+
+_FREE_MARGIN = 0.005  # [m] kept from everything on free moves
+_LINE_MARGIN = 0.002  # [m] on lines, which go where it is narrow
+_POSTURES = 6  # tried per pose
+_SEEDS = 24  # for inverse kinematics per pose
+_BEAM = 4  # chains of one route kept after each move
+_STRAIGHT_TRIES = 8  # chains whose free moves are tried straight before any is planned around things
+_AROUND_TRIES = 3  # chains whose free moves are planned around things
+_EFFORT = 4000  # postures checked for each of them at most
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeLeg:
+    """A free move: path pieces with joint angles [rad] at even steps; the arm rests between pieces."""
+
+    goal: Array
+    pieces: tuple[Array, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LineLeg:
+    """A straight move and the greatest tip speed on it [m/s]."""
+
+    line: Line
+    speed: float
+
+    @property
+    def goal(self) -> Array:
+        """Joint angles at its end [rad]."""
+        return np.asarray(self.line.postures[-1])
+
+
+Leg = FreeLeg | LineLeg
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """Legs for the first moves of a route and their joint motion [rad]."""
+
+    route: int
+    start: Array
+    legs: tuple[Leg, ...] = ()
+    cost: float = 0.0
+
+    @property
+    def end(self) -> Array:
+        """Joint angles after the last leg [rad]."""
+        return self.legs[-1].goal if self.legs else self.start
+
+    def then(self, leg: Leg) -> Chain:
+        """Returns the chain with one leg more."""
+        return replace(self, legs=(*self.legs, leg), cost=self.cost + float(np.linalg.norm(leg.goal - self.end)))
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why a route is not possible: at which of its moves (from 0), what kind of move that is, and the reason."""
+
+    route: int
+    move: int
+    kind: str
+    reason: str
+
+    def text(self, routes: int) -> str:
+        """Returns the reason for a person."""
+        place = f"way {self.route + 1} of {routes}, " if routes > 1 else ""
+        return f"{place}move {self.move + 1} ({self.kind}): {self.reason}"
+
+
+_NOTHING = Refusal(0, 0, "none", "there is no move to make")
+_NO_WAY = "no way around what stands there was found"
+
+
+class RouteSearch:
+    """Finds the best feasible route of one request.
+
+    Args:
+        arm: The kinematic model.
+        solver: Inverse kinematics.
+        scene: Robot and obstacles.
+        base: Pose of the robot's base in the map.
+        seed: Of all random choices.
+    """
+
+    def __init__(self, arm: ArmModel, solver: IkSolver, scene: CollisionScene, base: Pose, seed: int) -> None:
+        self._arm = arm
+        self._solver = solver
+        self._scene = scene
+        self._to_base = se3(base.inverse())
+        self._rng = np.random.default_rng(seed)
+        self._follower = LineFollower(arm, solver)
+        self._free = scene.checker(_FREE_MARGIN)
+        self._refusals: list[Refusal] = []
+        self._known: dict[Pose, list[Array]] = {}
+
+    def find(self, start: Array, routes: tuple[Route, ...]) -> Chain | Refusal:
+        """Returns the feasible chain with the least joint motion of those tried, or what stopped the best one.
+
+        Args:
+            start: Joint angles now [rad].
+            routes: The alternatives.
+        """
+        chains = [chain for index, route in enumerate(routes) for chain in self._chains(index, start, route)]
+        chains.sort(key=lambda chain: chain.cost)
+        for chain in chains[:_STRAIGHT_TRIES]:
+            if (planned := self._planned(chain, around=False)) is not None:
+                return planned
+        for chain in _spread(chains, _AROUND_TRIES):
+            if (planned := self._planned(chain, around=True)) is not None:
+                return planned
+        return max(self._refusals, key=lambda refusal: refusal.move, default=_NOTHING)
+
+    def _chains(self, index: int, start: Array, route: Route) -> list[Chain]:
+        """Returns chains of postures for a whole route, lines checked, free moves only guessed."""
+        chains = [Chain(index, start)]
+        for number, move in enumerate(route):
+            longer: list[Chain] = []
+            for chain in chains:
+                legs = self._legs(chain, move, first=number == 0)
+                if isinstance(legs, str):
+                    self._refusals.append(Refusal(index, number, _kind(move), legs))
+                else:
+                    longer.extend(chain.then(leg) for leg in legs)
+            # Postures are cut only when a free move follows: which of them can do the lines is not known before.
+            ends_segment = number + 1 == len(route) or not isinstance(route[number + 1], LineMove)
+            longer.sort(key=lambda chain: chain.cost)
+            chains = longer[:_BEAM] if ends_segment else longer
+        return chains if route else []
+
+    def _legs(self, chain: Chain, move: Move, *, first: bool) -> Iterable[Leg] | str:
+        if isinstance(move, LineMove):
+            checker = self._scene.checker(_LINE_MARGIN, move.touching, chain.end if first else None)
+            line = self._follower.follow(chain.end, self._in_base(move.pose), checker)
+            return line if isinstance(line, str) else [LineLeg(line, move.speed)]
+        goals = self._goals(chain, move)
+        return goals if isinstance(goals, str) else [FreeLeg(goal) for goal in goals]
+
+    def _goals(self, chain: Chain, move: JointMove | PoseMove) -> list[Array] | str:
+        """Returns the postures that end a free move, the nearest first."""
+        if isinstance(move, JointMove):
+            postures = [np.array(move.positions)]
+            if np.any(postures[0] < self._arm.lower) or np.any(postures[0] > self._arm.upper):
+                return "the joint angles are outside the limits"
+        else:
+            target = self._in_base(move.pose)
+            postures = self._postures(move.pose, target, chain.end)
+            if not postures:
+                return self._unreachable(target)
+        clear = [posture for posture in postures if self._free.clear(posture)]
+        return clear or str(self._free.contact(postures[0]))
+
+    def _postures(self, pose: Pose, target: pin.SE3, end: Array) -> list[Array]:
+        """Returns postures for a pose; those from random seeds are found once, whatever chain leads there."""
+        if pose not in self._known:
+            self._known[pose] = self._solver.solutions(target, end, self._rng, count=_POSTURES, restarts=_SEEDS)
+        near = self._solver.solve(target, end)
+        found = self._known[pose] if near is None else [near, *self._known[pose]]
+        return sorted(found, key=lambda posture: float(np.linalg.norm(posture - end)))[:_POSTURES]
+
+    def _unreachable(self, target: pin.SE3) -> str:
+        away = float(np.linalg.norm(target.translation - self._arm.shoulder))
+        if away > self._arm.reach:
+            return f"out of reach, {away:.2f} m from the shoulder of an arm that is {self._arm.reach:.2f} m long"
+        return f"no joint angles within the limits reach it ({away:.2f} m from the shoulder, {_SEEDS} attempts)"
+
+    def _in_base(self, pose: Pose) -> pin.SE3:
+        return self._to_base * se3(pose)
+
+    def _planned(self, chain: Chain, *, around: bool) -> Chain | None:
+        """Returns the chain with its free moves planned, or None."""
+        legs: list[Leg] = []
+        here, effort = chain.start, Effort(_EFFORT)
+        for number, leg in enumerate(chain.legs):
+            if isinstance(leg, FreeLeg):
+                pieces = self._free_path(here, leg.goal, effort, around=around)
+                if pieces is None:
+                    self._refusals.append(Refusal(chain.route, number, "free move", _NO_WAY))
+                    return None
+                legs.append(replace(leg, pieces=pieces))
+            else:
+                legs.append(leg)
+            here = leg.goal
+        return replace(chain, legs=tuple(legs))
+
+    def _free_path(self, start: Array, goal: Array, effort: Effort, *, around: bool) -> tuple[Array, ...] | None:
+        checker = self._scene.checker(_FREE_MARGIN, start=start)
+        moves = FreeMoves(self._arm, checker, self._rng, effort)
+        if moves.straight(start, goal):
+            return (np.linspace(start, goal, 5),)
+        way_points = moves.around(start, goal) if around else None
+        return _smooth(way_points, checker) if way_points else None
+
+
+def _smooth(way_points: list[Array], checker: Checker) -> tuple[Array, ...]:
+    rounded = round_corners(way_points, checker.clear)
+    if rounded is not None:
+        return (rounded,)
+    return tuple(np.linspace(a, b, 5) for a, b in pairwise(way_points))
+
+
+def _spread(chains: list[Chain], count: int) -> list[Chain]:
+    """Returns the best chain of each route before second ones: another route is the better second try."""
+    seen: dict[int, int] = {}
+    ranked = []
+    for chain in chains:
+        rank = seen.get(chain.route, 0)
+        seen[chain.route] = rank + 1
+        ranked.append((rank, chain.cost, chain))
+    return [chain for _, _, chain in sorted(ranked, key=lambda entry: entry[:2])][:count]
+
+
+def _kind(move: Move) -> str:
+    return {JointMove: "to joint angles", PoseMove: "to a pose", LineMove: "straight line"}[type(move)]

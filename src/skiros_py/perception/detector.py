@@ -1,0 +1,179 @@
+"""One look at a surface: find the support, what stands on it, and say what each thing is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiros_py.geometry import Array, Pose, wrap_angle
+from skiros_py.perception.classify import Fit, best_fits
+from skiros_py.perception.clusters import clusters_of, outline, pieces_of
+from skiros_py.perception.elevation import HIGHEST, ElevationMap, elevation_map
+from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
+from skiros_py.perception.plane import Plane, find_support
+from skiros_py.perception.polish import misfits, polish
+from skiros_py.perception.view import View
+from skiros_py.perception.visibility import visible_share
+from skiros_py.robot.perception import Detection, LookRequest, LookResult, Region
+
+__all__ = ["detect"]
+
+Cells = NDArray[np.int64]
+
+_SURFACE_WINDOW = 0.080
+_AROUND = 0.070
+_WORST_FIT = 0.012
+_WORST_COST = 0.0035
+_LEAST_MARGIN = 0.0015
+_LEAST_SEEN = 0.5
+_EXPLAINED = 0.5
+_RAISED = 0.008
+_BESIDE = 0.015
+_CLIP = 0.030
+_CONTRADICTED = 0.003
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scene:
+    """One look, prepared: points are x, y and height above the support; all in the region's frame [m]."""
+
+    request: LookRequest
+    plane: Plane
+    elevation: ElevationMap
+    points: Array
+
+    @property
+    def region(self) -> Region:
+        return self.request.region
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Thing:
+    """A cluster and its best explanation: the type is None where that is not good enough."""
+
+    cells: Cells
+    type: str | None
+    pose: tuple[float, float, float]
+    cost: float
+    margin: float
+
+
+def detect(request: LookRequest) -> LookResult:
+    """Searches one image for parts on one surface.
+
+    Args:
+        request: The image, where it was taken, where to search and for what.
+
+    Returns:
+        What was seen. The cost of a detection is the mean misfit beyond the doubt about where edges are, about 1 mm
+        for the right type; its margin is the lead over the second type where edges do count.
+    """
+    half = request.region.half_extents
+    view = View.of(request.image, request.camera_pose, request.region.pose)
+    inside = np.all(np.abs(view.points) <= (*half, _SURFACE_WINDOW), axis=1)
+    plane = find_support(view.points[inside], seed=request.seed)
+    if plane is None:
+        return LookResult(None, (), visible_share(view, Plane(0.0, 0.0, 0.0), half))
+    scene = _scene(view, plane, request)
+    found = [_reported(thing, scene) for thing in _things(scene)]
+    return LookResult(
+        surface=(request.region.pose @ Pose.of(0.0, 0.0, plane.offset)).position[2],
+        detections=tuple(sorted(found, key=lambda thing: request.region.pose.distance(thing.pose))),
+        visible=visible_share(view, plane, half),
+    )
+
+
+def _scene(view: View, plane: Plane, request: LookRequest) -> _Scene:
+    half_x, half_y = request.region.half_extents
+    elevation = elevation_map(view, plane, (half_x + _AROUND, half_y + _AROUND))
+    heights = plane.heights(view.points)
+    points = np.column_stack([view.points[:, :2], heights])[heights <= HIGHEST]
+    return _Scene(request, plane, elevation, points)
+
+
+def _things(scene: _Scene) -> list[_Thing]:
+    explained = np.zeros(len(scene.elevation.x), dtype=np.bool_)
+    found: list[_Thing] = []
+    for cluster in clusters_of(scene.elevation, scene.region.half_extents):
+        if explained[cluster].mean() > _EXPLAINED:
+            continue  # a piece of a part that is there already
+        for thing in _explanations(scene, cluster):
+            explained |= _covered(scene, thing)
+            found.append(thing)
+    return [thing for thing in found if _is_inside(thing, scene.region)]
+
+
+def _explanations(scene: _Scene, cluster: Cells) -> list[_Thing]:
+    """A cluster as one thing, or as several that touch, if some of those are known and it as a whole is not."""
+    whole = _explanation(scene, cluster)
+    if whole.type is not None:
+        return [whole]
+    pieces = pieces_of(scene.elevation, cluster)
+    parts = [_explanation(scene, piece) for piece in pieces] if len(pieces) > 1 else []
+    return parts if any(part.type is not None for part in parts) else [whole]
+
+
+def _explanation(scene: _Scene, cluster: Cells) -> _Thing:
+    fits = best_fits(scene.elevation, cluster, scene.request.models)
+    if not fits:
+        return _unknown(scene, cluster, math.inf, math.inf)
+    best, margin = fits[0], fits[1].cost - fits[0].cost if len(fits) > 1 else math.inf
+    template = _template(scene, best.type)
+    pose = np.array([best.x, best.y, best.yaw], dtype=np.float32)
+    if best.cost <= _WORST_FIT:
+        pose = _sharpened(scene, template, pose)
+    cost = _mean_misfit(scene.elevation, cluster, template, pose)
+    if not _is_good(best, cost, margin):
+        return _unknown(scene, cluster, cost, margin)
+    return _Thing(cluster, best.type, (float(pose[0]), float(pose[1]), wrap_angle(float(pose[2]))), cost, margin)
+
+
+def _is_good(fit: Fit, cost: float, margin: float) -> bool:
+    """A bad fit stays unknown: the next look, or a person, may know better; a wrong type would be believed."""
+    fits = fit.cost <= _WORST_FIT and cost <= _WORST_COST
+    return fits and fit.seen >= _LEAST_SEEN and margin >= _LEAST_MARGIN
+
+
+def _unknown(scene: _Scene, cluster: Cells, cost: float, margin: float) -> _Thing:
+    x, y, yaw, *_ = outline(scene.elevation, cluster)
+    return _Thing(cluster, None, (x, y, yaw), cost, margin)
+
+
+def _template(scene: _Scene, name: str) -> HeightMap:
+    return height_map(next(model.solid for model in scene.request.models if model.type == name))
+
+
+def _sharpened(scene: _Scene, template: HeightMap, pose: Floats) -> Floats:
+    distance = np.hypot(scene.points[:, 0] - pose[0], scene.points[:, 1] - pose[1])
+    return polish(template, scene.points[distance <= template.radius + _BESIDE], pose, lowest=_RAISED)
+
+
+def _mean_misfit(elevation: ElevationMap, cluster: Cells, template: HeightMap, pose: Floats) -> float:
+    misfit = np.minimum(misfits(template, elevation, pose), _CLIP)
+    counted = template.placed(elevation.x, elevation.y, pose[None, :])[0] > _RAISED
+    counted[cluster] = True
+    counted &= elevation.seen | (misfit > _CONTRADICTED)
+    return float(misfit[counted].mean()) if counted.any() else math.inf
+
+
+def _covered(scene: _Scene, thing: _Thing) -> NDArray[np.bool_]:
+    if thing.type is None:
+        return np.zeros(len(scene.elevation.x), dtype=np.bool_)
+    pose = np.array([thing.pose], dtype=np.float32)
+    there = _template(scene, thing.type).placed(scene.elevation.x, scene.elevation.y, pose)[0]
+    return np.asarray(there > _RAISED)
+
+
+def _is_inside(thing: _Thing, region: Region) -> bool:
+    return abs(thing.pose[0]) <= region.half_extents[0] and abs(thing.pose[1]) <= region.half_extents[1]
+
+
+def _reported(thing: _Thing, scene: _Scene) -> Detection:
+    x, y, yaw = thing.pose
+    *_, length, width = outline(scene.elevation, thing.cells)
+    size = (length, width, float(scene.elevation.height[thing.cells].max()))
+    pose = scene.region.pose @ Pose.of(x, y, float(scene.plane.z(x, y)), yaw=yaw)
+    return Detection(thing.type, pose, thing.cost, thing.margin, size)

@@ -1,0 +1,1 @@
+"""Robot cells that exist only here: PyBullet with physics, the fake without, and the truth for tests and reports."""

@@ -1,0 +1,88 @@
+"""A simulated arm: joint position control with velocity feed-forward, limits, and braking when commands cease."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Array
+from skiros_py.robot.cell import ArmSpec
+from skiros_py.robot.values import ArmState, ArmTarget
+from skiros_py.simulation.pybullet.client import Client
+from skiros_py.simulation.pybullet.joints import Joints
+from skiros_py.simulation.pybullet.limits import Standstill
+
+__all__ = ["Arm"]
+
+_GAIN = 0.3
+_BRAKING = 7.5
+"""Joint deceleration when commands cease [rad/s²]: the weakest joint limit of the Panda."""
+_STILL = 0.01  # [rad/s]
+
+
+class Arm:
+    """One arm of a robot in the physics client.
+
+    Set-points are followed as the real controller follows them: within joint limits and joint speeds, so that a jump
+    in the commands becomes a fast motion and not a teleport. Without a command it brakes along its path and holds.
+
+    Args:
+        client: The physics client.
+        joints: All joints of its robot.
+        spec: What it is.
+        period: Control period [s].
+    """
+
+    def __init__(self, client: Client, joints: Joints, spec: ArmSpec, period: float) -> None:
+        self.spec = spec
+        self._client = client
+        self._body = joints.body
+        self._indices = joints.indices(spec.joints)
+        self._lower, self._upper, self._efforts, self._speeds = joints.limits(spec.joints)
+        self._period = period
+        self._reference: Array = np.array(spec.home, dtype=float)
+        self._velocity: Array = np.zeros(len(spec.home))
+        self._standstill = Standstill(_STILL)
+        for index, angle in zip(self._indices, spec.home, strict=True):
+            client.resetJointState(self._body, index, angle)
+
+    def command(self, target: ArmTarget | None) -> None:
+        """Follows a set-point for one cycle; None brakes and holds."""
+        if target is None:
+            self._brake()
+        else:
+            self._follow(target)
+        self._client.setJointMotorControlArray(
+            self._body,
+            self._indices,
+            self._client.POSITION_CONTROL,
+            targetPositions=self._reference,
+            targetVelocities=self._velocity,
+            positionGains=[_GAIN] * len(self._indices),
+            velocityGains=[1.0] * len(self._indices),
+            forces=self._efforts,
+        )
+
+    def state(self) -> ArmState:
+        """Reads the joint sensors; to be called once per cycle."""
+        states = self._client.getJointStates(self._body, self._indices)
+        velocities = tuple(state[1] for state in states)
+        still = self._standstill.update(max(map(abs, velocities)))
+        return ArmState(tuple(state[0] for state in states), velocities, still)
+
+    def _follow(self, target: ArmTarget) -> None:
+        wanted, speed = np.asarray(target.positions), np.asarray(target.velocities)
+        expected = self._reference.shape
+        if wanted.shape != expected or speed.shape != expected or not np.isfinite([wanted, speed]).all():
+            raise DeviceError(f"{self.spec.id}: a target needs {expected[0]} finite positions and velocities: {target}")
+        step = self._speeds * self._period
+        move = np.clip(np.clip(wanted, self._lower, self._upper) - self._reference, -step, step)
+        self._reference = self._reference + move
+        self._velocity = np.clip(speed, -self._speeds, self._speeds)
+
+    def _brake(self) -> None:
+        """Slows all joints in proportion, so that the arm stays on the line it was moving on."""
+        time_to_stop = float(np.max(np.abs(self._velocity))) / _BRAKING
+        share = max(0.0, 1.0 - self._period / time_to_stop) if time_to_stop > 0.0 else 0.0
+        self._velocity = self._velocity * share
+        self._reference = np.clip(self._reference + self._velocity * self._period, self._lower, self._upper)

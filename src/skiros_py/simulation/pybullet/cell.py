@@ -1,0 +1,214 @@
+"""A physically simulated robot cell."""
+
+from __future__ import annotations
+
+import functools
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiros_py.errors import DeviceError, UsageError
+from skiros_py.geometry import Pose
+from skiros_py.robot.cell import BodySpec, CameraSpec, CellSpec, RobotSpec
+from skiros_py.robot.models import write_robot_urdf
+from skiros_py.robot.values import Commands, DepthImage, Snapshot
+from skiros_py.simulation.pybullet.client import Client
+from skiros_py.simulation.pybullet.picture import Shot
+from skiros_py.simulation.pybullet.renderer import Renderer, intrinsics_of
+from skiros_py.simulation.pybullet.scene import Scene
+from skiros_py.workers import Call, Worker
+
+__all__ = ["PyBulletCell"]
+
+_PERIOD = 1.0 / 200.0
+_SETTLING = 100  # cycles before cycle 0
+_NOISE_STREAM = 2
+_NO_COMMANDS = Commands()
+
+
+class PyBulletCell:
+    """A :class:`skiros_py.robot.driver.CellDriver` on the PyBullet physics engine; one physics step per exchange.
+
+    Everything that happens in it is a function of the specification, the seed and the commands. Pictures are made by a
+    worker process and show exactly the cycle in which they were asked for.
+
+    Args:
+        spec: What stands in the cell.
+        seed: Seed of everything drawn: poses of bodies without one, errors of the localisers, noise of the cameras.
+        gui: Open a window.
+
+    Attributes:
+        scene: The simulated world itself; for the truth and for tests, never for what a robot decides.
+
+    Raises:
+        UsageError: A window is wanted where there is no display.
+        UnknownName: A robot's model or one of its joints does not exist.
+        DescriptionError: A body has no pose and no room on its place.
+        DeviceError: PyBullet does not work here.
+    """
+
+    def __init__(self, spec: CellSpec, *, seed: int, gui: bool = False) -> None:
+        self._client = Client(gui=gui)
+        self._seed = seed
+        self._cameras = {camera.id: (robot, camera) for robot in spec.robots for camera in robot.cameras}
+        self._shots: Counter[str] = Counter()
+        self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
+        self._renderer: Worker | None = None
+        self._closed = False
+        try:
+            self._urdfs = _write_models(spec, Path(self._directory.name))
+            self.scene = Scene(self._client, spec, self._urdfs, seed=seed, period=_PERIOD)
+            self._settle()
+            self._snapshot = self._sense(0)
+            if self._cameras:
+                self._worker()  # starts while the caller does other things
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def period(self) -> float:
+        """Length of one control cycle [s]."""
+        return _PERIOD
+
+    @property
+    def kind(self) -> str:
+        """Name of the adapter."""
+        return "pybullet"
+
+    def read(self) -> Snapshot:
+        """Returns the present state without advancing time."""
+        return self._snapshot
+
+    def exchange(self, commands: Commands) -> Snapshot:
+        """Applies the commands for one physics step and returns what the sensors say at its end.
+
+        Raises:
+            DeviceError: A command is malformed, or PyBullet broke.
+        """
+        self._step(commands)
+        self._snapshot = self._sense(self._snapshot.cycle + 1)
+        return self._snapshot
+
+    def capture(self, camera: str) -> Call[DepthImage]:
+        """Takes a picture now; the image arrives after the camera's latency.
+
+        Args:
+            camera: Device id of the camera.
+
+        Raises:
+            DeviceError: No such camera.
+        """
+        if camera not in self._cameras:
+            raise DeviceError(f"no camera '{camera}'; there is {', '.join(sorted(self._cameras)) or 'none'}")
+        robot, spec = self._cameras[camera]
+        shot = self._shot(robot, spec)
+        return self._worker().call("shoot", self.scene.state(), shot, latency=spec.latency)
+
+    def picture(
+        self,
+        eye: tuple[float, float, float],
+        target: tuple[float, float, float],
+        *,
+        width: int = 640,
+        height: int = 480,
+    ) -> Call[NDArray[np.uint8]]:
+        """Makes a picture of the whole scene as it is now, for recordings.
+
+        Args:
+            eye: Where the observer is, in the map [m].
+            target: Where the observer looks, in the map [m].
+            width: [px].
+            height: [px].
+
+        Returns:
+            RGB, shape (height, width, 3), when it is ready.
+        """
+        return self._worker().call("picture", self.scene.state(), eye, target, width, height)
+
+    def move_body(self, body_id: str, pose: Pose) -> None:
+        """Puts a body somewhere else in the map, at rest; the robot is not told.
+
+        Raises:
+            UnknownName: There is no such body.
+            UsageError: The body is bolted to a robot.
+        """
+        self.scene.move(body_id, pose)
+
+    def remove_body(self, body_id: str) -> None:
+        """Takes a body out of the cell; the robot is not told.
+
+        Raises:
+            UnknownName: There is no such body.
+        """
+        self.scene.remove(body_id)
+
+    def add_body(self, spec: BodySpec) -> None:
+        """Brings a body into the cell; the robot is not told.
+
+        Raises:
+            UsageError: It has no pose, is bolted to a robot, or there is a body of that id.
+        """
+        if spec.pose is None or spec.carrier is not None:
+            raise UsageError(f"'{spec.id}' comes into a running cell, so it needs a pose in the map and no carrier")
+        self.scene.add(spec, spec.pose)
+
+    def state_bytes(self) -> bytes:
+        """Returns the exact state of all joints and bodies, for a run's hash."""
+        return self.scene.state_bytes()
+
+    def close(self) -> None:
+        """Ends the physics client and the renderer's process; may be called twice."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._renderer is not None:
+            self._renderer.close()
+        self._client.close()
+        self._directory.cleanup()
+
+    def _worker(self) -> Worker:
+        if self._renderer is None:
+            self._renderer = Worker("renderer", functools.partial(Renderer, self._urdfs))
+        return self._renderer
+
+    def _shot(self, robot: RobotSpec, camera: CameraSpec) -> Shot:
+        number = self._shots[camera.id]
+        self._shots[camera.id] += 1
+        now = self._snapshot
+        return Shot(
+            robot.id,
+            camera,
+            intrinsics_of(camera.width, camera.height, camera.vertical_fov, camera.near, camera.far),
+            now.cycle,
+            {arm: state.positions for arm, state in now.arms.items()},
+            {base: state.pose for base, state in now.bases.items()},
+            (self._seed, _NOISE_STREAM, list(self._cameras).index(camera.id), number),
+        )
+
+    def _settle(self) -> None:
+        for _ in range(_SETTLING):
+            self._step(_NO_COMMANDS)
+
+    def _step(self, commands: Commands) -> None:
+        for robot in self.scene.robots:
+            robot.command(commands)
+        self._client.stepSimulation()
+
+    def _sense(self, cycle: int) -> Snapshot:
+        robots = self.scene.robots
+        return Snapshot(
+            cycle,
+            cycle * _PERIOD,
+            {arm.spec.id: arm.state() for robot in robots for arm in robot.arms},
+            {gripper.spec.id: gripper.state() for robot in robots for gripper in robot.grippers},
+            {robot.base.spec.id: robot.base.state() for robot in robots},
+        )
+
+
+def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:
+    paths = {model: write_robot_urdf(model, directory) for model in {robot.model for robot in spec.robots}}
+    return {robot.id: paths[robot.model] for robot in spec.robots}

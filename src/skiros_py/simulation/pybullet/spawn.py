@@ -1,0 +1,107 @@
+"""Where bodies stand at the start: as the scene says, or drawn by the seed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from skiros_py.errors import DescriptionError
+from skiros_py.geometry import Pose
+from skiros_py.robot.cell import BodySpec, CellSpec
+
+__all__ = ["start_poses"]
+
+_MIN_DISTANCE = 0.13  # between the middles of parts on one place [m], so that a hand fits between them
+_DROP = 0.0005  # above the surface, from where a drawn part settles [m]
+_TRIES = 400
+_ARRANGEMENTS = 200
+
+
+def start_poses(spec: CellSpec, seed: int) -> dict[str, Pose]:
+    """Returns the pose in the map of every body and compartment at the start.
+
+    A compartment without a carrier of its own is described in the same frame as the body it belongs to.
+
+    Args:
+        spec: The cell.
+        seed: The run's seed.
+
+    Raises:
+        DescriptionError: A body has neither pose nor place, or its place has no room for it.
+    """
+    poses = {body.id: _carrier_pose(spec, body) @ body.pose for body in spec.bodies if body.pose is not None}
+    waiting = [body for body in spec.bodies if body.pose is None]
+    for place_id in dict.fromkeys(body.place for body in waiting):
+        bodies = [body for body in waiting if body.place == place_id]
+        place = _place(spec, poses, bodies)
+        rng = np.random.default_rng([seed, *place.id.encode()])  # other places do not change what is drawn here
+        there = [poses[body.id] for body in spec.bodies if body.place == place.id and body.id in poses]
+        standing = [poses[place.id].inverse() @ pose for pose in there]
+        for body_id, pose in _arrange(place, bodies, standing, rng).items():
+            poses[body_id] = poses[place.id] @ pose
+    return poses
+
+
+def _carrier_pose(spec: CellSpec, body: BodySpec) -> Pose:
+    carrier = body.carrier
+    if carrier is None and body.compartment and body.place is not None:
+        carrier = spec.body(body.place).carrier
+    if carrier is None:
+        return Pose()
+    for robot in spec.robots:
+        if robot.base.id == carrier:
+            return robot.base.start
+    raise DescriptionError(f"'{body.id}' is carried by '{carrier}', which is no robot base of this cell")
+
+
+def _place(spec: CellSpec, poses: Mapping[str, Pose], bodies: Sequence[BodySpec]) -> BodySpec:
+    names = ", ".join(body.id for body in bodies)
+    if bodies[0].place is None:
+        raise DescriptionError(f"{names}: give a pose, or a place to lie on")
+    place = next((body for body in spec.bodies if body.id == bodies[0].place), None)
+    if place is None or place.id not in poses or (place.support is None and not place.compartment):
+        raise DescriptionError(f"{names}: '{bodies[0].place}' is no body with a pose and a surface to lie on")
+    return place
+
+
+def _arrange(
+    place: BodySpec, bodies: Sequence[BodySpec], standing: Sequence[Pose], rng: np.random.Generator
+) -> dict[str, Pose]:
+    """Draws poses in the place's frame; starts anew when the first ones leave no room for the last."""
+    for _ in range(_ARRANGEMENTS):
+        drawn: dict[str, Pose] = {}
+        for body in bodies:
+            pose = _draw(place, body, [*standing, *drawn.values()], rng)
+            if pose is None:
+                break
+            drawn[body.id] = pose
+        else:
+            return drawn
+    names = ", ".join(body.id for body in bodies)
+    raise DescriptionError(f"no room on '{place.id}' for {names} with {_MIN_DISTANCE} m between their middles")
+
+
+def _draw(place: BodySpec, body: BodySpec, others: Sequence[Pose], rng: np.random.Generator) -> Pose | None:
+    low, high = body.solid.bounds()
+    reach = np.maximum(np.abs(low), np.abs(high))
+    half_x, half_y = _surface(place)
+    for _ in range(_TRIES):
+        yaw = float(rng.uniform(-math.pi, math.pi))
+        cos, sin = abs(math.cos(yaw)), abs(math.sin(yaw))
+        free_x, free_y = half_x - cos * reach[0] - sin * reach[1], half_y - sin * reach[0] - cos * reach[1]
+        if min(free_x, free_y) < 0.0:
+            continue
+        x, y = rng.uniform((-free_x, -free_y), (free_x, free_y))
+        if all(math.dist((x, y), other.position[:2]) >= _MIN_DISTANCE for other in others):
+            return Pose.of(x, y, place.support_height + _DROP, yaw=yaw)
+    return None
+
+
+def _surface(place: BodySpec) -> tuple[float, float]:
+    if place.support is not None:
+        return place.support
+    low, high = place.solid.bounds()
+    half = (high - low) / 2.0
+    return float(half[0]), float(half[1])

@@ -1,0 +1,59 @@
+"""Claims about inverse kinematics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from skiros_py.motion.pinocchio.arm_model import ArmModel
+from skiros_py.motion.pinocchio.ik import IkSolver
+from skiros_py.robot.cell import RobotSpec
+from skiros_py.robot.models import write_robot_urdf
+
+
+@pytest.fixture(scope="module")
+def arm(robot: RobotSpec, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ArmModel]:
+    directory: Path = tmp_path_factory.mktemp("urdf")
+    yield ArmModel(write_robot_urdf(robot.model, directory), robot.arms[0], robot.grippers)
+
+
+def test_it_solves_reachable_poses_within_the_limits(arm: ArmModel) -> None:
+    rng, solver, solved = np.random.default_rng(11), IkSolver(arm), 0
+    for _ in range(1000):
+        target = arm.tip_pose(rng.uniform(arm.lower, arm.upper))
+
+        for q in solver.solutions(target, np.array(arm.spec.home), rng, count=1):
+            error = pin.log6(arm.tip_pose(q).actInv(target)).vector
+            close = np.linalg.norm(error[:3]) < 2e-4 and np.linalg.norm(error[3:]) < 1e-3
+            solved += close and bool(np.all((arm.lower <= q) & (q <= arm.upper)))
+            break
+
+    assert solved >= 995
+
+
+def test_several_distinct_solutions_come_nearest_first(arm: ArmModel) -> None:
+    home = np.array(arm.spec.home)
+    target = arm.tip_pose(home + 0.2)
+
+    found = IkSolver(arm).solutions(target, home, np.random.default_rng(0), count=6)
+
+    assert len(found) >= 6
+    assert all(np.abs(a - b).max() > 0.3 for i, a in enumerate(found) for b in found[:i])
+    distances = [float(np.linalg.norm(q - home)) for q in found]
+    assert distances == sorted(distances)
+
+
+def test_an_unreachable_pose_has_no_solution(arm: ArmModel) -> None:
+    away = pin.SE3(np.eye(3), np.array([3.0, 0.0, 0.5]))
+
+    assert IkSolver(arm).solutions(away, np.array(arm.spec.home), np.random.default_rng(0), restarts=5) == []
+
+
+def test_the_gripper_is_what_moves_with_the_tip(arm: ArmModel) -> None:
+    expected = {"panda_hand", "panda_leftfinger", "panda_rightfinger", "tcp", "camera_optical"}
+
+    assert arm.gripper_links == expected

@@ -1,0 +1,98 @@
+"""Where exactly a kit stands, on rendered images with 1.5 mm noise."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from skiros_py.geometry import Pose, Solid
+from skiros_py.perception.registration import register
+from skiros_py.robot.perception import RegistrationRequest
+
+if TYPE_CHECKING:
+    from conftest import Placed, Studio
+
+
+def misplaced(pose: Pose, rng: np.random.Generator) -> Pose:
+    bearing, distance = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, 0.03)
+    x, y, z = pose.position
+    turn = math.radians(rng.uniform(-5.0, 5.0))
+    away = (distance * math.cos(bearing), distance * math.sin(bearing))
+    return Pose.of(x + away[0], y + away[1], z + rng.uniform(-0.01, 0.01), yaw=pose.yaw + turn)
+
+
+def filled(studio: Studio, kit: Pose, rng: np.random.Generator, count: int) -> list[Placed]:
+    names = rng.choice(list(studio.parts), 4)
+    places = [kit @ Pose.of(x, y, studio.kit_floor, yaw=rng.uniform(-0.1, 0.1)) for x, y in studio.compartments]
+    return [(studio.parts[name], at) for name, at in zip(names, places, strict=True)][:count]
+
+
+@pytest.mark.parametrize(("aside", "above"), [(0.03, 0.44), (0.11, 0.34)], ids=["seen whole", "cut by the border"])
+def test_a_kit_is_found_to_a_millimetre_whatever_stands_in_it(studio: Studio, aside: float, above: float) -> None:
+    for seed in range(10):
+        rng, height = np.random.default_rng(seed), (0.35, 0.50)[seed % 2]
+        kit = Pose.of(0.3, 0.1, height, yaw=rng.uniform(-3.0, 3.0))
+        bodies = [studio.table(height, 0.3, 0.1), (studio.kit, kit), *filled(studio, kit, rng, seed % 5)]
+        camera = studio.over(0.3 + aside, 0.1 - aside, height + above, rng.uniform(-3.0, 3.0))
+        image = studio.shoot(bodies, camera, rng)
+
+        result = register(RegistrationRequest(image, camera, studio.kit, misplaced(kit, rng), seed))
+
+        assert result.pose is not None, (seed, result.reason)
+        error = kit.inverse() @ result.pose
+        assert math.hypot(*error.position[:2]) <= 0.0025
+        assert abs(error.position[2]) <= 0.001
+        assert abs(error.yaw) <= math.radians(0.3)
+
+
+def test_there_is_no_pose_where_no_kit_stands(studio: Studio) -> None:
+    camera, rng = studio.over(0.0, 0.0, 0.94), np.random.default_rng(20)
+    parts = [studio.part(n, x, y, 0.5, a) for n, x, y, a in studio.scatter(rng, 4)]
+    for bodies in ([studio.table(0.5)], [studio.table(0.5), *parts]):
+        image = studio.shoot(bodies, camera, rng)
+
+        result = register(RegistrationRequest(image, camera, studio.kit, Pose.of(0.0, 0.0, 0.5)))
+
+        assert result.pose is None
+        assert result.reason
+
+
+def test_a_kit_of_another_size_is_refused(studio: Studio) -> None:
+    camera, kit = studio.over(0.0, 0.0, 0.94), Pose.of(0.0, 0.0, 0.5)
+    small = Solid(
+        tuple(
+            type(b)(
+                b.kind,
+                (b.size[0] * 0.85, b.size[1] * 0.85, b.size[2]),
+                Pose.of(b.pose.position[0] * 0.85, b.pose.position[1] * 0.85, b.pose.position[2]),
+            )
+            for b in studio.kit.primitives
+        )
+    )
+    image = studio.shoot([studio.table(0.5), (small, kit)], camera, np.random.default_rng(21))
+
+    result = register(RegistrationRequest(image, camera, studio.kit, kit))
+
+    assert result.pose is None
+    assert result.reason
+
+
+def test_a_kit_outside_the_image_is_refused_with_a_reason(studio: Studio) -> None:
+    camera, kit = studio.over(0.0, 0.0, 0.94), Pose.of(0.6, 0.0, 0.5)
+    image = studio.shoot([studio.table(0.5)], camera, np.random.default_rng(22))
+
+    result = register(RegistrationRequest(image, camera, studio.kit, kit))
+
+    assert result.pose is None
+    assert "points" in result.reason
+
+
+def test_the_same_image_gives_the_same_pose(studio: Studio) -> None:
+    camera, kit = studio.over(0.02, 0.0, 0.94), Pose.of(0.0, 0.0, 0.5, yaw=0.2)
+    image = studio.shoot([studio.table(0.5), (studio.kit, kit)], camera, np.random.default_rng(23))
+    request = RegistrationRequest(image, camera, studio.kit, Pose.of(0.02, 0.01, 0.505, yaw=0.25))
+
+    assert register(request) == register(request)
