@@ -19,7 +19,7 @@ Expected outcomes ("no plan", "part not found", "condition does not hold") are v
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 __all__ = [
@@ -38,6 +38,16 @@ __all__ = [
 
 class SkirosError(Exception):
     """Base of every fault this platform raises on purpose; its text is meant for the user."""
+
+    def __reduce__(self) -> tuple[Callable[..., SkirosError], tuple[object, ...]]:
+        # Faults travel from worker processes; their constructors take other arguments than the text in ``args``.
+        return _restored, (type(self), self.args, dict(self.__dict__))
+
+
+def _restored(kind: type[SkirosError], args: tuple[object, ...], fields: dict[str, object]) -> SkirosError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(fields)
+    return error
 
 
 class UsageError(SkirosError):

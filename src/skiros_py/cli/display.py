@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from rich.console import Console
 from rich.live import Live
@@ -39,7 +39,7 @@ class RunDisplay:
         session.monitor.subscribe(self._on_event)
         session.on_plan(self._on_plan)
 
-    def __enter__(self) -> RunDisplay:
+    def __enter__(self) -> Self:
         self._show_start()
         if self._console.is_terminal:
             self._live.start()
@@ -57,9 +57,8 @@ class RunDisplay:
 
     def _show_start(self) -> None:
         session = self._session
-        self.say(
-            f"scene   {session.scene}: {', '.join(robot.id for robot in session.spec.robots)}, seed {session.options.seed}"
-        )
+        robots = ", ".join(robot.id for robot in session.spec.robots)
+        self.say(f"scene   {session.scene}: {robots}, seed {session.options.seed}")
         for agent, manager in sorted(session.managers.items()):
             for name, skill in sorted(manager.descriptions.items()):
                 self.say(f"skill   {name:8} by {agent}: {skill.help}")

@@ -119,7 +119,7 @@ def _with_question_marks(action: Action) -> Action:
 
 @dataclass(frozen=True, slots=True)
 class _Emptiness:
-    """ "Nothing has this relation to a place of this class", asked for by some precondition or goal."""
+    """The wish of some precondition that nothing has a relation to a place of this class."""
 
     relation: str
     class_: str

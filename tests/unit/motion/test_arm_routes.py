@@ -94,7 +94,8 @@ def test_trajectories_follow_the_route_in_limits_and_lines_are_straight(
 
 
 def test_a_higher_speed_share_is_faster(motion: ArmMotion, bench: SimpleNamespace) -> None:
-    request = bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5)
+    there = (-0.5, *bench.HOME[1:])
+    request = replace(bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5), routes=((JointMove(there),),))
 
     times = [bench.seconds(found(motion.plan(replace(request, speed=share)))) for share in (0.3, 1.0)]
 

@@ -21,6 +21,7 @@ class BulletJudge:
     """Measures distances between the robot and obstacles with PyBullet."""
 
     def __init__(self, urdf: Path) -> None:
+        self._bodies: list[tuple[int, str]] = []
         self.client = pybullet.connect(pybullet.DIRECT)
         self._robot = pybullet.loadURDF(str(urdf), useFixedBase=True, physicsClientId=self.client)
         count = pybullet.getNumJoints(self._robot, physicsClientId=self.client)
@@ -28,20 +29,18 @@ class BulletJudge:
         self._joints = {entry[1].decode(): entry[0] for entry in info}
         self._links = {entry[0]: entry[12].decode() for entry in info}
 
-    def add(self, obstacle: Obstacle) -> int:
-        parts = []
+    def add(self, obstacle: Obstacle) -> None:
         for block in obstacle.solid.primitives:
             if block.kind == "box":
                 shape = {"shapeType": pybullet.GEOM_BOX, "halfExtents": [length / 2 for length in block.size]}
             else:
                 shape = {"shapeType": pybullet.GEOM_CYLINDER, "radius": block.size[0], "height": block.size[1]}
             pose = obstacle.pose @ block.pose
-            body = pybullet.createCollisionShape(**shape, physicsClientId=self.client)
-            parts.append(
-                pybullet.createMultiBody(0, body, -1, pose.position, pose.orientation, physicsClientId=self.client)
+            shape_id = pybullet.createCollisionShape(**shape, physicsClientId=self.client)
+            body = pybullet.createMultiBody(
+                0, shape_id, -1, pose.position, pose.orientation, physicsClientId=self.client
             )
-        self._bodies = [*getattr(self, "_bodies", []), *((part, obstacle.id) for part in parts)]
-        return len(parts)
+            self._bodies.append((body, obstacle.id))
 
     def pose(self, q: Array, gap: float) -> None:
         values = {f"panda_joint{i + 1}": angle for i, angle in enumerate(q)}
@@ -131,11 +130,11 @@ def test_planner_and_physics_engine_agree_on_random_postures(
         judge.add(obstacle)
     rng, differ, touching = np.random.default_rng(2), 0, 0
 
-    for _ in range(300):
+    for _ in range(500):
         q = rng.uniform(arm.lower, arm.upper)
         judge.pose(q, 0.06)
         differ += checker.clear(q) == bool(judge.touched())
         touching += bool(judge.touched())
 
-    assert touching > 20
+    assert touching >= 20
     assert differ <= 3  # hulls of the physics engine have a margin of about a millimetre
