@@ -119,7 +119,7 @@ class _Floor:
         return min(self._outlines, key=lambda name: float(shapely.distance(self._outlines[name], outline)))
 
     def _first_free(self, dock: Pose, sign: float, least: float, clearance: float) -> Pose | None:
-        for step in range(round(least / _STEP), round(_FARTHEST / _STEP) + 1):
+        for step in range(math.ceil(least / _STEP), math.ceil(_FARTHEST / _STEP) + 1):
             pose = _shifted(dock, sign * step * _STEP)
             if self._touched(swept(self._footprint, dock, pose), clearance):
                 return None

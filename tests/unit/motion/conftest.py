@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -130,7 +129,7 @@ def motion(robot: RobotSpec) -> ArmMotion:
 
 
 @pytest.fixture(scope="session")
-def bench() -> Iterator[SimpleNamespace]:
+def bench() -> SimpleNamespace:
     """The bodies and requests above, for test modules (which cannot import a conftest)."""
     names = (
         "EDGE",
@@ -145,4 +144,4 @@ def bench() -> Iterator[SimpleNamespace]:
         "place",
         "random_part",
     )
-    yield SimpleNamespace(**{name: globals()[name] for name in (*names, "seconds", "table")})
+    return SimpleNamespace(**{name: globals()[name] for name in (*names, "seconds", "table")})

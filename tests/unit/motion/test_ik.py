@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +15,9 @@ from skiros_py.robot.models import write_robot_urdf
 
 
 @pytest.fixture(scope="module")
-def arm(robot: RobotSpec, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ArmModel]:
+def arm(robot: RobotSpec, tmp_path_factory: pytest.TempPathFactory) -> ArmModel:
     directory: Path = tmp_path_factory.mktemp("urdf")
-    yield ArmModel(write_robot_urdf(robot.model, directory), robot.arms[0], robot.grippers)
+    return ArmModel(write_robot_urdf(robot.model, directory), robot.arms[0], robot.grippers)
 
 
 def test_it_solves_reachable_poses_within_the_limits(arm: ArmModel) -> None:

@@ -17,6 +17,7 @@ from skiros_py.simulation.pybullet import PyBulletCell
 
 EDGE = 0.48  # where the table begins ahead of a docked robot's base frame [m]
 TOP = 0.5
+ORIGIN = Pose()
 HOME = (-1.5708, -0.6, 0.0, -2.4, 0.0, 1.9, 0.7854)
 INNER, WALL, WALL_HEIGHT = 0.140, 0.006, 0.033
 
@@ -99,7 +100,7 @@ def table(body_id: str, pose: Pose) -> BodySpec:
     return BodySpec(body_id, "Table", Solid((top, *legs)), pose=pose, support=(0.28, 0.38), support_height=TOP)
 
 
-def robot(start: Pose = Pose()) -> RobotSpec:
+def robot(start: Pose = ORIGIN) -> RobotSpec:
     outline = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
     fov = math.radians(56.0)
     return RobotSpec(
@@ -112,7 +113,7 @@ def robot(start: Pose = Pose()) -> RobotSpec:
     )
 
 
-def cell_spec(*bodies: BodySpec, start: Pose = Pose()) -> CellSpec:
+def cell_spec(*bodies: BodySpec, start: Pose = ORIGIN) -> CellSpec:
     """A table in front of the robot, and what else is given."""
     return CellSpec((table("table", Pose((EDGE + 0.30, 0.0, 0.0))), *bodies), (robot(start),))
 

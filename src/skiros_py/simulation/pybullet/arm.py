@@ -52,11 +52,13 @@ class Arm:
             self._brake()
         else:
             self._follow(target)
+        # The motor adds the speed during the coming step, so the place to correct towards is where that step begins.
+        begin = self._reference - self._velocity * self._period
         self._client.setJointMotorControlArray(
             self._body,
             self._indices,
             self._client.POSITION_CONTROL,
-            targetPositions=self._reference,
+            targetPositions=begin,
             targetVelocities=self._velocity,
             positionGains=[_GAIN] * len(self._indices),
             velocityGains=[1.0] * len(self._indices),

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import importlib
 import os
 import sys
 from collections.abc import Callable, Iterator
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 from skiros_py.errors import DeviceError, UsageError
 
@@ -76,7 +75,9 @@ def _require_display() -> None:
 @functools.cache
 def _library() -> ModuleType:
     with _quiet_stderr():
-        return importlib.import_module("pybullet")  # heavy, and only who simulates needs it
+        import pybullet  # heavy, and only who simulates needs it
+
+        return cast(ModuleType, pybullet)
 
 
 @contextlib.contextmanager

@@ -15,8 +15,8 @@ __all__ = ["start_poses"]
 
 _MIN_DISTANCE = 0.13  # between the middles of parts on one place [m], so that a hand fits between them
 _DROP = 0.0005  # above the surface, from where a drawn part settles [m]
-_TRIES = 400
-_ARRANGEMENTS = 200
+_TRIES = 200
+_ARRANGEMENTS = 100
 
 
 def start_poses(spec: CellSpec, seed: int) -> dict[str, Pose]:

@@ -1,0 +1,1 @@
+"""What authors write: parameters, conditions, skills, primitives; and what they may reach from there."""

@@ -1,0 +1,206 @@
+"""Claims about base paths: nothing is touched on the way, docks are left backwards and entered straight ahead."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
+from skiros_py.motion.base_paths import BasePaths, ShapelyBasePlanner
+from skiros_py.motion.footprints import floor_outline
+from skiros_py.robot.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
+
+FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
+HALF_TABLE, DOCK = 0.30, 0.30 + 0.26 + 0.22  # middle of the table to the base docked at it [m]
+
+
+def poses_on(path: BasePath, start: Pose) -> Iterator[Pose]:
+    """Drives a path in small steps: turn, straight, ..., turn."""
+    x, y, heading = start.position[0], start.position[1], start.yaw
+    for leg in path.legs:
+        away = math.pi if leg.backwards else 0.0
+        wanted = math.atan2(leg.y - y, leg.x - x) + away
+        turn = wrap_angle(wanted - heading)
+        for share in np.linspace(0.0, 1.0, 2 + int(abs(turn) / 0.05)):
+            yield Pose.of(x, y, 0.0, yaw=heading + share * turn)
+        for share in np.linspace(0.0, 1.0, 2 + int(math.dist((x, y), (leg.x, leg.y)) / 0.02)):
+            yield Pose.of(x + share * (leg.x - x), y + share * (leg.y - y), 0.0, yaw=wanted)
+        x, y, heading = leg.x, leg.y, wanted
+    turn = wrap_angle(path.heading - heading)
+    for share in np.linspace(0.0, 1.0, 2 + int(abs(turn) / 0.05)):
+        yield Pose.of(x, y, 0.0, yaw=heading + share * turn)
+
+
+def overlap(pose: Pose, obstacles: tuple[Obstacle, ...]) -> float:
+    """Returns the area [m²] that the base and the obstacles' corners-by-corners outlines share."""
+    base = shapely.Polygon([pose.apply(np.array((x, y, 0.0)))[:2] for x, y in FOOTPRINT])
+    return sum(float(shapely.intersection(base, outline(o)).area) for o in obstacles)
+
+
+def outline(obstacle: Obstacle) -> shapely.Polygon:
+    (block,) = obstacle.solid.primitives
+    x, y = block.size[0] / 2, block.size[1] / 2
+    corners = np.array([(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)])
+    return shapely.Polygon(obstacle.pose.apply(corners)[:, :2])
+
+
+def table(name: str, x: float, y: float, yaw: float) -> Obstacle:
+    return Obstacle(name, Solid.box(2 * HALF_TABLE, 0.8, 0.5), Pose.of(x, y, 0.0, yaw=yaw))
+
+
+def dock(at: Obstacle) -> Pose:
+    return at.pose @ Pose((-DOCK, 0.0, 0.0))
+
+
+def planned(start: Pose, goal: Pose, *obstacles: Obstacle) -> BasePath | NoMotion:
+    return BasePaths().plan(BasePathRequest(start, goal, FOOTPRINT, obstacles))
+
+
+def path_of(answer: BasePath | NoMotion) -> BasePath:
+    assert isinstance(answer, BasePath), answer
+    return answer
+
+
+@st.composite
+def halls(draw: st.DrawFn) -> tuple[Obstacle, ...]:
+    rng = np.random.default_rng(draw(st.integers(0, 100_000)))
+    tables = (table("from", 0.0, 0.0, rng.uniform(-3, 3)), table("to", 5.0, 1.0, rng.uniform(-3, 3)))
+    boxes = [
+        Obstacle(
+            f"box_{k}",
+            Solid.box(*rng.uniform(0.2, 0.8, 2), 1.0),
+            Pose.of(rng.uniform(-2, 7), rng.uniform(-3, 4), 0, yaw=rng.uniform(-3, 3)),
+        )
+        for k in range(draw(st.integers(0, 5)))
+    ]
+    return (*tables, *boxes)
+
+
+@settings(max_examples=25, deadline=None)
+@given(halls())
+def test_the_base_touches_nothing_on_the_way_and_arrives(obstacles: tuple[Obstacle, ...]) -> None:
+    start, goal = dock(obstacles[0]), dock(obstacles[1])
+    assume(overlap(start, obstacles) == 0.0)
+    answer = planned(start, goal, *obstacles)
+    assume(isinstance(answer, BasePath))
+
+    driven = list(poses_on(path_of(answer), start))
+
+    assert max(overlap(pose, obstacles) for pose in driven) == 0.0
+    assert driven[-1].distance(goal) < 1e-6
+    assert abs(wrap_angle(driven[-1].yaw - goal.yaw)) < 1e-6
+
+
+def test_most_halls_have_a_way() -> None:
+    rng, ways = np.random.default_rng(0), 0
+    for _ in range(20):
+        boxes = [
+            Obstacle(f"b{k}", Solid.box(0.4, 0.4, 1.0), Pose((rng.uniform(2.2, 2.8), rng.uniform(-3, 3), 0.0)))
+            for k in range(4)
+        ]
+        start, goal = table("from", 0.0, 0.0, math.pi), table("to", 5.0, 0.0, 0.0)
+        ways += isinstance(planned(dock(start), dock(goal), start, goal, *boxes), BasePath)
+
+    assert ways >= 18
+
+
+def test_a_dock_is_left_backwards_and_entered_straight_ahead() -> None:
+    first, second = table("first", 2.0, 0.0, 0.0), table("second", 0.0, 3.0, math.pi / 2)
+
+    path = path_of(planned(dock(first), dock(second), first, second))
+
+    assert [leg.backwards for leg in path.legs] == [True] + [False] * (len(path.legs) - 1)
+    assert path.legs[0].y == pytest.approx(0.0, abs=1e-9)
+    before, last = path.legs[-2:]
+    assert math.atan2(last.y - before.y, last.x - before.x) == pytest.approx(math.pi / 2, abs=1e-6)
+    assert last.y - before.y >= 0.25
+
+
+def test_in_the_open_the_way_is_short() -> None:
+    path = path_of(planned(Pose(), Pose.of(3.0, 0.0, 0.0)))
+
+    assert [(leg.x, leg.y) for leg in path.legs][-1] == pytest.approx((3.0, 0.0))
+    assert all(abs(leg.y) < 1e-9 for leg in path.legs)
+
+
+def test_around_a_wall_the_way_has_few_turns() -> None:
+    wall = Obstacle("wall", Solid.box(0.2, 3.0, 1.0), Pose((2.0, 0.0, 0.0)))
+
+    path = path_of(planned(Pose(), Pose.of(4.0, 0.0, 0.0), wall))
+
+    points = [(0.0, 0.0), *((leg.x, leg.y) for leg in path.legs)]
+    length = sum(math.dist(a, b) for a, b in pairwise(points))
+    assert len(path.legs) <= 5
+    assert length < 1.15 * 2 * math.hypot(2.0, 1.5 + 0.65)
+
+
+def test_a_base_at_its_goal_does_not_move() -> None:
+    path = path_of(planned(Pose(), Pose.of(0.005, 0.0, 0.0, yaw=math.radians(0.5))))
+
+    assert path.legs == ()
+
+
+def test_a_goal_in_something_is_refused_by_name() -> None:
+    answer = planned(Pose(), Pose.of(2.0, 0.0, 0.0), table("bench", 2.2, 0.0, 0.0))
+
+    assert isinstance(answer, NoMotion)
+    assert "touch bench" in answer.reason
+
+
+def test_a_goal_behind_walls_is_refused() -> None:
+    ring = [
+        Obstacle(f"wall{k}", Solid.box(0.1, 5.2, 1.0), Pose.of(5 + 2.5 * math.cos(a), 2.5 * math.sin(a), 0, yaw=a))
+        for k, a in enumerate(np.arange(4) * math.pi / 2)
+    ]
+
+    answer = planned(Pose(), Pose.of(5.0, 0.0, 0.0), *ring)
+
+    assert isinstance(answer, NoMotion)
+    assert "no way" in answer.reason
+
+
+def test_a_base_shut_in_says_what_stands_in_its_way() -> None:
+    boxes = [Obstacle(n, Solid.box(0.3, 1.0, 1.0), Pose((x, 0.0, 0.0))) for n, x in (("ahead", 0.6), ("behind", -0.75))]
+
+    answer = planned(Pose(), Pose.of(3.0, 0.0, 0.0), *boxes)
+
+    assert isinstance(answer, NoMotion)
+    assert "cannot leave" in answer.reason
+    assert "behind" in answer.reason or "ahead" in answer.reason
+
+
+def test_what_hangs_above_is_no_obstacle_and_a_lying_cylinder_covers_its_length() -> None:
+    lamp = Obstacle("lamp", Solid.box(1.0, 1.0, 0.1), Pose((0.0, 0.0, 1.7)))
+    roll = Solid((Primitive("cylinder", (0.1, 1.0), Pose.of(0, 0, 0.1, pitch=math.pi / 2)),))
+
+    assert floor_outline(lamp).is_empty
+    expected = (2.0 - 0.5, 3.0 - 0.1, 2.0 + 0.5, 3.0 + 0.1)
+    assert floor_outline(Obstacle("roll", roll, Pose((2.0, 3.0, 0.0)))).bounds == pytest.approx(expected, abs=0.002)
+
+
+def test_the_port_answers_from_a_worker_with_its_latency() -> None:
+    planner = ShapelyBasePlanner(latency=0.02)
+    port: BasePlanner = planner
+    try:
+        call = port.plan(BasePathRequest(Pose(), Pose.of(2.0, 0.0, 0.0), FOOTPRINT, ()))
+
+        assert call.latency == 0.02
+        assert isinstance(call.result(), BasePath)
+    finally:
+        planner.close()
+
+
+def test_requests_are_values(bench: SimpleNamespace) -> None:
+    start, goal = Pose(), Pose.of(2.0, 1.0, 0.0, yaw=1.0)
+
+    assert planned(start, goal, bench.table(0.5, "t", Pose((1.0, 0.0, 0.0)))) == planned(
+        start, goal, bench.table(0.5, "t", Pose((1.0, 0.0, 0.0)))
+    )
