@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["RunDisplay", "short_step"]
 
+_FILE_WIDTH = 200
+"""Columns of the table where it is not shown on a terminal."""
+
 
 def short_step(step: Step) -> str:
     """Returns a step as people say it: the skill and what it is done to, without the robot's own devices."""
@@ -33,6 +36,8 @@ class RunDisplay:
     def __init__(self, session: Session, *, to_stderr: bool) -> None:
         self._session = session
         self._console = Console(stderr=to_stderr, highlight=False, soft_wrap=True)
+        if not self._console.is_terminal:  # a file or a pipe has no width to fit
+            self._console.width = _FILE_WIDTH
         self._live = Live(console=self._console, refresh_per_second=8, transient=True)
         self._skill = self._primitive = ""
         self._plans = 0

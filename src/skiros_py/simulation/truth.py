@@ -152,9 +152,7 @@ def _stands_in(compartment: BodySpec, there: Pose, pose: Pose) -> bool:
 
 
 def _above(place: BodySpec, at: Pose) -> bool:
-    """Tells whether a pose in a place's frame is over its support surface, or over its outline if it states none."""
+    """Tells whether a pose in a place's frame is over its outline."""
     x, y, _ = at.position
-    if place.support is not None:
-        return abs(x) <= place.support[0] and abs(y) <= place.support[1]
     low, high = place.solid.bounds()
     return bool(low[0] <= x <= high[0] and low[1] <= y <= high[1])

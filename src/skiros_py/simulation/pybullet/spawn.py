@@ -87,13 +87,14 @@ def _draw(place: BodySpec, body: BodySpec, others: Sequence[Pose], rng: np.rando
     low, high = body.solid.bounds()
     reach = np.maximum(np.abs(low), np.abs(high))
     half_x, half_y = _surface(place)
+    centre_x, centre_y = place.support_centre
     for _ in range(_TRIES):
         yaw = float(rng.uniform(-math.pi, math.pi))
         cos, sin = abs(math.cos(yaw)), abs(math.sin(yaw))
         free_x, free_y = half_x - cos * reach[0] - sin * reach[1], half_y - sin * reach[0] - cos * reach[1]
         if min(free_x, free_y) < 0.0:
             continue
-        x, y = rng.uniform((-free_x, -free_y), (free_x, free_y))
+        x, y = rng.uniform((centre_x - free_x, centre_y - free_y), (centre_x + free_x, centre_y + free_y))
         if all(math.dist((x, y), other.position[:2]) >= _MIN_DISTANCE for other in others):
             return Pose.of(x, y, place.support_height + _DROP, yaw=yaw)
     return None

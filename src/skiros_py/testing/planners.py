@@ -1,0 +1,44 @@
+"""A planner whose answer is given in advance: to test what happens to a wrong one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from skiros_py.planning.planner import Answer, Solved, Unsolvable
+
+__all__ = ["GivenPlanner"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """An answer that is there at once."""
+
+    answer: Answer
+    latency: float = 0.0
+
+    def done(self) -> bool:
+        return True
+
+    def result(self) -> Answer:
+        return self.answer
+
+
+class GivenPlanner:
+    """A :class:`~skiros_py.planning.planner.Planner` that does not read its task.
+
+    Args:
+        *steps: PDDL action with its objects, as one text each ("drive base_1 robot_1 box_a unknown_location"); none
+            at all for the answer that there is no plan.
+    """
+
+    name = "given"
+
+    def __init__(self, *steps: str) -> None:
+        self._answer: Answer = Solved(tuple(tuple(step.split()) for step in steps)) if steps else Unsolvable()
+
+    def solve(self, domain: str, problem: str) -> _Given:  # noqa: ARG002 - the port's signature
+        """Answers."""
+        return _Given(self._answer)
+
+    def close(self) -> None:
+        """Does nothing; there is nothing to kill."""
