@@ -11,6 +11,7 @@ from skiros_py.testing.bench import Bench
 from skiros_py.testing.planners import GivenPlanner
 from skiros_py.testing.tiny import TINY_ONTOLOGY, tiny_ontology, tiny_scene, tiny_world
 from skiros_py.testing.tiny_skills import CONDITIONS, SKILLS
+from skiros_py.testing.tiny_tasks import tiny_pddl, tiny_task
 
 __all__ = [
     "CONDITIONS",
@@ -19,6 +20,8 @@ __all__ = [
     "Bench",
     "GivenPlanner",
     "tiny_ontology",
+    "tiny_pddl",
     "tiny_scene",
+    "tiny_task",
     "tiny_world",
 ]

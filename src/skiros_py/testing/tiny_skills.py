@@ -40,14 +40,20 @@ HAS_PART = ConditionType(
     "HasPart", (Role("whole", "sk:SpatialThing"), Role("part", "sk:SpatialThing")), Related(HAS_A, "whole", "part"), "-"
 )
 AT_LOCATION = ConditionType(
-    "At", (Role("robot", "sk:Robot"), Role("location", "sk:Location")), Related(AT, "robot", "location"), "Stands there."
+    "At",
+    (Role("robot", "sk:Robot"), Role("location", "sk:Location")),
+    Related(AT, "robot", "location"),
+    "Stands there.",
 )
 REACHABLE = ConditionType("Reachable", (Role("location", "sk:Location"),), Has(DRIVING_POSE, "location"), "Known way.")
 IN_CONTAINER = ConditionType(
     "In", (Role("ball", "tiny:Ball"), Role("place", "sk:Container")), Related(IN, "ball", "place"), "Lies in.", True
 )
 HOLDING = ConditionType(
-    "Holding", (Role("gripper", "sk:Gripper"), Role("ball", "tiny:Ball")), Related(HELD_BY, "ball", "gripper"), "Has it."
+    "Holding",
+    (Role("gripper", "sk:Gripper"), Role("ball", "tiny:Ball")),
+    Related(HELD_BY, "ball", "gripper"),
+    "Has it.",
 )
 EMPTY_HANDED = ConditionType("EmptyHanded", (Role("gripper", "sk:Gripper"),), Nothing(HELD_BY, "gripper"), "Holds nil.")
 FREE = ConditionType("Free", (Role("slot", "tiny:Slot"),), Nothing(IN, "slot"), "Nothing lies in the slot.")
@@ -55,7 +61,10 @@ FITS = ConditionType(
     "Fits", (Role("ball", "tiny:Ball"), Role("slot", "tiny:Slot")), Computed("tiny:fitsIn", "ball", "slot", _fits), "-"
 )
 CARRIES = ConditionType(
-    "Carries", (Role("robot", "sk:Robot"), Role("ball", "tiny:Ball")), Related("tiny:carries", "robot", "ball"), "Rides."
+    "Carries",
+    (Role("robot", "sk:Robot"), Role("ball", "tiny:Ball")),
+    Related("tiny:carries", "robot", "ball"),
+    "Rides.",
 )
 
 CONDITIONS: Mapping[str, ConditionType] = MappingProxyType(
@@ -117,7 +126,10 @@ PLACE = SkillDescription(
 )
 
 
-def pretend(description: SkillDescription, body: Node = AssertEffects(seconds=0.02)) -> Skill:
+_PRETENDING = AssertEffects(seconds=0.02)
+
+
+def pretend(description: SkillDescription, body: Node = _PRETENDING) -> Skill:
     """Returns an implementation for the fake driver: by default one that only pretends."""
     return Skill(description, body, driver="fake")
 

@@ -11,10 +11,12 @@ import pybullet
 import pytest
 
 from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
+from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
 from skiros_py.robot.cell import RobotSpec
 from skiros_py.robot.models import write_robot_urdf
-from skiros_py.robot.motion import MotionPlan, MotionRequest, Obstacle
+from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, Obstacle
 
 
 class BulletJudge:
@@ -120,9 +122,6 @@ def test_the_judge_sees_contacts(motion: ArmMotion, bench: SimpleNamespace, judg
 def test_planner_and_physics_engine_agree_on_random_postures(
     motion: ArmMotion, bench: SimpleNamespace, judge: BulletJudge, robot: RobotSpec, tmp_path: Path
 ) -> None:
-    from skiros_py.motion.pinocchio.arm_model import ArmModel
-    from skiros_py.motion.pinocchio.collision import CollisionScene
-
     arm = ArmModel(write_robot_urdf(robot.model, tmp_path), robot.arms[0], robot.grippers)
     obstacles = (bench.table(0.5), bench.kit(Pose((-0.27, 0.0, 0.35))))
     checker = CollisionScene(arm, (), Pose(), obstacles, None, 0.06).checker(0.0)
@@ -138,3 +137,23 @@ def test_planner_and_physics_engine_agree_on_random_postures(
 
     assert touching >= 20
     assert differ <= 3  # hulls of the physics engine have a margin of about a millimetre
+
+
+def test_the_same_scene_checks_the_same_pairs_every_time(
+    bench: SimpleNamespace, robot: RobotSpec, tmp_path: Path
+) -> None:
+    arm = ArmModel(write_robot_urdf(robot.model, tmp_path), robot.arms[0], robot.grippers)
+    pairs = self_collision_pairs(arm)
+    obstacles = (bench.table(0.5), bench.kit(Pose((-0.27, 0.0, 0.35))))
+    held = Held(Solid.box(0.05, 0.04, 0.05), Pose())
+
+    seen = []
+    for _ in range(20):
+        contacts = CollisionScene(arm, pairs, Pose(), obstacles, held, 0.06).contacts
+        seen.append([(contact.link, contact.other) for contact in contacts])
+
+    moving = [f"panda_link{i}" for i in range(1, 8)] + ["panda_hand", "panda_leftfinger", "panda_rightfinger"]
+    boxes = sum(len(obstacle.solid.primitives) for obstacle in obstacles)
+    assert len([pair for pair in seen[0] if pair[1] in {"table", "kit"}]) == boxes * (len(moving) + 1)
+    assert {link for link, other in seen[0] if other == "kit"} == {*moving, "what it holds"}
+    assert all(pairs == seen[0] for pairs in seen)

@@ -99,7 +99,11 @@ class CollisionScene:
         self._arm = arm
         self._shapes = arm.collision_shapes(gap)
         self._pairs: list[_Pair] = []
-        self._robot = [(i, shape) for i, shape in enumerate(self._shapes.geometryObjects)]
+        # Plain values: references into the list of shapes do not survive that shapes are added to it.
+        self._robot = [
+            (i, int(shape.parentJoint), str(arm.model.frames[shape.parentFrame].name))
+            for i, shape in enumerate(self._shapes.geometryObjects)
+        ]
         self._held = self._add_held(held) if held else []
         for first, second in sorted(self_pairs):
             self._pair(self._shapes.getGeometryId(first), self._shapes.getGeometryId(second), None)
@@ -107,6 +111,11 @@ class CollisionScene:
         to_base = base.inverse()
         for obstacle in obstacles:
             self._add_obstacle(obstacle, to_base @ obstacle.pose)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The pairs that are checked, as the contacts they would be."""
+        return tuple(pair.contact for pair in self._pairs)
 
     def checker(self, margin: float, touching: frozenset[str] = frozenset(), start: Array | None = None) -> Checker:
         """Returns a checker for one kind of move.
@@ -118,7 +127,7 @@ class CollisionScene:
                 nearer.
         """
         active = [not (pair.may_touch and pair.contact.other in touching) for pair in self._pairs]
-        checker = Checker(self._arm, self._shapes, [pair.contact for pair in self._pairs], active, margin)
+        checker = Checker(self._arm, self._shapes, list(self.contacts), active, margin)
         if start is not None:
             checker.tolerate(start)
         return checker
@@ -130,8 +139,8 @@ class CollisionScene:
 
     def _guard_robot_from_held(self) -> None:
         for shape_id in self._held:
-            for i, shape in self._robot:
-                if self._link(i) not in self._arm.gripper_links and shape.parentJoint != self._arm.model.njoints - 1:
+            for i, joint, _ in self._robot:
+                if joint != self._arm.model.njoints - 1:
                     self._pair(shape_id, i, None)
 
     def _add_obstacle(self, obstacle: Obstacle, pose: Pose) -> None:
@@ -140,8 +149,8 @@ class CollisionScene:
             if not self._within_reach(placement, block):
                 continue
             shape_id = self._add(obstacle.id, 0, placement, block)
-            for i, shape in self._robot:
-                if shape.parentJoint > 0:
+            for i, joint, _ in self._robot:
+                if joint > 0:
                     self._pair(i, shape_id, obstacle.id)
             for held_id in self._held:
                 self._pair(held_id, shape_id, obstacle.id)
@@ -159,10 +168,7 @@ class CollisionScene:
         )
 
     def _link(self, shape_id: int) -> str:
-        if shape_id in self._held:
-            return _HELD
-        shape = self._shapes.geometryObjects[shape_id]
-        return str(self._arm.model.frames[shape.parentFrame].name)
+        return _HELD if shape_id in self._held else self._robot[shape_id][2]
 
     def _pair(self, first: int, second: int, obstacle: str | None) -> None:
         link = self._link(first)

@@ -1,0 +1,42 @@
+"""Planning tasks of the tiny domain, without managers or devices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from skiros_py.planning.pddl import PddlTexts, write_pddl
+from skiros_py.planning.task import Capability, PlanningTask, build_task
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
+from skiros_py.world.view import WorldView
+
+__all__ = ["tiny_pddl", "tiny_task"]
+
+
+def tiny_task(
+    view: WorldView,
+    *goal: Condition,
+    skills: Sequence[SkillDescription] = (DRIVE, PICK, PLACE),
+    agents: Sequence[str] | None = None,
+) -> PlanningTask:
+    """Returns the planning task for a goal.
+
+    Args:
+        view: The world.
+        *goal: Conditions that shall hold.
+        skills: What can be done.
+        agents: Who can do it, each what fits its class; None for everyone whom a skill's class allows.
+    """
+    able = [
+        Capability(s, tuple(a for a in view.instances(s.agent_class) if agents is None or a in agents)) for s in skills
+    ]
+    return build_task(view, able, goal)
+
+
+def tiny_pddl(
+    view: WorldView, *goal: Condition, skills: Sequence[SkillDescription] = (DRIVE, PICK, PLACE)
+) -> PddlTexts:
+    """Returns the task of :func:`tiny_task` as PDDL."""
+    task = tiny_task(view, *goal, skills=skills)
+    return write_pddl(task.domain, task.problem, name="tiny")

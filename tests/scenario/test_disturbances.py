@@ -1,0 +1,103 @@
+"""What goes wrong on the way: the robot has to notice with its own sensors, and the report has to tell the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from skiros_py.geometry import Pose, Primitive, Solid
+from skiros_py.robot.cell import BodySpec
+from skiros_py.simulation.truth import Truth
+
+pytestmark = pytest.mark.physics
+
+STARTER, ALTERNATOR = "ObjectAtLocation(Starter, kit_1_a)", "ObjectAtLocation(Alternator, kit_1_b)"
+SCENES = Path(__file__).parents[2] / "scenes"
+
+
+def holds(session, part):
+    return session.world.related(part, "sk:heldBy", "gripper_1")
+
+
+def by_condition(report):
+    return {c.condition: c for c in report.conditions}
+
+
+def test_a_part_knocked_out_of_the_gripper_is_noticed_and_the_rest_is_still_done(open_session, when):
+    session = open_session("kitting", seed=2)
+    driving = lambda: holds(session, "starter_1") and session.world.placement("robot_1").place == "floor"  # noqa: E731
+    when(session, driving, lambda: session.simulation.move_body("starter_1", Pose((2.0, 2.6, 0.0))))
+
+    report = session.run([STARTER, ALTERNATOR])
+
+    found = by_condition(report)
+    assert (found[STARTER].believed, found[STARTER].true) == (False, False)
+    assert (found[ALTERNATOR].believed, found[ALTERNATOR].true) == (True, True)
+    assert session.world.placement("starter_1").place == "floor"
+    assert any(change.author == "watch_grasp" for change in session.world.changes)
+    assert found[STARTER].reason
+
+
+def test_a_part_taken_away_is_missing_after_two_clear_looks_not_deleted(open_session, when):
+    session = open_session("kitting_carried", seed=2)
+    when(session, lambda: True, lambda: session.simulation.remove_body("starter_1"))
+
+    report = session.run([STARTER, ALTERNATOR])
+
+    found = by_condition(report)
+    assert (found[STARTER].believed, found[STARTER].true) == (False, False)
+    assert "not seen in 2 clear looks" in found[STARTER].reason
+    assert (found[ALTERNATOR].believed, found[ALTERNATOR].true) == (True, True)
+    assert session.world.value("starter_1", "sk:missing") is True
+    assert session.world.placement("starter_1").place == "unknown_location"
+
+
+def test_a_part_hidden_from_the_camera_is_not_found(open_session):
+    session = open_session("kitting_carried", seed=4)
+    there = Truth(session.simulation).pose("starter_1")
+    session.simulation.add_body(hood(there.position))
+
+    report = session.run([STARTER])
+
+    found = by_condition(report)[STARTER]
+    assert (found.believed, found.true) == (False, False)
+    assert session.world.value("starter_1", "sk:pose") is None
+    assert session.world.placement("starter_1").place == "pallet_a"
+    assert "hides" in found.reason
+
+
+def test_another_part_of_the_same_type_is_taken_when_the_first_is_gone(open_session, when, tmp_path):
+    scene = tmp_path / "two_starters.ttl"
+    text = (SCENES / "kitting_carried.ttl").read_text(encoding="utf-8")
+    scene.write_text(text + "\nscene:starter_2 a kitting:Starter ; sk:in scene:pallet_b .\n", encoding="utf-8")
+    session = open_session(str(scene), seed=5)
+    when(session, lambda: True, lambda: session.simulation.remove_body("starter_1"))
+
+    report = session.run([STARTER])
+
+    assert report.reached
+    assert session.world.related("starter_2", "sk:in", "kit_1_a")
+
+
+def test_a_stop_leaves_arm_and_base_standing_still(open_session, when):
+    session = open_session("kitting", seed=1)
+    moving = lambda: abs(session.cycle.board.snapshot.bases["base_1"].linear) > 0.3  # noqa: E731
+    when(session, moving, session.stop)
+
+    report = session.run()
+
+    assert report.stopped
+    assert not report.reached
+    assert session.cycle.board.still
+
+
+def hood(over: tuple[float, float, float]) -> BodySpec:
+    """A box without bottom, 0.16 m high, that hides what is under it from every side."""
+    side, wall, height = 0.17, 0.01, 0.16
+    half = side / 2.0
+    walls = [
+        Primitive("box", (side, wall, height), Pose((0.0, y, height / 2.0))) for y in (-half, half)
+    ] + [Primitive("box", (wall, side, height), Pose((x, 0.0, height / 2.0))) for x in (-half, half)]
+    lid = Primitive("box", (side, side, wall), Pose((0.0, 0.0, height)))
+    return BodySpec("hood", "test:Hood", Solid((*walls, lid)), pose=Pose(over))

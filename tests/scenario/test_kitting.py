@@ -1,0 +1,70 @@
+"""The main job, in physics, with the camera in the loop."""
+
+from __future__ import annotations
+
+import pytest
+
+pytestmark = pytest.mark.physics
+
+
+def test_three_parts_reach_their_compartments_by_the_truth(open_session):
+    session = open_session("kitting", seed=11)
+
+    report = session.run()
+
+    assert [(c.believed, c.true) for c in report.conditions] == [(True, True)] * 3
+    assert report.reached
+
+
+def test_a_kit_carried_by_the_robot_is_filled_without_driving_back(open_session):
+    session = open_session("kitting_carried", seed=3)
+
+    report = session.run()
+
+    assert report.reached
+    drives = [step.arguments["Location"] for step in report.steps if step.skill == "drive"]
+    assert drives == ["pallet_a", "pallet_b"]
+
+
+def test_a_goal_about_the_robot_is_judged_by_where_it_stands(open_session):
+    session = open_session("kitting", seed=1)
+
+    report = session.run(["RobotAtLocation(robot_1, pallet_b)"])
+
+    assert report.reached
+    assert [step.skill for step in report.steps] == ["drive"]
+
+
+def test_a_goal_that_already_holds_is_answered_without_moving(open_session):
+    session = open_session("kitting", seed=1)
+
+    report = session.run(["ObjectAtLocation(starter_1, pallet_a)"])
+
+    assert report.reached
+    assert report.steps == ()
+    assert report.simulated == pytest.approx(0.0, abs=0.02)
+
+
+def test_the_same_seed_gives_the_same_digest_and_another_seed_another(open_session):
+    digests = []
+    for seed in (5, 5, 6):
+        with open_session("kitting_carried", seed=seed) as session:
+            digests.append(session.run(["Holding(gripper_1, Starter)"]).digest)
+
+    assert digests[0] == digests[1]
+    assert digests[0] != digests[2]
+
+
+def test_the_arm_touches_nothing_but_parts(open_session):
+    from skiros_py.simulation.truth import Truth
+
+    session = open_session("kitting_carried", seed=8)
+    truth = Truth(session.simulation)
+    session.cycle.observe(truth.watch)
+
+    report = session.run(["InKit(Starter, kit_1)"])
+
+    assert report.reached
+    parts = {"starter_1", "alternator_1", "compressor_1", "relay_box_1", "relay_box_2"}
+    touched = {(link, body) for link, body in truth.worst if body not in parts}
+    assert touched == set()

@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.actions import actions_of, emptiness_classes, maintain_emptiness
+from skiros_py.planning.model import Action, Atom
+from skiros_py.skills.conditions import ConditionType, Nothing, Role
+from skiros_py.skills.parameters import Param
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.testing import tiny_ontology
+from skiros_py.testing.tiny_skills import EMPTY_HANDED, FREE, IN_CONTAINER, PICK, PLACE
+
+TAKE = replace(
+    PICK,
+    name="take",
+    params=(*PICK.params[:3], Param("Slot", "tiny:Slot", "Where."), PICK.params[4]),
+    pre=(IN_CONTAINER("Ball", "Slot"), EMPTY_HANDED("Gripper")),
+)
+EMPTY_BOX = ConditionType("EmptyBox", (Role("box", "sk:Container"),), Nothing("sk:in", "box"), "Nothing is in the box.")
+
+
+def maintained(*skills: SkillDescription) -> dict[str, Action]:
+    drafts = [action for skill in skills for action in actions_of(skill, tiny_ontology())]
+    return {action.name: action for action in maintain_emptiness(drafts, tiny_ontology())}
+
+
+def test_what_each_emptiness_is_asked_of_is_found_in_the_preconditions() -> None:
+    actions = [action for skill in (PICK, PLACE) for action in actions_of(skill, tiny_ontology())]
+
+    assert emptiness_classes(actions) == {"nothing sk:heldBy": "sk:Gripper", "nothing sk:in": "tiny:Slot"}
+
+
+def test_taking_fills_the_gripper_and_placing_frees_it() -> None:
+    actions = maintained(PICK, PLACE)
+
+    assert Atom("nothing sk:heldBy", ("?Gripper",)) in actions["pick"].delete
+    assert Atom("nothing sk:heldBy", ("?Gripper",)) in actions["place"].add
+
+
+def test_placing_fills_the_slot_and_taking_out_frees_it() -> None:
+    actions = maintained(PICK, PLACE, TAKE)
+
+    assert Atom("nothing sk:in", ("?Slot",)) in actions["place"].delete
+    assert Atom("nothing sk:in", ("?Slot",)) in actions["take"].add
+
+
+def test_a_box_whose_emptiness_nobody_asks_about_has_none() -> None:
+    assert not [atom for atom in maintained(PICK, PLACE)["pick"].add if atom.predicate == "nothing sk:in"]
+
+
+def test_filling_what_others_want_empty_without_asking_is_refused() -> None:
+    careless = replace(PLACE, name="throw", pre=tuple(c for c in PLACE.pre if c.type is not FREE))
+
+    with pytest.raises(
+        PlanningError, match=r"skill 'throw' puts something to Slot.*precondition that nothing is there"
+    ):
+        maintained(PLACE, careless)
+
+
+def test_taking_from_a_class_too_wide_to_tell_is_refused() -> None:
+    anywhere = replace(
+        TAKE, name="grab", params=(*TAKE.params[:3], Param("Slot", "sk:Container", "Where."), TAKE.params[4])
+    )
+
+    with pytest.raises(
+        PlanningError, match=r"skill 'grab' takes things from any sk:Container.*give its parameter a narr"
+    ):
+        maintained(PLACE, anywhere)
+
+
+def test_asking_two_classes_of_place_for_emptiness_is_refused() -> None:
+    box = Param("Box", "tiny:Box", "Where.")
+    boxed = replace(PLACE, name="pack", params=(*PLACE.params, box), pre=(*PLACE.pre, EMPTY_BOX("Box")))
+
+    with pytest.raises(PlanningError, match="asked of tiny:Box and tiny:Slot|asked of tiny:Slot and tiny:Box"):
+        maintained(PLACE, boxed)

@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from unified_planning.io import PDDLReader
+from unified_planning.shortcuts import get_environment
+
+from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.planning.pddl import PddlTexts
+from skiros_py.planning.planner import Solved
+from skiros_py.skills.conditions import Condition, any_of
+from skiros_py.skills.parameters import Param
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.testing import tiny_pddl, tiny_world
+from skiros_py.testing.tiny_skills import (
+    AT_LOCATION,
+    CARRIES,
+    DRIVE,
+    HOLDING,
+    IN_CONTAINER,
+    PICK,
+    PLACE,
+    REACHABLE,
+)
+
+BENCH = "scene:bench_1 a tiny:Bench ; sk:on scene:floor . scene:ball_5 a tiny:Ball ; sk:in scene:bench_1 ."
+UGLY = "scene:Ball a tiny:Ball ; sk:in scene:box_a . scene:BALL a tiny:Ball ; sk:in scene:box_a ."
+KEYWORDS = "scene:object a tiny:Ball ; sk:in scene:box_a . scene:and a tiny:Slot ; sk:on scene:floor ."
+_EITHER = replace(DRIVE, pre=(any_of(REACHABLE("Location"), AT_LOCATION("Robot", "Location")), *DRIVE.pre[:1]))
+_LOAD = SkillDescription(
+    "load",
+    "Loads a ball.",
+    "Robot",
+    "Ball",
+    (Param("Robot", "sk:Robot", "Who."), Param("Ball", "tiny:Ball", "What."), Param("Box", "tiny:Box", "Where.")),
+    (IN_CONTAINER("Ball", "Box"), AT_LOCATION("Robot", "Box")),
+    (),
+    (CARRIES("Robot", "Ball"),),
+)
+DOMAINS = [
+    pytest.param((), (DRIVE, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),), id="one element"),
+    pytest.param((), (DRIVE, PICK, PLACE), (IN_CONTAINER("tiny:Ball", "slot_1"),), id="any of a class"),
+    pytest.param(
+        (), (DRIVE, PICK, PLACE), (IN_CONTAINER("tiny:Ball", "slot_1"), HOLDING("gripper_1", "ball_1")), id="mixed"
+    ),
+    pytest.param((BENCH,), (DRIVE, PICK, PLACE), (IN_CONTAINER("ball_5", "slot_1"),), id="second parent"),
+    pytest.param((UGLY,), (DRIVE, PICK, PLACE), (IN_CONTAINER("BALL", "slot_1"),), id="ids that differ in case"),
+    pytest.param((KEYWORDS,), (DRIVE, PICK, PLACE), (IN_CONTAINER("object", "and"),), id="ids that are keywords"),
+    pytest.param((), (_EITHER, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),), id="variants"),
+    pytest.param((), (DRIVE, _LOAD), (CARRIES("robot_1", "red_ball_1"),), id="place at the subject's end"),
+]
+
+
+def texts_of(facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...]) -> PddlTexts:
+    return tiny_pddl(tiny_world(*facts), *goal, skills=skills)
+
+
+@pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
+def test_fast_downward_accepts_the_domain_and_solves_it(
+    facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...]
+) -> None:
+    texts = texts_of(facts, skills, goal)
+    planner = FastDownward()
+
+    answer = planner.solve(texts.domain, texts.problem).result()
+    planner.close()
+
+    assert isinstance(answer, Solved)
+    assert all(name in texts.actions for name, *_ in answer.steps)
+
+
+@pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
+def test_unified_planning_reads_the_same_files(
+    facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...], tmp_path: Path
+) -> None:
+    texts = texts_of(facts, skills, goal)
+    (tmp_path / "domain.pddl").write_text(texts.domain, encoding="utf-8")
+    (tmp_path / "problem.pddl").write_text(texts.problem, encoding="utf-8")
+    get_environment().credits_stream = None
+
+    problem = PDDLReader().parse_problem(str(tmp_path / "domain.pddl"), str(tmp_path / "problem.pddl"))
+
+    assert {action.name for action in problem.actions} == set(texts.actions)
+
+
+@pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
+def test_equal_worlds_give_equal_texts(
+    facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...]
+) -> None:
+    one, other = texts_of(facts, skills, goal), texts_of(facts, skills, goal)
+
+    assert (one.domain, one.problem) == (other.domain, other.problem)
+
+
+@pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
+def test_nothing_but_strips_and_typing_is_asked_for(
+    facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...]
+) -> None:
+    domain = texts_of(facts, skills, goal).domain
+
+    assert re.findall(r"\(:requirements ([^)]*)\)", domain) == [":strips :typing"]
+    assert not re.search(r"\((or|forall|exists|when|imply|=|either)\b", domain)
+
+
+@pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
+def test_every_predicate_in_use_is_declared_once(
+    facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...]
+) -> None:
+    domain = texts_of(facts, skills, goal).domain
+    declared = re.findall(r"\(([a-z][\w-]*)", domain.partition("(:predicates")[2].partition("(:action")[0])
+    used = set(re.findall(r"\(([a-z][\w-]*)", domain.partition("(:action")[2])) - {"and", "not"}
+
+    assert len(declared) == len(set(declared))
+    assert used <= set(declared)
+
+
+def test_a_precondition_is_never_negative() -> None:
+    domain = texts_of((), (DRIVE, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),)).domain
+
+    for precondition in re.findall(r":precondition(.*?):effect", domain, flags=re.DOTALL):
+        assert "(not" not in precondition
+
+
+def test_elements_that_a_goal_of_a_class_names_are_constants() -> None:
+    texts = texts_of((), (DRIVE, PICK, PLACE), (IN_CONTAINER("tiny:Ball", "slot_1"),))
+
+    assert "(:constants\n    slot_1 - slot\n  )" in texts.domain
+    assert "slot_1 - slot" not in texts.problem
+
+
+def test_only_what_some_parameter_could_be_is_in_the_problem() -> None:
+    texts = texts_of((), (DRIVE,), (AT_LOCATION("robot_1", "box_a"),))
+
+    assert "box_b - box" in texts.problem
+    assert "ball_1" not in texts.problem
+    assert "gripper_1" not in texts.problem
+
+
+def test_what_the_robots_cannot_do_is_no_fact() -> None:
+    texts = texts_of((), (DRIVE, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),))
+
+    assert re.findall(r"\(can_\w+ \w+\)", texts.problem) == [
+        "(can_drive base_1)",
+        "(can_pick arm_1)",
+        "(can_place arm_1)",
+    ]

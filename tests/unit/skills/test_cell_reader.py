@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import pytest
+
+from skiros_py.errors import DescriptionError
+from skiros_py.geometry import Pose
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.testing import tiny_world
+
+
+def test_a_robot_is_read_with_its_base_arm_and_gripper() -> None:
+    (robot,) = read_cell(tiny_world(), ["robot_1"]).robots
+
+    assert (robot.id, robot.model, robot.base.id) == ("robot_1", "tiny", "base_1")
+    assert robot.base.start == Pose()
+    assert [(arm.id, arm.joints, arm.home) for arm in robot.arms] == [("arm_1", ("shoulder", "elbow"), (0.0, 0.0))]
+    assert [(gripper.id, gripper.arm, gripper.max_gap) for gripper in robot.grippers] == [("gripper_1", "arm_1", 0.1)]
+
+
+def test_only_the_robots_asked_for_are_brought_up() -> None:
+    cell = read_cell(tiny_world(robots=2), ["robot_2"])
+
+    assert [robot.id for robot in cell.robots] == ["robot_2"]
+
+
+def test_a_body_is_what_has_a_shape_and_is_no_robot() -> None:
+    shape = """'[{"kind": "box", "size": [1, 1, 1]}]'^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"""
+    world = tiny_world(f'scene:box_a sk:solid {shape} ; sk:pose "1 2 0 0 0 0"^^sk:poseLiteral .')
+
+    (body,) = read_cell(world, ["robot_1"]).bodies
+
+    assert (body.id, body.type, body.mass, body.pose) == ("box_a", "tiny:Box", 0.0, Pose((1.0, 2.0, 0.0)))
+
+
+@pytest.mark.parametrize(
+    ("element", "property_", "message"),
+    [
+        ("base_1", "sk:pose", "base_1 has no sk:pose: the scene must say where it starts"),
+        ("base_1", "sk:maxLinear", "base_1 has no number for sk:maxLinear"),
+        ("robot_1", "sk:model", "robot_1 has no text for sk:model"),
+        ("arm_1", "sk:home", "arm_1 has no numbers for sk:home"),
+    ],
+)
+def test_what_a_robot_lacks_is_named_by_element_and_property(element: str, property_: str, message: str) -> None:
+    world = tiny_world()
+    with world.transaction("test", "forget it") as tx:
+        tx.set(element, property_, None)
+
+    with pytest.raises(DescriptionError, match=message):
+        read_cell(world, ["robot_1"])
+
+
+def test_a_gripper_on_no_arm_is_refused() -> None:
+    world = tiny_world()
+    with world.transaction("test", "unscrewed") as tx:
+        tx.unrelate("arm_1", "sk:hasA", "gripper_1")
+        tx.relate("robot_1", "sk:hasA", "gripper_1")
+
+    with pytest.raises(DescriptionError, match="gripper_1 is on no arm"):
+        read_cell(world, ["robot_1"])
+
+
+def test_a_home_of_the_wrong_length_is_refused() -> None:
+    world = tiny_world()
+    with world.transaction("test", "one angle too many") as tx:
+        tx.set("arm_1", "sk:home", (0.0, 0.0, 0.0))
+
+    with pytest.raises(DescriptionError, match="sk:home has 3 angles for 2 joints"):
+        read_cell(world, ["robot_1"])

@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+import pytest
+
+from skiros_py.errors import DescriptionError
+from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Has, Nothing, Related, Role, any_of
+from skiros_py.testing import tiny_world
+from skiros_py.testing.tiny_skills import (
+    AT_LOCATION,
+    CARRIES,
+    EMPTY_HANDED,
+    FITS,
+    FREE,
+    HOLDING,
+    IN_CONTAINER,
+    REACHABLE,
+)
+from skiros_py.world.overlay import Overlay
+
+STORED = ConditionType(
+    "Stored",
+    (Role("ball", "tiny:Ball"), Role("where", "sk:Location")),
+    Exists("box", "tiny:Box", AllOf((Related("sk:in", "ball", "box"), Related("sk:on", "box", "where")))),
+    "The ball lies in some box that stands there.",
+)
+
+
+def says(condition: Condition, *facts: str) -> list[str]:
+    return condition.evaluate(tiny_world(*facts)).lines()
+
+
+def test_a_condition_that_holds_says_what_it_rests_on() -> None:
+    assert says(IN_CONTAINER("ball_1", "box_a")) == ["In(ball_1, box_a) (holds)", "  ball_1 in box_a"]
+
+
+def test_a_condition_that_fails_says_what_is_the_case_instead() -> None:
+    assert says(IN_CONTAINER("ball_1", "box_b")) == [
+        "In(ball_1, box_b) (does not hold)",
+        "  ball_1 is not in box_b: it is in box_a",
+    ]
+
+
+def test_something_in_the_way_of_emptiness_is_named() -> None:
+    verdict = FREE("slot_1").evaluate(tiny_world("scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."))
+
+    assert not verdict
+    assert verdict.lines()[-1].strip() == "ball_9 in slot_1"
+
+
+def test_a_missing_property_is_named_and_class_values_count() -> None:
+    assert says(REACHABLE("box_a")) == ["Reachable(box_a) (holds)", "  box_a has a drivingPose"]
+    assert says(REACHABLE("floor")) == ["Reachable(floor) (does not hold)", "  floor has no drivingPose"]
+
+
+@pytest.mark.parametrize(
+    "condition",
+    [
+        IN_CONTAINER("ball_1", "box_a"),
+        IN_CONTAINER("ball_1", "box_b"),
+        EMPTY_HANDED("gripper_1"),
+        REACHABLE("floor"),
+        FITS("ball_1", "slot_1"),
+        STORED("ball_1", "floor"),
+        any_of(HOLDING("gripper_1", "ball_1"), CARRIES("robot_1", "ball_1")),
+    ],
+    ids=str,
+)
+def test_a_negated_condition_over_elements_holds_exactly_when_the_plain_one_does_not(condition: Condition) -> None:
+    world = tiny_world()
+
+    assert bool((~condition).evaluate(world)) is not bool(condition.evaluate(world))
+    assert ~~condition == condition
+
+
+def test_a_negated_condition_that_fails_gives_the_fact_that_is_in_its_way() -> None:
+    assert says(~IN_CONTAINER("ball_1", "box_a")) == ["not In(ball_1, box_a) (does not hold)", "  ball_1 in box_a"]
+
+
+def test_an_existential_names_its_witness() -> None:
+    assert says(STORED("red_ball_1", "floor"))[1].strip() == "box_b is the Box (holds)"
+
+
+def test_an_existential_without_a_witness_says_for_whom_it_looked() -> None:
+    assert says(STORED("ball_1", "slot_1"))[1].strip() == "no Box makes it true for ball_1, slot_1"
+
+
+def test_a_class_as_argument_means_some_element_of_it() -> None:
+    world = tiny_world()
+
+    assert IN_CONTAINER("tiny:RedBall", "box_b").evaluate(world)
+    assert not IN_CONTAINER("tiny:RedBall", "box_a").evaluate(world)
+    assert IN_CONTAINER("tiny:Ball", "box_b").evaluate(world), "a subclass counts"
+    assert not IN_CONTAINER("tiny:Giant", "box_a").evaluate(world), "there is none at all"
+
+
+def test_a_class_is_written_without_its_prefix() -> None:
+    assert str(IN_CONTAINER("tiny:RedBall", "box_b")) == "In(RedBall, box_b)"
+
+
+def test_a_disjunction_holds_by_either_part_and_lists_both_when_neither_does() -> None:
+    either = any_of(IN_CONTAINER("ball_1", "box_b"), HOLDING("gripper_1", "ball_1"))
+    world = tiny_world()
+    held = Overlay(world)
+    held.place("ball_1", "sk:heldBy", "gripper_1")
+
+    assert either.evaluate(held)
+    lines = [line.strip() for line in either.evaluate(world).lines()]
+    assert lines[1:] == [
+        "any of these (does not hold)",
+        "ball_1 is not in box_b: it is in box_a",
+        "ball_1 is not heldBy gripper_1: it is in box_a",
+    ]
+
+
+def test_a_disjunction_takes_each_argument_once_with_its_class() -> None:
+    either = any_of(IN_CONTAINER("Ball", "Box"), HOLDING("Gripper", "Ball"))
+
+    assert either.arguments == ("Ball", "Box", "Gripper")
+    assert [role.class_ for role in either.type.roles] == ["tiny:Ball", "sk:Container", "sk:Gripper"]
+
+
+def test_parameters_are_bound_to_elements() -> None:
+    condition = AT_LOCATION("Robot", "Location")
+    binding = {"Robot": "robot_1", "Location": "unknown_location"}
+
+    assert condition.evaluate(tiny_world(), binding)
+    assert str(condition.bind(binding)) == "At(robot_1, unknown_location)"
+
+
+def test_a_computed_condition_gives_the_reason_of_its_function() -> None:
+    giant = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."
+
+    assert says(FITS("giant_1", "slot_1"), giant)[1].strip() == "giant_1 does not fit into slot_1"
+
+
+def test_the_wrong_number_of_arguments_is_the_authors_fault_and_is_explained() -> None:
+    with pytest.raises(DescriptionError, match=r"In takes \(ball, place\), got \(Ball\)"):
+        IN_CONTAINER("Ball")
+
+
+def test_evaluating_on_an_overlay_leaves_the_world_alone() -> None:
+    world = tiny_world()
+    overlay = Overlay(world)
+    overlay.place("ball_1", "sk:in", "slot_1")
+
+    assert IN_CONTAINER("ball_1", "slot_1").evaluate(overlay)
+    assert not IN_CONTAINER("ball_1", "slot_1").evaluate(world)
+
+
+def test_a_placement_whose_place_is_its_subject_is_a_placement_all_the_same() -> None:
+    world = tiny_world()
+    with world.transaction("test", "loaded") as tx:
+        tx.relate("robot_1", "tiny:carries", "ball_1")
+
+    assert CARRIES("robot_1", "ball_1").evaluate(world)
+    assert not IN_CONTAINER("ball_1", "box_a").evaluate(world)
+
+
+def test_renaming_touches_free_variables_only() -> None:
+    pattern = Exists("box", "tiny:Box", AllOf((Related("sk:in", "ball", "box"), Has("sk:drivingPose", "box"))))
+
+    assert pattern.rename({"ball": "b", "box": "other"}) == Exists(
+        "box", "tiny:Box", AllOf((Related("sk:in", "b", "box"), Has("sk:drivingPose", "box")))
+    )
+    assert Nothing("sk:in", "slot").rename({"slot": "s"}) == Nothing("sk:in", "s")
