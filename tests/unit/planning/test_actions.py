@@ -123,7 +123,7 @@ def test_the_carrier_itself_stays_where_it_is() -> None:
 def test_a_plain_relation_deletes_nothing() -> None:
     place = Param("Place", "sk:Location", "Where.")
     knows = replace(
-        CARRIES.type if False else AT_LOCATION("Robot", "Place").type,
+        AT_LOCATION,
         pattern=Related("tiny:knows", "robot", "location"),
     )
     show = SkillDescription("show", "-", "Robot", "Place", (_ROBOT, place), (), (), (knows("Robot", "Place"),))
