@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import statistics
 import subprocess
 import sys
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -66,19 +68,24 @@ def _figures(runs: list[dict[str, Any]]) -> list[Figure]:
     first = _first_tries(good)
     share = sum(first) / max(1, len(first))
     cycle = _cycle_times(good)
+    every = f"{len(runs)} of {len(runs)}"
     return [
-        Figure("goal reached by the truth", f"{reached} of {len(runs)}", f"{len(runs)} of {len(runs)}", reached == len(runs)),
+        Figure("goal reached by the truth", f"{reached} of {len(runs)}", every, reached == len(runs)),
         Figure("picks right at the first try", f"{share:.1%} of {len(first)}", ">= 95 %", share >= 0.95),
         Figure("belief equals truth, conditions", f"{equal} of {all_conditions}", "all", equal == all_conditions),
         Figure(
             "pick + place of one part, simulated",
-            f"median {statistics.median(cycle):.1f} s, max {max(cycle):.1f} s" if cycle else "none",
+            f"median {_median(cycle):.1f} s, max {max(cycle, default=math.nan):.1f} s",
             "median <= 22 s",
-            bool(cycle) and statistics.median(cycle) <= 22.0,
+            _median(cycle) <= 22.0,
             "40 to 50 s for the pick alone in the SkiROS chapter",
         ),
-        Figure("whole run, simulated", f"median {statistics.median(r['simulated'] for r in good):.0f} s" if good else "none"),
+        Figure("whole run, simulated", f"median {_median(r['simulated'] for r in good):.0f} s"),
     ]
+
+
+def _median(values: Iterable[float]) -> float:
+    return statistics.median([*values] or [math.nan])
 
 
 def _first_tries(runs: list[dict[str, Any]]) -> list[bool]:
@@ -96,7 +103,7 @@ def _first_tries(runs: list[dict[str, Any]]) -> list[bool]:
 
 def _cycle_times(runs: list[dict[str, Any]]) -> list[float]:
     """Returns for each placed part the simulated time of its picks and places, without the driving [s]."""
-    times = []
+    times: list[float] = []
     for run in runs:
         by_part: dict[str, float] = {}
         for step in run["steps"]:

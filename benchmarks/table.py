@@ -35,5 +35,6 @@ def finish(title: str, figures: Sequence[Figure]) -> int:
     for row in rows:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
     missed = [f.what for f in figures if not f.holds]
-    print(f"{title}: " + (f"{len(missed)} of {len(figures)} bars missed: {', '.join(missed)}" if missed else "all bars hold"))
+    summary = f"{len(missed)} of {len(figures)} bars missed: {', '.join(missed)}" if missed else "all bars hold"
+    print(f"{title}: {summary}")
     return 1 if missed else 0

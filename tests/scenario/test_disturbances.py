@@ -96,8 +96,8 @@ def hood(over: tuple[float, float, float]) -> BodySpec:
     """A box without bottom, 0.16 m high, that hides what is under it from every side."""
     side, wall, height = 0.17, 0.01, 0.16
     half = side / 2.0
-    walls = [
-        Primitive("box", (side, wall, height), Pose((0.0, y, height / 2.0))) for y in (-half, half)
-    ] + [Primitive("box", (wall, side, height), Pose((x, 0.0, height / 2.0))) for x in (-half, half)]
+    walls = [Primitive("box", (side, wall, height), Pose((0.0, y, height / 2.0))) for y in (-half, half)] + [
+        Primitive("box", (wall, side, height), Pose((x, 0.0, height / 2.0))) for x in (-half, half)
+    ]
     lid = Primitive("box", (side, side, wall), Pose((0.0, 0.0, height)))
     return BodySpec("hood", "test:Hood", Solid((*walls, lid)), pose=Pose(over))

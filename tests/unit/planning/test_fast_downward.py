@@ -67,28 +67,3 @@ def test_nothing_is_left_in_the_folder_where_it_was_called(tmp_path: Path, monke
     planner.close()
 
     assert os.listdir(tmp_path) == []
-
-
-def test_closing_kills_what_still_runs() -> None:
-    # Twelve balls for two slots: no plan, and far too many states to find that out soon.
-    many = "".join(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a . " for n in range(2, 14))
-    slots = "".join(f"scene:slot_{n} a tiny:Slot ; sk:on scene:floor . " for n in range(3, 14))
-    goal = [IN_CONTAINER(f"ball_{n}", f"slot_{n}") for n in range(1, 14)]
-    texts = tiny_pddl(tiny_world(many, slots), *goal, IN_CONTAINER("ball_1", "slot_2"))
-    planner = FastDownward()
-    pending = planner.solve(texts.domain, texts.problem)
-
-    planner.close()
-
-    assert pending.done()
-    with pytest.raises(BaseException):  # noqa: B017, PT011 - cancelled before it began, or killed in the middle
-        pending.result()
-
-
-def test_a_call_that_takes_too_long_is_given_up() -> None:
-    texts = tiny_pddl(tiny_world(), IN_CONTAINER("ball_1", "slot_1"))
-    planner = FastDownward(time_limit=0.001)
-
-    with pytest.raises(PlanningError, match=r"found no answer in 0\.001 s"):
-        planner.solve(texts.domain, texts.problem).result()
-    planner.close()

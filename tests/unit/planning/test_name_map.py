@@ -3,7 +3,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.planning.names import NameMap
@@ -17,6 +17,7 @@ names = st.one_of(
 )
 
 
+@settings(deadline=None)
 @given(st.lists(names, max_size=30))
 def test_names_go_there_and_back_without_collisions(given_names: list[str]) -> None:
     mapping = NameMap(given_names)
@@ -24,11 +25,13 @@ def test_names_go_there_and_back_without_collisions(given_names: list[str]) -> N
     assert [mapping.back(mapping.pddl(name)) for name in given_names] == given_names
 
 
+@settings(deadline=None)
 @given(names)
 def test_every_pddl_name_is_plain(name: str) -> None:
     assert re.fullmatch(r"[a-z][a-z0-9_-]*", NameMap().pddl(name))
 
 
+@settings(deadline=None)
 @given(st.lists(names, max_size=20))
 def test_the_same_names_in_the_same_order_give_the_same_map(given_names: list[str]) -> None:
     one, other = NameMap(given_names), NameMap(given_names)
@@ -36,6 +39,7 @@ def test_the_same_names_in_the_same_order_give_the_same_map(given_names: list[st
     assert [one.pddl(name) for name in given_names] == [other.pddl(name) for name in given_names]
 
 
+@settings(deadline=None)
 @given(st.lists(names, min_size=1, max_size=20))
 def test_asking_again_changes_nothing(given_names: list[str]) -> None:
     mapping = NameMap()

@@ -1,0 +1,71 @@
+"""What the documentation shows is run."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from skiros_py.cli.main import cli
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.name)
+def test_python_examples_run_as_printed(page, tmp_path):
+    script = tmp_path / "example.py"
+    script.write_text("\n".join(blocks(page, "python")), encoding="utf-8")
+
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+
+    assert done.returncode == 0, done.stderr
+    assert "goal reached" in done.stdout
+
+
+def test_the_small_scene_of_the_manual_plans_and_runs(tmp_path, monkeypatch, capsys):
+    page = ROOT / "docs" / "scenes.md"
+    (tmp_path / "small.ttl").write_text(blocks(page, "turtle")[0], encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    commands = [line[2:] for line in blocks(page, "console")[0].splitlines()]
+
+    statuses = [cli.main(args=shlex.split(command)[1:], standalone_mode=False) for command in commands]
+
+    assert statuses == [0, 0, 0]
+    assert "goal reached" in capsys.readouterr().out
+
+
+def test_the_part_of_the_manual_is_a_valid_class(tmp_path):
+    from skiros_py.config import ontology_paths
+    from skiros_py.geometry import Solid
+    from skiros_py.world.ontology import Ontology
+
+    prefixes = "\n".join(
+        line
+        for line in (ROOT / "ontologies" / "kitting.ttl").read_text(encoding="utf-8").splitlines()
+        if "@prefix" in line
+    )
+    file = tmp_path / "pump.ttl"
+    file.write_text(f"{prefixes}\n{blocks(ROOT / 'docs' / 'scenes.md', 'turtle')[1]}", encoding="utf-8")
+
+    ontology = Ontology.load([*ontology_paths(), file])
+
+    assert ontology.is_a("kitting:Pump", "sk:Manipulatable")
+    assert Solid.from_json(str(ontology.class_value("kitting:Pump", "sk:solid"))).primitives
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_between_pages_lead_somewhere(page):
+    links = [link for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8"))]
+
+    missing = [link for link in links if not (page.parent / link).exists()]
+
+    assert missing == []

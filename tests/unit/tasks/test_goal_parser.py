@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from skiros_py.errors import GoalSyntaxError, UnknownName, UsageError
+from skiros_py.skills.conditions import Condition
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.testing import CONDITIONS, tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, FREE, HOLDING, IN_CONTAINER
+
+WORLD = tiny_world()
+
+
+def parse(*texts: str) -> tuple[Condition, ...]:
+    return parse_goal(texts, WORLD, CONDITIONS)
+
+
+def test_conditions_are_joined_by_and_and_by_several_texts() -> None:
+    expected = (IN_CONTAINER("ball_1", "slot_1"), AT_LOCATION("robot_1", "box_a"))
+
+    assert parse("In(ball_1, slot_1) and At(robot_1, box_a)") == expected
+    assert parse("In(ball_1, slot_1)", "At(robot_1, box_a)") == expected
+
+
+def test_a_condition_said_twice_counts_once() -> None:
+    assert parse("Free(slot_1) and Free(slot_1)") == (FREE("slot_1"),)
+
+
+def test_not_negates_one_condition() -> None:
+    assert parse("not Free(slot_1) and Free(slot_2)") == (~FREE("slot_1"), FREE("slot_2"))
+
+
+def test_blanks_and_the_case_of_words_do_not_matter() -> None:
+    assert parse("  in ( ball_1 ,slot_1 )  AND  NOT free(slot_2) ") == parse("In(ball_1, slot_1) and not Free(slot_2)")
+
+
+def test_a_word_that_begins_with_a_keyword_is_a_word() -> None:
+    with pytest.raises(UnknownName, match="unknown condition 'NotEmpty'"):
+        parse("NotEmpty(slot_1)")
+
+
+@pytest.mark.parametrize("name", ["RedBall", "tiny:RedBall"])
+def test_a_class_may_be_given_where_the_word_allows(name: str) -> None:
+    assert parse(f"In({name}, slot_1)") == (IN_CONTAINER("tiny:RedBall", "slot_1"),)
+
+
+def test_an_element_may_be_given_by_its_label() -> None:
+    world = tiny_world('scene:ball_7 a tiny:Ball ; rdfs:label "bluey" ; sk:in scene:box_a .')
+
+    assert parse_goal(["In(bluey, slot_1)"], world, CONDITIONS) == (IN_CONTAINER("ball_7", "slot_1"),)
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "reason"),
+    [
+        ("", 1, "expected"),
+        ("In", 3, "expected '('"),
+        ("In(", 4, "expected a name"),
+        ("In()", 4, "expected a name"),
+        ("In(ball_1 slot_1)", 11, "expected"),
+        ("In(ball_1, slot_1", 18, "expected"),
+        ("In(ball_1, slot_1) In(ball_1, slot_2)", 20, "expected 'and'"),
+        ("In(ball_1, slot_1) and", 23, "expected"),
+        ("In(ball_1, slot_1) or Free(slot_1)", 20, "expected 'and'"),
+        ("not not Free(slot_1)", 9, "expected '('"),
+        ("(In(ball_1, slot_1))", 1, "expected"),
+        ("In((ball_1), slot_1)", 4, "expected a name"),
+    ],
+)
+def test_an_error_points_at_the_column(text: str, column: int, reason: str) -> None:
+    with pytest.raises(GoalSyntaxError) as caught:
+        parse(text)
+
+    assert caught.value.column == column
+    assert reason in str(caught.value)
+    assert str(caught.value).splitlines()[-1] == "  " + " " * (column - 1) + "^"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "nearest"),
+    [
+        ("Inn(ball_1, slot_1)", "condition", "In"),
+        ("holdin(gripper_1, ball_1)", "condition", "Holding"),
+        ("In(bal_1, slot_1)", "element", "ball_1"),
+        ("In(ball_1, slot1)", "element", "slot_1"),
+        ("In(RedBal, slot_1)", "element", "RedBall"),
+        ("At(robot_9, box_a)", "element", "robot_1"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_the_nearest(text: str, kind: str, nearest: str) -> None:
+    with pytest.raises(UnknownName) as caught:
+        parse(text)
+
+    assert (caught.value.kind, caught.value.nearest) == (kind, nearest)
+
+
+def test_a_class_is_refused_where_one_element_is_needed_and_those_there_are_named() -> None:
+    with pytest.raises(UsageError, match=r"Box is a class; At needs one element of the scene: .*box_a, box_b"):
+        parse("At(robot_1, Box)")
+
+
+def test_an_element_of_the_wrong_class_is_refused_with_those_that_fit() -> None:
+    with pytest.raises(
+        UsageError, match=r"Free, argument 1 \(slot\): box_a is a Box, not a Slot. There is slot_1, slot_2"
+    ):
+        parse("Free(box_a)")
+
+
+def test_a_class_of_the_wrong_kind_is_unknown_there() -> None:
+    with pytest.raises(UnknownName, match=r"unknown element 'Slot' in In, argument 1 \(ball\)"):
+        parse("In(Slot, slot_1)")
+
+
+@pytest.mark.parametrize("text", ["In(ball_1)", "In(ball_1, slot_1, slot_2)"])
+def test_the_wrong_number_of_arguments_is_answered_with_the_roles(text: str) -> None:
+    with pytest.raises(UsageError, match=r"In takes 2 arguments \(ball: Ball, place: Container\), got \d"):
+        parse(text)
+
+
+conditions = st.one_of(
+    st.builds(
+        IN_CONTAINER, st.sampled_from(["ball_1", "tiny:Ball", "tiny:RedBall"]), st.sampled_from(["slot_1", "box_a"])
+    ),
+    st.builds(AT_LOCATION, st.just("robot_1"), st.sampled_from(["box_a", "floor", "unknown_location"])),
+    st.builds(HOLDING, st.just("gripper_1"), st.sampled_from(["ball_1", "red_ball_1"])),
+    st.builds(CARRIES, st.just("robot_1"), st.just("ball_1")),
+    st.builds(FREE, st.sampled_from(["slot_1", "slot_2"])),
+)
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(conditions, st.booleans()), min_size=1, max_size=5, unique=True))
+def test_what_conditions_print_parses_back_to_them(chosen: list[tuple[Condition, bool]]) -> None:
+    goal = tuple(~condition if negated else condition for condition, negated in chosen)
+
+    assert parse(" and ".join(map(str, goal))) == goal
+
+
+@settings(deadline=None)
+@given(st.text(alphabet="Inot(),and ball_1:Free\n\t9é", max_size=30))
+def test_any_text_parses_or_is_answered_with_a_usage_error(text: str) -> None:
+    try:
+        goal = parse(text)
+    except UsageError as error:
+        assert str(error)
+    else:
+        assert goal

@@ -1,0 +1,244 @@
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import pytest
+
+from skiros_py.errors import PlanningError
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.testing import Bench, GivenPlanner, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.world.world import World
+
+BALLS = 'scene:ball_2 a tiny:Ball ; rdfs:label "ball two" ; sk:in scene:box_a .'
+
+
+class Try(Primitive[Any]):
+    """Fails on one ball, so often as told."""
+
+    name: ClassVar[str] = "try"
+    clumsy: ClassVar[dict[str, int]] = {}
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        ball: str = param("tiny:Ball", "What to try.")
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        left = self.clumsy.get(self.params.ball, 0)
+        if left:
+            self.clumsy[self.params.ball] = left - 1
+            return Failure(f"{self.params.ball} slipped")
+        return Success()
+
+
+TRYING = (
+    pretend(DRIVE),
+    pretend(PICK, Sequence.of(Do.of("try", ball=P("Ball")), AssertEffects(0.02))),
+    pretend(PLACE),
+)
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> None:
+    Try.clumsy.clear()
+
+
+def trying(world: World, **clumsy: int) -> Bench:
+    Try.clumsy.update(clumsy)
+    return Bench(world, TRYING, (Try,))
+
+
+def picks(bench: Bench) -> list[str]:
+    return [step.arguments["Ball"] for step in bench.tasks.steps if step.skill == "pick"]
+
+
+def test_a_goal_is_planned_and_done() -> None:
+    with Bench(tiny_world()) as bench:
+        report = bench.pursue("In(ball_1, slot_1)", "In(RedBall, slot_2)")
+
+        assert report.reached
+        assert bench.world.related("ball_1", "sk:in", "slot_1")
+        assert bench.world.related("red_ball_1", "sk:in", "slot_2")
+    assert len(bench.plans) == 1
+    assert [c.tries for c in report.conditions] == [1, 1]
+
+
+def test_a_goal_that_holds_already_does_nothing() -> None:
+    with Bench(tiny_world()) as bench:
+        before = bench.world.version
+        report = bench.pursue("In(ball_1, box_a)")
+
+        assert bench.world.version == before
+    assert report.reached
+    assert (report.steps, report.simulated, bench.plans) == ((), 0.0, [])
+    assert report.conditions[0].tries == 0
+
+
+def test_what_fails_once_is_tried_again() -> None:
+    with trying(tiny_world(), ball_1=1) as bench:
+        report = bench.pursue("In(ball_1, slot_1)")
+
+    assert report.reached
+    assert picks(bench) == ["ball_1", "ball_1"]
+    assert [step.reason for step in report.steps if step.skill == "pick"] == ["ball_1 slipped", ""]
+    assert report.conditions[0].tries == 2
+
+
+def test_a_target_that_keeps_failing_is_left_for_another_of_its_class() -> None:
+    world = tiny_world(BALLS)
+    with trying(world, ball_1=99) as bench:
+        report = bench.pursue("In(Ball, slot_1)", "In(Ball, slot_2)")
+
+    assert report.reached
+    assert picks(bench).count("ball_1") <= 3
+    assert world.related("ball_1", "sk:in", "box_a")
+
+
+def test_after_so_many_failures_a_target_is_given_up_and_the_rest_is_still_done() -> None:
+    world = tiny_world()
+    with trying(world, red_ball_1=99) as bench:
+        report = bench.pursue("In(RedBall, slot_1)", "In(ball_1, slot_2)")
+
+    red, plain = report.conditions
+    assert picks(bench).count("red_ball_1") == 3
+    assert (red.believed, red.tries) == (False, 3)
+    assert red.reason.startswith("red_ball_1 slipped; In(RedBall, slot_1) cannot be reached")
+    assert (plain.believed, plain.reason) == (True, "")
+    assert not report.reached
+    assert report.no_plan == ()
+
+
+def test_how_often_is_enough_can_be_chosen() -> None:
+    Try.clumsy["red_ball_1"] = 99
+    with Bench(tiny_world(), TRYING, (Try,), attempts=1) as bench:
+        bench.pursue("In(RedBall, slot_1)")
+
+    assert picks(bench) == ["red_ball_1"]
+
+
+def test_a_goal_without_a_plan_is_answered_with_reasons_and_nothing_is_done() -> None:
+    with Bench(tiny_world("scene:giant_1 a tiny:Giant ; sk:in scene:box_a .")) as bench:
+        report = bench.pursue("In(giant_1, slot_1)", "In(ball_1, slot_2)")
+
+    assert not report.reached
+    assert report.steps == ()
+    assert "giant_1 fitsIn slot_1 does not hold" in report.no_plan[0]
+
+
+def test_a_skill_is_broken_off_when_the_world_makes_its_plan_pointless() -> None:
+    world = tiny_world(BALLS)
+
+    def take_it_away(event: ModuleEvent) -> None:
+        if event.module == "drive" and event.status is Status.STARTED and world.placement("ball_1").place == "box_a":  # type: ignore[union-attr]
+            with world.transaction("somebody", "moved it by hand") as tx:
+                tx.place("ball_1", "sk:in", "box_b")
+
+    with Bench(world) as bench:
+        bench.monitor.subscribe(take_it_away)
+        report = bench.pursue("In(ball_1, slot_1)")
+
+    first = report.steps[0]
+    assert first.reason.startswith("the plan no longer leads to the goal: In(ball_1, box_a)")
+    assert report.reached
+    assert [s.arguments["Location"] for s in report.steps if s.skill == "drive"] == ["box_a", "box_b"]
+
+
+def test_being_broken_off_is_no_failure_of_the_target() -> None:
+    world = tiny_world()
+    with Bench(world, attempts=1) as bench:
+        moves = iter(["box_b", "box_a", "box_b"])
+
+        def tease(event: ModuleEvent) -> None:
+            if event.module == "drive" and event.status is Status.STARTED and (place := next(moves, None)):
+                with world.transaction("somebody", "moved it by hand") as tx:
+                    tx.place("ball_1", "sk:in", place)
+
+        bench.monitor.subscribe(tease)
+        report = bench.pursue("In(ball_1, slot_1)")
+
+    assert sum(step.reason != "" for step in report.steps) >= 1
+    assert report.conditions[0].reason == "" or "slipped" not in report.conditions[0].reason
+
+
+def test_a_change_that_does_not_matter_breaks_nothing_off() -> None:
+    world = tiny_world()
+
+    def meddle(event: ModuleEvent) -> None:
+        if event.module == "drive" and event.status is Status.STARTED:
+            with world.transaction("somebody", "tidied up") as tx:
+                tx.place("red_ball_1", "sk:in", "box_a")
+
+    with Bench(world) as bench:
+        bench.monitor.subscribe(meddle)
+        report = bench.pursue("In(ball_1, slot_1)")
+
+    assert report.reached
+    assert [step.skill for step in report.steps] == ["drive", "pick", "place"]
+
+
+def test_what_the_world_did_by_itself_need_not_be_done() -> None:
+    world = tiny_world()
+
+    def help_out(event: ModuleEvent) -> None:
+        if event.module == "drive" and event.status is Status.TERMINATED:
+            with world.transaction("somebody", "was quicker") as tx:
+                tx.place("ball_1", "sk:in", "slot_1")
+
+    with Bench(world) as bench:
+        bench.monitor.subscribe(help_out)
+        report = bench.pursue("In(ball_1, slot_1)")
+
+    assert report.reached
+    assert [step.skill for step in report.steps] == ["drive"]
+
+
+def test_a_wrong_plan_is_never_begun() -> None:
+    with Bench(tiny_world(), planner=GivenPlanner("pick arm_1 gripper_1 robot_1 box_a ball_1")) as bench:
+        with pytest.raises(PlanningError):
+            bench.pursue("In(ball_1, slot_1)")
+
+        assert bench.events == []
+
+
+def test_capabilities_are_what_the_world_says_is_there() -> None:
+    world = tiny_world(robots=2)
+    with Bench(world, robots=["robot_1"]) as bench:
+        assert {c.skill.name: c.agents for c in bench.tasks.capabilities} == {
+            "drive": ("base_1",),
+            "pick": ("arm_1",),
+            "place": ("arm_1",),
+        }
+
+        with world.transaction("test", "the arm forgets how to pick") as tx:
+            pick = next(s for s in world.objects("arm_1", "sk:hasSkill") if world.element(s).label == "pick")
+            tx.unrelate("arm_1", "sk:hasSkill", pick)
+
+        assert [c.skill.name for c in bench.tasks.capabilities] == ["drive", "place"]
+
+
+def test_two_robots_share_a_goal_each_by_its_own_hands() -> None:
+    world = tiny_world(robots=2)
+    with world.transaction("test", "each at a box") as tx:
+        tx.place("robot_1", "sk:at", "box_a")
+        tx.place("robot_2", "sk:at", "box_b")
+
+    with Bench(world) as bench:
+        report = bench.pursue("Holding(gripper_1, ball_1)", "Holding(gripper_2, red_ball_1)")
+
+    assert report.reached
+    assert sorted((s.skill, s.arguments["Arm"]) for s in report.steps) == [("pick", "arm_1"), ("pick", "arm_2")]
+
+
+def test_equal_runs_are_equal() -> None:
+    def run() -> list[tuple[object, ...]]:
+        with trying(tiny_world(), ball_1=1) as bench:
+            report = bench.pursue("In(ball_1, slot_1)", "In(RedBall, slot_2)")
+        return [(s.skill, s.arguments, s.start, s.end, s.reason) for s in report.steps]
+
+    assert run() == run()
