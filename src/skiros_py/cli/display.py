@@ -106,14 +106,19 @@ class RunDisplay:
         if not report.steps and not report.no_plan and report.reached:
             self.say("the goal already holds: nothing to do")
         table = Table(box=None, pad_edge=False)
-        for column in ("goal condition", "believed", "truth", "tries", "why not"):
-            table.add_column(column, justify="right" if column == "tries" else "left")
+        for column in ("goal condition", "believed", "truth", "tries", "simulated", "wall", "why not"):
+            table.add_column(column, justify="right" if column in ("tries", "simulated", "wall") else "left")
         for c in report.conditions:
             truth = "-" if c.true is None else _yes(c.true)
-            table.add_row(Text(c.condition), _yes(c.believed), truth, str(c.tries), Text(c.reason))
+            times = _seconds(c.simulated), _seconds(c.wall)
+            table.add_row(Text(c.condition), _yes(c.believed), truth, str(c.tries), *times, Text(c.reason))
         self._console.print(table)
         verdict = "stopped" if report.stopped else "goal reached" if report.reached else "goal not reached"
         self.say(f"{verdict}: {report.simulated:.1f} s simulated, {report.wall:.1f} s wall, digest {report.digest}")
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f} s"
 
 
 def _yes(value: bool) -> str:

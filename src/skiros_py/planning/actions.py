@@ -26,7 +26,7 @@ def actions_of(skill: SkillDescription, ontology: Ontology) -> tuple[Action, ...
         PlanningError: A condition cannot be said in typed STRIPS; the message names it.
     """
     where = f"skill '{skill.name}'"
-    choices = [expand(c.pattern, f"{where}, precondition {c}") for c in skill.pre]
+    choices = [expand(c.pattern, f"{where}, precondition {c}", ontology) for c in skill.pre]
     variants = list(product(*choices))
     names = [skill.name] if len(variants) == 1 else [f"{skill.name}-{i + 1}" for i in range(len(variants))]
     return tuple(_action(name, skill, variant, ontology) for name, variant in zip(names, variants, strict=True))

@@ -149,14 +149,28 @@ class _Relaxation:
         types: Mapping[str, str],
         depth: int,
     ) -> str:
-        bound = atom.bind(start if atom.predicate.startswith(CAN) else {**best, **start})
-        given = any(e.predicate == atom.predicate for a in self.task.domain.actions for e in a.add)
         free = atom.bind(start)
-        reason = self.why(free, types, depth - 1) if given else f"{self._words(bound, types)} does not hold"
+        given = any(e.predicate == atom.predicate for a in self.task.domain.actions for e in a.add)
         if action.skill is None:
-            return reason
-        need = self._words(free, types)
-        return f"skill '{action.skill}' would do it, but needs that {need}; {reason}"
+            return self.why(free, types, depth - 1) if given else self._plainly(atom.bind({**best, **start}), types)
+        need = f"skill '{action.skill}' would do it, but needs that {self._words(free, types)}"
+        if not given:
+            return f"{need}, and {self._plainly(atom.bind({**best, **start}), types)}"
+        why = self.why(free, types, depth - 1)
+        return f"{need}; {why}"
+
+    def _plainly(self, atom: Atom, types: Mapping[str, str]) -> str:
+        """Says what is the case instead of a fact that no skill changes."""
+        if atom.predicate.startswith(NOTHING):
+            relation = atom.predicate.removeprefix(NOTHING)
+            place = atom.arguments[0]
+            there = [f.arguments[0] for f in self._by_predicate.get(relation, ()) if f.arguments[1] == place]
+            return f"{', '.join(there)} is {_local(relation)} {place}, and no skill takes it away"
+        if atom.predicate.startswith(HAS):
+            return f"{atom.arguments[0]} has none"
+        if atom.predicate.startswith(CAN):
+            return "it does not"
+        return f"that is not so ({self._words(atom, types)}), and no skill changes it"
 
     def _words(self, atom: Atom, types: Mapping[str, str]) -> str:
         """Returns the atom as a person would say it."""

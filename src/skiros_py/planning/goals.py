@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.literals import Conjunction, expand
 from skiros_py.planning.model import Action, Atom, Variable
 from skiros_py.skills.conditions import Condition, Exists, Pattern
@@ -36,12 +37,12 @@ def compile_goal(goal: Sequence[Condition], actions: Sequence[Action], ontology:
     """Compiles a conjunction of conditions over elements and classes.
 
     Raises:
-        PlanningError: A condition cannot be said in typed STRIPS.
+        UsageError: A condition cannot be said in typed STRIPS.
     """
     atoms: list[Atom] = []
     bookkeeping: list[Action] = []
     for number, condition in enumerate(goal, start=1):
-        ways = expand(_pattern(condition, ontology), f"goal {condition}")
+        ways = _ways(condition, ontology)
         if len(ways) == 1 and not ways[0].variables:
             atoms += ways[0].atoms
         else:
@@ -53,6 +54,14 @@ def compile_goal(goal: Sequence[Condition], actions: Sequence[Action], ontology:
     working = tuple(replace(action, pre=(WORKING, *action.pre)) for action in actions)
     finish = Action("finish", None, (), (WORKING,), (FINISHED,), (WORKING,))
     return CompiledGoal((*working, finish, *bookkeeping), frozenset({WORKING}), tuple(atoms))
+
+
+def _ways(condition: Condition, ontology: Ontology) -> tuple[Conjunction, ...]:
+    try:
+        return expand(_pattern(condition, ontology), f"goal {condition}", ontology)
+    except PlanningError as error:
+        advice = "that something is not so cannot be planned for; say what should be so instead"
+        raise UsageError(f"goal '{condition}': {advice}") from error
 
 
 def _pattern(condition: Condition, ontology: Ontology) -> Pattern:

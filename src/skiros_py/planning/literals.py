@@ -8,6 +8,7 @@ from itertools import product
 from skiros_py.errors import PlanningError
 from skiros_py.planning.model import Atom, Variable
 from skiros_py.skills.conditions import AllOf, AnyOf, Computed, Exists, Has, Not, Nothing, Pattern, Related
+from skiros_py.world.ontology import Ontology
 
 __all__ = ["CAN", "HAS", "NOTHING", "Conjunction", "atom_of", "expand"]
 
@@ -35,12 +36,13 @@ def atom_of(pattern: Related | Nothing | Has | Computed) -> Atom:
             return Atom(HAS + property_, (subject,))
 
 
-def expand(pattern: Pattern, where: str) -> tuple[Conjunction, ...]:
+def expand(pattern: Pattern, where: str, ontology: Ontology) -> tuple[Conjunction, ...]:
     """Returns the pattern as a disjunction of conjunctions of positive literals.
 
     Args:
         pattern: Any pattern; existentials become variables, their names made unique by the caller's variables.
         where: For the message of a refusal ("precondition X of skill 'y'").
+        ontology: Gives the class of what a relation relates.
 
     Raises:
         PlanningError: It has a part that typed STRIPS cannot say; the message names it.
@@ -50,17 +52,18 @@ def expand(pattern: Pattern, where: str) -> tuple[Conjunction, ...]:
             return (Conjunction((atom_of(pattern),)),)
         case Not(Nothing(relation, object_)):
             other = f"any {relation} {object_}"
-            return (Conjunction((Atom(relation, (other, object_)),), (Variable(other, ""),)),)
+            class_ = ontology.relations[relation].domain or ""
+            return (Conjunction((Atom(relation, (other, object_)),), (Variable(other, class_),)),)
         case Not(Not(inner)):
-            return expand(inner, where)
+            return expand(inner, where, ontology)
         case AllOf(patterns):
-            combinations = product(*(expand(p, where) for p in patterns))
+            combinations = product(*(expand(p, where, ontology) for p in patterns))
             return tuple(_join(combination) for combination in combinations)
         case AnyOf(patterns):
-            return tuple(conjunction for p in patterns for conjunction in expand(p, where))
+            return tuple(conjunction for p in patterns for conjunction in expand(p, where, ontology))
         case Exists(variable, class_, inner):
             extra = (Variable(variable, class_),)
-            return tuple(Conjunction(c.atoms, extra + c.variables) for c in expand(inner, where))
+            return tuple(Conjunction(c.atoms, extra + c.variables) for c in expand(inner, where, ontology))
         case _:
             raise PlanningError(f"{where}: a negated {_inner_name(pattern)} cannot be written as plain PDDL")
 

@@ -35,6 +35,8 @@ class ConditionReport:
         true: Whether it holds in the simulator's truth; None where nothing physical was there to ask.
         tries: How often a skill was tried for it before it held or was given up; 0 when it held already.
         reason: Why it is missing; empty when it holds.
+        simulated: Run time after which it was believed for good [s]; None while it is not.
+        wall: Wall time at that moment [s].
     """
 
     condition: str
@@ -42,6 +44,8 @@ class ConditionReport:
     true: bool | None
     tries: int
     reason: str = ""
+    simulated: float | None = None
+    wall: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

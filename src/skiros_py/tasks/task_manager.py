@@ -53,9 +53,15 @@ class TaskManager:
         self._cycle = cycle
         self._on_plan = on_plan
         self._attempts = attempts
+        self._forget()
+
+    def _forget(self) -> None:
+        """Starts a goal with a clean slate: what failed for the last one may work for this one."""
         self.steps: list[StepReport] = []
         self._failures: Counter[tuple[str, str]] = Counter()
         self._reasons: dict[str, str] = {}
+        self._since: dict[Condition, tuple[float, float]] = {}
+        self._noted = -1
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
@@ -78,7 +84,9 @@ class TaskManager:
         What fails is tried again or planned anew a bounded number of times; what can no longer be reached is given up,
         and the rest of the goal is still done.
         """
-        started = time.perf_counter(), self._cycle.board.snapshot.time
+        self._forget()
+        started = self._cycle.board.snapshot.time, time.perf_counter()
+        self._note_what_holds(goal, started)
         wanted = [c for c in goal if not c.evaluate(self._world)]
         held = set(goal) - set(wanted)
         given_up: dict[Condition, str] = {}
@@ -89,7 +97,9 @@ class TaskManager:
             planned = yield from self.plan(self._keep(goal, given_up))
             if isinstance(planned.outcome, Plan):
                 self._on_plan(planned)
-                yield from self._dispatch(planned.outcome, self._keep(goal, given_up))
+                for _ in self._dispatch(planned.outcome, self._keep(goal, given_up)):
+                    self._note_what_holds(goal, started)
+                    yield
             elif not self.steps:
                 no_plan = planned.outcome.reasons
                 self._on_plan(planned)
@@ -97,9 +107,24 @@ class TaskManager:
             else:
                 given_up |= yield from self._unreachable(self._keep(goal, given_up), planned.outcome)
             wanted = [c for c in self._keep(goal, given_up) if not c.evaluate(self._world)]
+        self._note_what_holds(goal, started)
         reports = tuple(self._condition_report(c, given_up, c in held) for c in goal)
-        wall, simulated = time.perf_counter() - started[0], self._cycle.board.snapshot.time - started[1]
-        return GoalReport(reports, tuple(self.steps), simulated, wall, no_plan)
+        return GoalReport(reports, tuple(self.steps), *self._used(started), no_plan)
+
+    def _used(self, started: tuple[float, float]) -> tuple[float, float]:
+        """Returns simulated and wall time since the start [s]."""
+        return self._cycle.board.snapshot.time - started[0], time.perf_counter() - started[1]
+
+    def _note_what_holds(self, goal: Sequence[Condition], started: tuple[float, float]) -> None:
+        """Notes when each condition came to be believed, whenever the world has changed."""
+        if self._noted == self._world.version:
+            return
+        self._noted = self._world.version
+        for condition in goal:
+            if not condition.evaluate(self._world):
+                self._since.pop(condition, None)
+            elif condition not in self._since:
+                self._since[condition] = self._used(started)
 
     @staticmethod
     def _keep(goal: Sequence[Condition], given_up: Mapping[Condition, str]) -> tuple[Condition, ...]:
@@ -169,7 +194,7 @@ class TaskManager:
         verdict = c.evaluate(self._world)
         tries = 0 if held else self._tries(c)
         reason = "" if verdict else self._why_missing(c, given_up)
-        return ConditionReport(str(c), bool(verdict), None, tries, reason)
+        return ConditionReport(str(c), bool(verdict), None, tries, reason, *self._since.get(c, (None, None)))
 
     def _tries(self, condition: Condition) -> int:
         """Counts runs of the skill tried most often on an element that could fulfil the condition."""

@@ -75,5 +75,5 @@ def test_asking_two_classes_of_place_for_emptiness_is_refused() -> None:
     box = Param("Box", "tiny:Box", "Where.")
     boxed = replace(PLACE, name="pack", params=(*PLACE.params, box), pre=(*PLACE.pre, EMPTY_BOX("Box")))
 
-    with pytest.raises(PlanningError, match="asked of tiny:Box and tiny:Slot|asked of tiny:Slot and tiny:Box"):
+    with pytest.raises(PlanningError, match=r"asked of tiny:Box and tiny:Slot|asked of tiny:Slot and tiny:Box"):
         maintained(PLACE, boxed)

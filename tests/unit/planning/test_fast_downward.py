@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import os
 from itertools import product
 from pathlib import Path
 
@@ -66,4 +65,4 @@ def test_nothing_is_left_in_the_folder_where_it_was_called(tmp_path: Path, monke
     planner.solve(texts.domain, texts.problem).result()
     planner.close()
 
-    assert os.listdir(tmp_path) == []
+    assert list(tmp_path.iterdir()) == []

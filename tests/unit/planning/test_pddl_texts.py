@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from unified_planning.io import PDDLReader
 from unified_planning.environment import Environment
+from unified_planning.io import PDDLReader
 
 from skiros_py.planning.fast_downward import FastDownward
 from skiros_py.planning.pddl import PddlTexts

@@ -128,7 +128,7 @@ def test_a_goal_without_a_plan_is_answered_with_reasons_and_nothing_is_done() ->
 
     assert not report.reached
     assert report.steps == ()
-    assert "giant_1 fitsIn slot_1 does not hold" in report.no_plan[0]
+    assert "needs that giant_1 fitsIn slot_1" in report.no_plan[0]
 
 
 def test_a_skill_is_broken_off_when_the_world_makes_its_plan_pointless() -> None:

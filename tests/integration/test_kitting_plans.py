@@ -1,0 +1,125 @@
+"""The shipped skills on the shipped scenes: planning only, and a run with a robot that pretends."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from unified_planning.environment import Environment
+from unified_planning.io import PDDLReader
+
+import skiros_py
+from skiros_py.errors import UsageError
+from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.runtime import Options, Session
+
+pytest.importorskip("skiros_skills")
+
+SCENES = ["kitting", "kitting_carried"]
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def opened(request: pytest.FixtureRequest) -> Iterator[Session]:
+    with Session(request.param, Options(fake=True)) as session:
+        yield session
+
+
+@pytest.fixture(scope="module")
+def kitting() -> Iterator[Session]:
+    with Session("kitting", Options(fake=True)) as session:
+        yield session
+
+
+@pytest.mark.filterwarnings("ignore:Name .* already defined")  # floor - floor
+def test_unified_planning_reads_what_fast_downward_solved(opened: Session, tmp_path: Path) -> None:
+    planned = opened.plan()
+    (tmp_path / "domain.pddl").write_text(planned.texts.domain, encoding="utf-8")
+    (tmp_path / "problem.pddl").write_text(planned.texts.problem, encoding="utf-8")
+    environment = Environment()
+    environment.error_used_name = False
+
+    problem = PDDLReader(environment).parse_problem(str(tmp_path / "domain.pddl"), str(tmp_path / "problem.pddl"))
+
+    assert isinstance(planned.outcome, Plan)
+    assert {action.name for action in problem.actions} == set(planned.texts.actions)
+
+
+def test_the_domain_is_typed_strips_and_printed_the_same_each_time(opened: Session) -> None:
+    one, other = opened.plan().texts, opened.plan().texts
+
+    assert (one.domain, one.problem) == (other.domain, other.problem)
+    assert re.findall(r"\(:requirements ([^)]*)\)", one.domain) == [":strips :typing"]
+
+
+def test_a_kit_on_the_table_is_driven_to_and_one_on_the_deck_is_not() -> None:
+    drives = {}
+    for scene in SCENES:
+        with Session(scene, Options(fake=True)) as session:
+            outcome = session.plan().outcome
+        assert isinstance(outcome, Plan)
+        drives[scene] = {s.arguments["Location"] for s in outcome.steps if s.skill == "drive"}
+
+    assert drives == {"kitting": {"pallet_a", "pallet_b", "kit_1"}, "kitting_carried": {"pallet_a", "pallet_b"}}
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"),
+    [
+        ("ObjectAtLocation(starter_1, kit_1_a) and ObjectAtLocation(starter_1, kit_1_b)", "not all of them together"),
+        ("RobotAtLocation(robot_1, floor)", "needs that floor has a drivingPose"),
+        ("ObjectAtLocation(starter_1, pallet_b)", "pallet_b is not a Compartment, which skill 'place' needs"),
+    ],
+)
+def test_an_impossible_goal_is_answered_in_the_operators_words(kitting: Session, goal: str, reason: str) -> None:
+    outcome = kitting.plan(kitting.parse([goal])).outcome
+
+    assert isinstance(outcome, NoPlan)
+    assert reason in outcome.reasons[0]
+
+
+def test_any_part_in_a_kit_is_one_pick_and_one_place(kitting: Session) -> None:
+    outcome = kitting.plan(kitting.parse(["InKit(RelayBox, kit_1)"])).outcome
+
+    assert isinstance(outcome, Plan)
+    assert [s.skill for s in outcome.steps] == ["drive", "pick", "drive", "place"]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_scenes_own_goal_is_reached_by_a_robot_that_pretends(scene: str) -> None:
+    with skiros_py.open(scene, fake=True) as session:
+        report = session.run()
+
+        assert session.world.related("starter_1", "sk:in", "kit_1_a")
+    assert report.reached
+    assert [c.tries for c in report.conditions] == [1, 1, 1]
+
+
+def test_equal_seeds_give_equal_digests() -> None:
+    def digest() -> str:
+        with skiros_py.open("kitting", fake=True, seed=3) as session:
+            return session.run(["InKit(Starter, kit_1)"]).digest
+
+    assert digest() == digest() != ""
+
+
+def test_a_stop_asked_for_beforehand_ends_the_run_in_its_first_cycle() -> None:
+    with skiros_py.open("kitting", fake=True) as session:
+        session.stop()
+        report = session.run()
+
+    assert report.stopped
+    assert not report.reached
+    assert report.steps == ()
+
+
+def test_a_fake_has_no_simulation() -> None:
+    with skiros_py.open("kitting", fake=True) as session, pytest.raises(UsageError, match="leave out --fake"):
+        _ = session.simulation
+
+
+def test_a_session_may_be_closed_twice() -> None:
+    session = skiros_py.open("kitting", fake=True)
+    session.close()
+    session.close()

@@ -1,0 +1,87 @@
+"""A session with a hand-made catalogue: the tiny domain from a scene file, without any installed plug-in's skills."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.plugins import PluginFault
+from skiros_py.runtime import Catalogue, Options, Session
+from skiros_py.testing import CONDITIONS, SKILLS, TINY_ONTOLOGY, tiny_scene
+
+FAULT = PluginFault("skiros.skills", "fly", "drones 0.1", "ImportError: no wings", "Traceback …")
+
+
+@pytest.fixture(autouse=True)
+def _tiny(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SKIROS_ONTOLOGIES", str(TINY_ONTOLOGY))
+
+
+def catalogue(*faults: PluginFault) -> Catalogue:
+    skills = {skill.description.name: skill for skill in SKILLS}
+    return Catalogue(skills, {}, CONDITIONS, {"fast-downward": FastDownward}, {}, faults)
+
+
+def opened(scene: Path, **options: object) -> Session:
+    return Session(str(scene), Options(fake=True, **options), catalogue=catalogue())  # type: ignore[arg-type]
+
+
+def test_the_goal_of_the_scene_is_pursued_where_none_is_given(tmp_path: Path) -> None:
+    with opened(tiny_scene(tmp_path, goals=("In(ball_1, slot_1)",))) as session:
+        report = session.run()
+
+    assert report.reached
+
+
+def test_the_goal_of_the_options_comes_before_that_of_the_scene(tmp_path: Path) -> None:
+    scene = tiny_scene(tmp_path, goals=("In(ball_1, slot_1)",))
+
+    with opened(scene, goal=("At(robot_1, box_b)",)) as session:
+        assert [str(condition) for condition in session.goal] == ["At(robot_1, box_b)"]
+
+
+def test_a_scene_without_a_goal_asks_for_one(tmp_path: Path) -> None:
+    with opened(tiny_scene(tmp_path)) as session, pytest.raises(UsageError, match="comes without a goal: state one"):
+        session.run()
+
+
+def test_a_goal_may_be_given_as_text_or_as_conditions(tmp_path: Path) -> None:
+    with opened(tiny_scene(tmp_path)) as session:
+        assert session.run(["At(robot_1, box_a)"]).reached
+        assert session.run(session.parse(["At(robot_1, box_b)"])).reached
+
+
+@pytest.mark.parametrize("name", ["robot_2", "robot 2"])
+def test_a_robot_is_chosen_by_id_or_label_and_only_it_gets_managers(tmp_path: Path, name: str) -> None:
+    with opened(tiny_scene(tmp_path, robots=2), robot=name) as session:
+        assert sorted(session.managers) == ["arm_2", "base_2"]
+
+        report = session.run(["In(ball_1, slot_1)"])
+
+    assert report.reached
+    assert {v for s in report.steps for k, v in s.arguments.items() if k == "Robot"} == {"robot_2"}
+
+
+def test_an_unknown_robot_is_refused_before_anything_is_started(tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match="unknown robot 'robbie'"):
+        opened(tiny_scene(tmp_path), robot="robbie")
+
+
+def test_a_plugin_that_did_not_load_hurts_nobody(tmp_path: Path) -> None:
+    scene = str(tiny_scene(tmp_path))
+
+    with Session(scene, Options(fake=True), catalogue=catalogue(FAULT)) as session:
+        assert session.catalogue.faults == (FAULT,)
+        assert session.run(["In(ball_1, slot_1)"]).reached
+
+
+def test_listeners_hear_of_every_plan(tmp_path: Path) -> None:
+    heard: list[object] = []
+    with opened(tiny_scene(tmp_path)) as session:
+        session.on_plan(heard.append)
+        session.run(["At(robot_1, box_a)"])
+
+    assert len(heard) == 1
