@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 
 def wrap_angle(angle: float) -> float:
     """Returns the same direction in (-pi, pi] [rad]."""
-    return math.pi - (math.pi - angle) % (2.0 * math.pi)
+    wrapped = math.pi - (math.pi - angle) % (2.0 * math.pi)
+    return wrapped if wrapped > -math.pi else math.pi  # the remainder may round up to a whole turn
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,9 +138,12 @@ class Solid:
         """
         try:
             blocks: list[dict[str, Any]] = json.loads(text)
-            return cls(tuple(_primitive(block) for block in blocks))
+            solid = cls(tuple(_primitive(block) for block in blocks))
         except (TypeError, KeyError, AttributeError) as error:
             raise ValueError(f"not a list of primitives with 'kind', 'size', 'at' and 'rpy': {error}") from error
+        if not solid.primitives:
+            raise ValueError("a solid needs at least one primitive")
+        return solid
 
     def bounds(self) -> tuple[Array, Array]:
         """Returns the lowest and highest corner of the axis-aligned bounding box in the solid's frame [m]."""
@@ -148,10 +152,17 @@ class Solid:
 
 
 def _primitive(block: dict[str, Any]) -> Primitive:
-    at: Sequence[float] = block.get("at", (0.0, 0.0, 0.0))
-    roll, pitch, yaw = block.get("rpy", (0.0, 0.0, 0.0))
+    at = _three_numbers(block.get("at", (0.0, 0.0, 0.0)), "at")
+    roll, pitch, yaw = _three_numbers(block.get("rpy", (0.0, 0.0, 0.0)), "rpy")
     size = tuple(float(length) for length in block["size"])
-    return Primitive(block["kind"], size, Pose.of(at[0], at[1], at[2], roll=roll, pitch=pitch, yaw=yaw))
+    return Primitive(block["kind"], size, Pose.of(*at, roll=roll, pitch=pitch, yaw=yaw))
+
+
+def _three_numbers(values: Sequence[float], name: str) -> tuple[float, float, float]:
+    numbers = [float(value) for value in values]
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise ValueError(f"'{name}' takes three finite numbers, got {list(values)}")
+    return numbers[0], numbers[1], numbers[2]
 
 
 def _extent(block: Primitive) -> Array:

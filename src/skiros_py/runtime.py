@@ -19,12 +19,13 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.plugins import PluginFault, load_plugins
+from skiros_py.plugins import Plugin, PluginFault, load_plugins
 from skiros_py.robot.devices import DeviceBoard
 from skiros_py.robot.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition, ConditionType
 from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.skills.lint import problems_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.goals import parse_goal
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Catalogue", "Options", "Session", "load_catalogue"]
 
+_PLANNER = "fast-downward"
 _HASH_EVERY = 20
 """Cycles between two entries of joint states into a run's digest."""
 
@@ -78,6 +80,19 @@ class Catalogue:
     faults: tuple[PluginFault, ...]
 
 
+_IS_ONE: Mapping[str, Callable[[Any], bool]] = {
+    "skills": lambda value: isinstance(value, Skill),
+    "primitives": lambda value: isinstance(value, type) and issubclass(value, Primitive),
+    "conditions": lambda value: isinstance(value, ConditionType),
+    "planners": callable,
+}
+"""What an entry point of each group must name."""
+
+
+def _fault(plugin: Plugin, reason: str) -> PluginFault:
+    return PluginFault(plugin.group, plugin.name, plugin.distribution, reason, "")
+
+
 def load_catalogue() -> Catalogue:
     """Loads all plug-ins of the groups ``skiros.skills``, ``.primitives``, ``.conditions`` and ``.planners``."""
     found: dict[str, dict[str, Any]] = {}
@@ -85,9 +100,11 @@ def load_catalogue() -> Catalogue:
     faults: list[PluginFault] = []
     for kind in ("skills", "primitives", "conditions", "planners"):
         plugins, broken = load_plugins(f"skiros.{kind}")
-        found[kind] = {plugin.name: plugin.value for plugin in plugins}
-        sources |= {f"{kind}/{plugin.name}": plugin.distribution for plugin in plugins}
+        good = [plugin for plugin in plugins if _IS_ONE[kind](plugin.value)]
+        found[kind] = {plugin.name: plugin.value for plugin in good}
+        sources |= {f"{kind}/{plugin.name}": plugin.distribution for plugin in good}
         faults += broken
+        faults += [_fault(p, f"it is a {type(p.value).__name__}, nothing for {kind}") for p in plugins if p not in good]
     return Catalogue(
         found["skills"], found["primitives"], found["conditions"], found["planners"], sources, tuple(faults)
     )
@@ -123,6 +140,7 @@ class Session:
 
     def _open(self, scene: str) -> None:
         self.world = open_world(scene)
+        self.catalogue = _fitting(self.catalogue, self.world.ontology)
         self.goal = parse_goal(self.options.goal or self.world.goals, self.world, self.catalogue.conditions)
         self.spec = read_cell(self.world, self._robots())
         libraries = Libraries() if self.options.fake else self._start_libraries()
@@ -142,7 +160,9 @@ class Session:
             report=lambda _module, _code, _text: None,
         )
         self.managers = self._start_managers(context)
-        planner = self._stack.enter_context(closing(self.catalogue.planners["fast-downward"]()))
+        if _PLANNER not in self.catalogue.planners:
+            raise UsageError(f"planner '{_PLANNER}' did not load: skiros skills says why")
+        planner = self._stack.enter_context(closing(self.catalogue.planners[_PLANNER]()))
         self.planning = PlanningService(planner, scene_title(scene), lockstep=self.options.pace is None)
         self.tasks = TaskManager(self.world, self.managers, self.planning, self.cycle, on_plan=self._tell_plan)
 
@@ -213,7 +233,7 @@ class Session:
 
     def plan(self, goal: Sequence[Condition] | None = None) -> Planned:
         """Plans from the present beliefs without doing anything."""
-        planning = self.tasks.plan(tuple(goal if goal is not None else self.goal))
+        planning = self.tasks.plan(self._conditions(goal))
         while True:
             try:
                 next(planning)
@@ -240,6 +260,7 @@ class Session:
             report = task.result
         else:
             self.cycle.stop_all()
+            self._stop_wanted = False
             report = self._stopped_report(wanted, *started)
         report = replace(report, digest=self._digest.hexdigest()[:16])
         return report if self.options.fake else report.with_truth(self._truths(wanted))
@@ -301,6 +322,18 @@ class Session:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _fitting(catalogue: Catalogue, ontology: Ontology) -> Catalogue:
+    """Leaves out skills that say what no ontology declares; they are reported and hurt nobody else."""
+    found = {name: problems_of(skill, ontology, catalogue.primitives) for name, skill in catalogue.skills.items()}
+    faults = tuple(
+        PluginFault("skiros.skills", name, catalogue.sources.get(f"skills/{name}", "this catalogue"), "; ".join(p), "")
+        for name, p in found.items()
+        if p
+    )
+    good = {name: skill for name, skill in catalogue.skills.items() if not found[name]}
+    return replace(catalogue, skills=good, faults=catalogue.faults + faults)
 
 
 def open_world(scene: str) -> World:

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from typing import Any, Generic, TypeVar
 
 from loky import ProcessPoolExecutor
-from loky.process_executor import BrokenProcessPool
+from loky.process_executor import BrokenProcessPool, TerminatedWorkerError
 
 from skiros_py.errors import DeviceError
 
@@ -26,6 +26,7 @@ __all__ = ["Call", "Worker"]
 T = TypeVar("T")
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_DEAD = (BrokenProcessPool, TerminatedWorkerError)
 _subject: Any = None
 
 
@@ -54,7 +55,7 @@ class Call(Generic[T]):
         """
         try:
             return self._future.result()
-        except BrokenProcessPool as error:
+        except _DEAD as error:
             raise DeviceError(f"the {self._worker} worker process died: {error}") from error
 
 
@@ -84,7 +85,10 @@ class Worker:
             *args: Picklable arguments.
             latency: Declared time from request to answer [s].
         """
-        return Call(self._pool.submit(_call, method, args), self.name, latency)
+        try:
+            return Call(self._pool.submit(_call, method, args), self.name, latency)
+        except _DEAD as error:
+            raise DeviceError(f"the {self.name} worker process died: {error}") from error
 
     def wait_ready(self) -> None:
         """Waits until the object is built.
@@ -94,7 +98,7 @@ class Worker:
         """
         try:
             self._ready.result()
-        except BrokenProcessPool as error:
+        except _DEAD as error:
             raise DeviceError(f"the {self.name} worker process did not start: {error}") from error
 
     def close(self) -> None:

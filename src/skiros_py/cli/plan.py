@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from skiros_py.cli.exit_status import NO_PLAN, REACHED
+from skiros_py.errors import UsageError
 
 __all__ = ["command"]
 
@@ -48,9 +49,13 @@ def command(scene: str, goals: tuple[str, ...], robot: str | None, folder: Path 
 
 
 def _write(folder: Path, files: dict[str, str]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in files.items():
-        (folder / name).write_text(text, encoding="utf-8")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "plan").unlink(missing_ok=True)  # where there is no plan, none of an earlier goal shall be found
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"--write {folder}: {error.strerror}") from error
     click.echo(f"wrote {', '.join(files)} to {folder}", err=True)
 
 

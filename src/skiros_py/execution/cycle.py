@@ -32,6 +32,9 @@ class Task(Generic[T]):
         except StopIteration as end:
             self._result = end.value
             self.done = True
+        except BaseException:
+            self.done = self.stopped = True
+            raise
 
     def stop(self) -> None:
         """Breaks it off now; its ``finally`` blocks run, and nothing more of it afterwards."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
-from skiros_py.errors import DescriptionError, UnknownName
+from skiros_py.errors import UnknownName
 from skiros_py.execution.cycle import ControlCycle, Task
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.skill_run import SkillRun
@@ -122,10 +122,6 @@ def _choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: st
     for skill in skills:
         wanted = skill.driver == driver if driver == "fake" else skill.driver is None
         class_ = skill.description.agent_class
-        if class_ not in view.ontology.classes:
-            raise DescriptionError(
-                f"skill '{skill.description.name}' is for class {class_}, which no ontology declares"
-            )
         if wanted and view.ontology.is_a(view.element(agent).type, class_):
             chosen.setdefault(skill.description.name, skill)
     return chosen

@@ -10,6 +10,7 @@ from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.skills.conditions import Condition, Not, Related
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
@@ -32,12 +33,13 @@ class SkillRun:
         monitor: Monitor,
     ) -> None:
         self.skill = skill
-        self.arguments = arguments
+        defaults = {p.key: p.default for p in skill.description.params if not p.is_element}
+        self.arguments = {**defaults, **arguments}
         self._context = context
         self._monitor = monitor
         self._broken_off: Callable[[], str | None] = lambda: None
         assert_all = lambda: _assert_effects(context.world, skill, arguments)  # noqa: E731 - a closure, named once
-        self._scope = Scope(context, primitives, monitor, arguments, assert_all)
+        self._scope = Scope(context, primitives, monitor, self.arguments, assert_all)
 
     def break_off_when(self, reason: Callable[[], str | None]) -> None:
         """Asks in every cycle whether the skill shall be broken off; its finishing motion is done all the same."""
@@ -60,12 +62,19 @@ class SkillRun:
     def _phases(self) -> Execution[Outcome]:
         description = self.skill.description
         if self.skill.pre_sense is not None:
-            yield from run_node(self.skill.pre_sense, self._scope)
+            sensed = yield from run_node(self.skill.pre_sense, self._scope)
+            if isinstance(sensed, Failure):
+                return sensed
+            yield
+        missing = [p.key for p in description.params if p.kind is Kind.ONLINE and self.arguments.get(p.key) is None]
+        if missing:
+            return Failure(f"parameter {', '.join(missing)} of {description.name} is not specified")
         refusal = self._check("precondition", description.pre)
         if refusal:
             return refusal
         outcome = yield from self._body()
         if self.skill.finish is not None:
+            yield
             finished = yield from run_node(self.skill.finish, self._scope)
             outcome = finished if isinstance(finished, Failure) and isinstance(outcome, Success) else outcome
         if isinstance(outcome, Failure):
@@ -131,7 +140,7 @@ def _assert_effects(world: World, skill: Skill, arguments: Mapping[str, Any]) ->
                     tx.place(subject, relation, object_)
                 case Related(relation, subject, object_):
                     tx.relate(subject, relation, object_)
-                case Not(Related(relation, subject, object_)):
+                case Not(Related(relation, subject, object_)) if not world.ontology.is_placement(relation):
                     tx.unrelate(subject, relation, object_)
                 case _:
-                    pass
+                    pass  # follows from what was moved

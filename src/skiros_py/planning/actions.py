@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import count, product
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.literals import CAN, NOTHING, Conjunction, atom_of, expand
@@ -26,9 +26,11 @@ def actions_of(skill: SkillDescription, ontology: Ontology) -> tuple[Action, ...
         PlanningError: A condition cannot be said in typed STRIPS; the message names it.
     """
     where = f"skill '{skill.name}'"
-    choices = [expand(c.pattern, f"{where}, precondition {c}", ontology) for c in skill.pre]
+    fresh = count(1)
+    needed = (*skill.pre, *skill.hold)  # what must hold while it runs must hold when it starts
+    choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
     variants = list(product(*choices))
-    names = [skill.name] if len(variants) == 1 else [f"{skill.name}-{i + 1}" for i in range(len(variants))]
+    names = [skill.name] if len(variants) == 1 else [f"{skill.name}/{i + 1}" for i in range(len(variants))]
     return tuple(_action(name, skill, variant, ontology) for name, variant in zip(names, variants, strict=True))
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from skiros_py.planning.goals import REACHED
 from skiros_py.planning.literals import CAN, HAS, NOTHING
 from skiros_py.planning.model import Action, Atom
 from skiros_py.planning.task import PlanningTask
@@ -22,22 +21,11 @@ def explain(task: PlanningTask, ontology: Ontology) -> tuple[str, ...]:
     """Returns one reason for each goal condition that can never hold; empty when each alone could."""
     relaxed = _Relaxation(task, ontology)
     reasons = []
-    for condition, atoms in _atoms_by_condition(task):
+    for condition, atoms in task.goal:
         missing = [atom for atom in atoms if atom not in relaxed.facts]
         if missing:
             reasons.append(f"{condition} cannot be reached: {relaxed.why(missing[0], {}, _DEPTH)}")
     return tuple(reasons)
-
-
-def _atoms_by_condition(task: PlanningTask) -> Iterator[tuple[str, list[Atom]]]:
-    plain = [a for a in task.problem.goal if not a.predicate.startswith(REACHED)]
-    for number, condition in enumerate(task.goal, start=1):
-        reached = Atom(f"{REACHED}{number}")
-        if reached in task.problem.goal:
-            yield str(condition), [reached]
-        else:
-            own = [a for a in plain if set(a.arguments) <= set(condition.arguments)]
-            yield str(condition), own
 
 
 class _Relaxation:

@@ -66,6 +66,7 @@ class FastDownward:
         self._time_limit = time_limit
         self._threads = ThreadPoolExecutor(thread_name_prefix="fast-downward")
         self._running: set[subprocess.Popen[str]] = set()
+        self._closed = False
 
     def command(self, domain: str, problem: str) -> list[str]:
         """Returns the command line for two files, as it would be typed."""
@@ -77,6 +78,7 @@ class FastDownward:
 
     def close(self) -> None:
         """Kills what still runs and waits for it."""
+        self._closed = True
         for process in list(self._running):
             _kill(process)
         self._threads.shutdown(wait=True, cancel_futures=True)
@@ -94,7 +96,7 @@ class FastDownward:
             return Solved(_read_steps((folder / "plan").read_text(encoding="utf-8")))
 
     def _run(self, folder: Path) -> tuple[int, str]:
-        process = subprocess.Popen(
+        with subprocess.Popen(
             self.command("domain.pddl", "problem.pddl"),
             cwd=folder,
             stdin=subprocess.DEVNULL,
@@ -102,15 +104,19 @@ class FastDownward:
             stderr=subprocess.STDOUT,
             text=True,
             start_new_session=True,
-        )
-        self._running.add(process)
-        try:
-            output, _ = process.communicate(timeout=self._time_limit)
-        except subprocess.TimeoutExpired as error:
-            raise PlanningError(f"Fast Downward found no answer in {self._time_limit:g} s") from error
-        finally:
-            _kill(process)
-            self._running.discard(process)
+        ) as process:
+            self._running.add(process)
+            if self._closed:  # closed between the request and now: nobody would kill it any more
+                _kill(process)
+            try:
+                output, _ = process.communicate(timeout=self._time_limit)
+            except subprocess.TimeoutExpired as error:
+                raise PlanningError(f"Fast Downward found no answer in {self._time_limit:g} s") from error
+            finally:
+                _kill(process)
+                self._running.discard(process)
+        if self._closed:
+            raise PlanningError("Fast Downward was stopped")
         return process.returncode, output
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
@@ -36,34 +37,40 @@ def atom_of(pattern: Related | Nothing | Has | Computed) -> Atom:
             return Atom(HAS + property_, (subject,))
 
 
-def expand(pattern: Pattern, where: str, ontology: Ontology) -> tuple[Conjunction, ...]:
+def expand(pattern: Pattern, where: str, ontology: Ontology, fresh: Iterator[int]) -> tuple[Conjunction, ...]:
     """Returns the pattern as a disjunction of conjunctions of positive literals.
 
     Args:
-        pattern: Any pattern; existentials become variables, their names made unique by the caller's variables.
+        pattern: Any pattern; existentials become variables.
         where: For the message of a refusal ("precondition X of skill 'y'").
         ontology: Gives the class of what a relation relates.
+        fresh: Numbers that keep the variables of different existentials apart.
 
     Raises:
         PlanningError: It has a part that typed STRIPS cannot say; the message names it.
     """
     match pattern:
+        case Related(relation, _, _) if len(ontology.sub_relations(relation)) > 1:
+            narrower = ", ".join(r for r in ontology.sub_relations(relation) if r != relation)
+            raise PlanningError(f"{where}: {relation} is too general to be planned with; name one of {narrower}")
         case Related() | Nothing() | Has() | Computed():
             return (Conjunction((atom_of(pattern),)),)
         case Not(Nothing(relation, object_)):
-            other = f"any {relation} {object_}"
+            other = f"{object_} holder #{next(fresh)}"
             class_ = ontology.relations[relation].domain or ""
             return (Conjunction((Atom(relation, (other, object_)),), (Variable(other, class_),)),)
         case Not(Not(inner)):
-            return expand(inner, where, ontology)
+            return expand(inner, where, ontology, fresh)
         case AllOf(patterns):
-            combinations = product(*(expand(p, where, ontology) for p in patterns))
+            combinations = product(*(expand(p, where, ontology, fresh) for p in patterns))
             return tuple(_join(combination) for combination in combinations)
         case AnyOf(patterns):
-            return tuple(conjunction for p in patterns for conjunction in expand(p, where, ontology))
+            return tuple(conjunction for p in patterns for conjunction in expand(p, where, ontology, fresh))
         case Exists(variable, class_, inner):
-            extra = (Variable(variable, class_),)
-            return tuple(Conjunction(c.atoms, extra + c.variables) for c in expand(inner, where, ontology))
+            name = f"{variable} #{next(fresh)}"
+            extra = (Variable(name, class_),)
+            inner_ways = expand(inner.rename({variable: name}), where, ontology, fresh)
+            return tuple(Conjunction(c.atoms, extra + c.variables) for c in inner_ways)
         case _:
             raise PlanningError(f"{where}: a negated {_inner_name(pattern)} cannot be written as plain PDDL")
 

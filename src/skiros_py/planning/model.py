@@ -33,7 +33,7 @@ class Action:
     """A STRIPS action.
 
     Attributes:
-        name: Unique name; a skill's variants are numbered ("place-2").
+        name: Unique name; a skill's variants are numbered ("place/2").
         skill: The skill it stands for, or None for bookkeeping of the goal.
         parameters: Typed variables; the skill's own come first, in their order.
         pre, add, delete: Positive atoms over the parameters; deletes happen before adds.

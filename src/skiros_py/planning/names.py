@@ -3,28 +3,44 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
-__all__ = ["NameMap"]
+__all__ = ["RESERVED", "NameMap"]
 
-_RESERVED = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "object", "either", "define", "domain"})
+RESERVED = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "object", "either", "define", "domain"})
+"""Words of PDDL itself; a variable, with its question mark, may be called like one."""
 
 
 class NameMap:
-    """Gives each name a PDDL name (lower case, letters, digits, '_' and '-'), always the same, and finds it back."""
+    """Gives each name a PDDL name (lower case, letters, digits, '_' and '-'), always the same, and finds it back.
 
-    def __init__(self, names: Iterable[str] = ()) -> None:
+    Args:
+        names: Names that come first, in this order.
+        avoid: Maps whose PDDL names are not given again: some readers want one name space for everything.
+        reserved: Words that are never given.
+    """
+
+    def __init__(
+        self, names: Iterable[str] = (), *, avoid: Sequence[NameMap] = (), reserved: frozenset[str] = RESERVED
+    ) -> None:
+        self._reserved = reserved
         self._to: dict[str, str] = {}
         self._from: dict[str, str] = {}
+        self._avoid = avoid
         for name in names:
             self.pddl(name)
 
-    def pddl(self, name: str) -> str:
-        """Returns the PDDL name of a name; the first caller of two that look alike gets the plain one."""
+    def pddl(self, name: str, word: str | None = None) -> str:
+        """Returns the PDDL name of a name; the first caller of two that look alike gets the plain one.
+
+        Args:
+            name: The name.
+            word: What its PDDL name is made from, where that is not the name itself.
+        """
         if name not in self._to:
-            plain = _plain(name)
+            plain = _plain(word or name)
             candidate, number = plain, 1
-            while candidate in self._from or candidate in _RESERVED:
+            while self._taken(candidate):
                 number += 1
                 candidate = f"{plain}-{number}"
             self._to[name] = candidate
@@ -39,9 +55,17 @@ class NameMap:
         """
         return self._from[pddl_name.lower()]
 
+    def gives(self, pddl_name: str) -> bool:
+        """Returns True when the PDDL name stands for something."""
+        return pddl_name in self._from
+
+    def _taken(self, candidate: str) -> bool:
+        return candidate in self._reserved or any(other.gives(candidate) for other in (self, *self._avoid))
+
 
 def _plain(name: str) -> str:
-    local = name.partition(":")[2] or name
+    local = name.partition(" #")[0]  # what keeps variables apart is no part of their name
+    local = local.partition(":")[2] or local
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", local).lower()
     safe = re.sub(r"[^a-z0-9_-]+", "_", snake).strip("_-")
     return safe if safe[:1].isalpha() else f"x{safe}"

@@ -24,35 +24,40 @@ class PddlTexts:
 
 
 class _Writer:
-    """One task being written; types, predicates, objects and actions have separate name spaces."""
+    """One task being written. One name space for objects, types, predicates and actions: some readers insist."""
 
     def __init__(self, domain: Domain, problem: Problem) -> None:
         self.domain = domain
         self.problem = problem
-        self.types = NameMap(sorted(domain.types))
-        self.predicates = NameMap(_predicate_words(name) for name in sorted(domain.predicates))
         self.objects = NameMap(sorted(problem.objects))
-        self.actions = NameMap(action.name for action in domain.actions)
+        self.types = NameMap(sorted(domain.types), avoid=(self.objects,))
+        self.predicates = NameMap(avoid=(self.objects, self.types))
+        for name in sorted(domain.predicates):
+            self.predicates.pddl(name, _predicate_words(name))
+        actions = (action.name for action in domain.actions)
+        self.actions = NameMap(actions, avoid=(self.objects, self.types, self.predicates))
         named = {a for action in domain.actions for atom in action.pre for a in atom.arguments}
         self.constants = sorted(named & set(problem.objects))
 
     def object(self, element: str) -> str:
         return f"    {self.objects.pddl(element)} - {self.type(self.problem.objects[element])}"
 
-    def atom(self, atom: Atom) -> str:
-        words = [self.predicates.pddl(_predicate_words(atom.predicate))]
-        words += [_variable(a) if a.startswith("?") else self.objects.pddl(a) for a in atom.arguments]
-        return f"({' '.join(words)})"
+    def atom(self, atom: Atom, variables: NameMap) -> str:
+        arguments = [f"?{variables.pddl(a)}" if a.startswith("?") else self.objects.pddl(a) for a in atom.arguments]
+        return f"({' '.join([self.predicates.pddl(atom.predicate), *arguments])})"
 
-    def conjunction(self, atoms: Iterable[Atom], indent: str, *, deletes: Iterable[Atom] = ()) -> str:
-        lines = [self.atom(atom) for atom in atoms] + [f"(not {self.atom(atom)})" for atom in deletes]
+    def conjunction(
+        self, atoms: Iterable[Atom], indent: str, *, deletes: Iterable[Atom] = (), variables: NameMap | None = None
+    ) -> str:
+        names = variables or NameMap()
+        lines = [self.atom(atom, names) for atom in atoms] + [f"(not {self.atom(atom, names)})" for atom in deletes]
         return "(and" + "".join(f"\n{indent}{line}" for line in lines) + ")"
 
     def type(self, class_: str) -> str:
-        return "object" if class_ == "object" else self.types.pddl(class_)
+        return "object" if class_ in ("", "object") else self.types.pddl(class_)
 
-    def typed(self, variables: Iterable[Variable]) -> str:
-        return " ".join(f"{_variable(v.name)} - {self.type(v.type)}" for v in variables)
+    def typed(self, variables: Iterable[Variable], names: NameMap) -> str:
+        return " ".join(f"?{names.pddl(v.name)} - {self.type(v.type)}" for v in variables)
 
 
 def write_pddl(domain: Domain, problem: Problem, *, name: str) -> PddlTexts:
@@ -82,17 +87,19 @@ def _domain_text(writer: _Writer, title: str) -> str:
 
 def _predicate(writer: _Writer, name: str, types: tuple[str, ...]) -> str:
     variables = [Variable(f"?x{i + 1}", type_) for i, type_ in enumerate(types)]
-    return f"({' '.join(filter(None, [writer.predicates.pddl(_predicate_words(name)), writer.typed(variables)]))})"
+    return f"({' '.join(filter(None, [writer.predicates.pddl(name), writer.typed(variables, NameMap())]))})"
 
 
 def _action_text(writer: _Writer, action: Action) -> str:
     indent = " " * 6
+    names = NameMap((v.name for v in action.parameters), reserved=frozenset())
+    deletes = _real_deletes(action)
     return "\n".join(
         [
             f"  (:action {writer.actions.pddl(action.name)}",
-            f"    :parameters ({writer.typed(action.parameters)})",
-            f"    :precondition {writer.conjunction(action.pre, indent)}",
-            f"    :effect {writer.conjunction(action.add, indent, deletes=_real_deletes(action))})",
+            f"    :parameters ({writer.typed(action.parameters, names)})",
+            f"    :precondition {writer.conjunction(action.pre, indent, variables=names)}",
+            f"    :effect {writer.conjunction(action.add, indent, deletes=deletes, variables=names)})",
         ]
     )
 
@@ -104,15 +111,10 @@ def _real_deletes(action: Action) -> list[Atom]:
 def _problem_text(writer: _Writer, title: str) -> str:
     problem = writer.problem
     objects = [writer.object(o) for o in sorted(problem.objects) if o not in writer.constants]
-    init = sorted(f"    {writer.atom(atom)}" for atom in problem.init)
+    init = sorted(f"    {writer.atom(atom, NameMap())}" for atom in problem.init)
     goal = writer.conjunction(problem.goal, " " * 4)
     lines = [f"(define (problem {title})", f"  (:domain {title})", "  (:objects", *objects, "  )"]
     return "\n".join([*lines, "  (:init", *init, "  )", f"  (:goal {goal})", ")"]) + "\n"
-
-
-def _variable(name: str) -> str:
-    words = "".join(c if c.isalnum() or c in "_-" else "_" for c in name.lstrip("?"))
-    return "?" + words.lower()
 
 
 def _predicate_words(name: str) -> str:

@@ -6,7 +6,6 @@ import time
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 
-from skiros_py.errors import PlanningError
 from skiros_py.planning.explanation import explain
 from skiros_py.planning.pddl import PddlTexts, write_pddl
 from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
@@ -55,7 +54,7 @@ class PlanningService:
         """Plans; yields while the planner works, unless in lockstep.
 
         Raises:
-            PlanningError: The task cannot be written, the planner broke, or its plan does not survive the replay.
+            PlanningError: The task cannot be written, the planner broke, or its answer is no plan.
         """
         started = time.perf_counter()
         task = build_task(view, capabilities, goal)
@@ -74,10 +73,10 @@ class PlanningService:
         skills = {c.skill.name: c.skill for c in task.capabilities}
         keys = {name: tuple(p.key for p in skill.params if p.is_element) for name, skill in skills.items()}
         plan = read_plan(answer.steps, texts, keys)
-        flaw = replay(view, plan.steps, task.goal, skills)
+        flaw = replay(view, plan.steps, task.conditions, skills)
         if flaw is not None:
             where = f"step {flaw.step + 1} ({plan.steps[flaw.step]})" if flaw.step is not None else "the end"
-            raise PlanningError(f"the plan of {self.planner.name} is wrong at {where}: {flaw.verdict.text}")
+            return NoPlan((f"the plan of {self.planner.name} breaks at {where}: {flaw.verdict.text}",))
         return Plan(_without_detours(view, plan.steps, task, skills))
 
 
@@ -87,6 +86,6 @@ def _without_detours(
     """Leaves out steps without which the plan still survives the replay (a satisficing planner may wander)."""
     for index in reversed(range(len(steps))):
         shorter = steps[:index] + steps[index + 1 :]
-        if replay(view, shorter, task.goal, skills) is None:
+        if replay(view, shorter, task.conditions, skills) is None:
             steps = shorter
     return steps

@@ -29,12 +29,23 @@ class Capability:
 
 @dataclass(frozen=True, slots=True)
 class PlanningTask:
-    """Everything a planner, a validator and an explanation need."""
+    """Everything a planner, a validator and an explanation need.
+
+    Attributes:
+        domain, problem: What is written as PDDL.
+        goal: Each condition with the atoms that stand for it.
+        capabilities: The skills that are there.
+    """
 
     domain: Domain
     problem: Problem
-    goal: tuple[Condition, ...]
+    goal: tuple[tuple[Condition, tuple[Atom, ...]], ...]
     capabilities: tuple[Capability, ...]
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """The goal."""
+        return tuple(condition for condition, _ in self.goal)
 
 
 def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequence[Condition]) -> PlanningTask:
@@ -46,14 +57,15 @@ def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequen
     ontology = view.ontology
     skills = [c.skill for c in capabilities]
     actions = maintain_emptiness((a for s in skills for a in actions_of(s, ontology)), ontology)
-    compiled = compile_goal(goal, actions, ontology)
+    compiled = compile_goal(goal, actions, view)
+    atoms = tuple(atom for own in compiled.atoms for atom in own)
     objects = _objects(view, compiled.actions, [a for c in goal for a in c.arguments])
     typed = with_class_predicates(compiled.actions, objects, ontology)
     computed = {c.relation: c for s in skills for k in s.pre for c in _computed(k.pattern)}
     computed |= {c.relation: c for k in goal for c in _computed(k.pattern)}
 
     def predicates_and_facts(actions: Sequence[Action]) -> tuple[dict[str, tuple[str, ...]], set[Atom]]:
-        predicates = _predicates(actions, compiled.atoms, objects, ontology)
+        predicates = _predicates(actions, atoms, objects, ontology)
         facts = {atom for name, types in predicates.items() for atom in _facts(view, name, types, objects, computed)}
         able = {Atom(CAN + c.skill.name, (agent,)) for c in capabilities for agent in c.agents}
         return predicates, facts | able | compiled.init
@@ -61,8 +73,9 @@ def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequen
     typed = _supported(typed, predicates_and_facts(typed)[1])
     predicates, init = predicates_and_facts(typed)
     domain = Domain(_types(objects, typed, predicates, ontology), predicates, typed)
-    problem = Problem(objects, frozenset(init), compiled.atoms)
-    return PlanningTask(domain, problem, tuple(goal), tuple(capabilities))
+    problem = Problem(objects, frozenset(init), atoms)
+    by_condition = tuple(zip(goal, compiled.atoms, strict=True))
+    return PlanningTask(domain, problem, by_condition, tuple(capabilities))
 
 
 def _supported(actions: Sequence[Action], init: set[Atom]) -> tuple[Action, ...]:
@@ -79,7 +92,9 @@ def _supported(actions: Sequence[Action], init: set[Atom]) -> tuple[Action, ...]
 def _objects(view: WorldView, actions: Iterable[Action], named: Iterable[str]) -> dict[str, str]:
     """Returns every element that some parameter could be, under its most specific class."""
     wanted = dict.fromkeys(v.type for action in actions for v in action.parameters if v.type)
-    ids = {i for class_ in wanted for i in view.instances(class_)} | {n for n in named if view.has(n)}
+    ids = {i for class_ in wanted for i in view.instances(class_)} | {
+        n for n in named if view.has(n) and n in view.instances(view.element(n).type)
+    }
     return {i: view.element(i).type for i in sorted(ids)}
 
 

@@ -58,7 +58,7 @@ def _replay(
 ) -> Flaw | None:
     for index, step in enumerate(steps):
         skill = skills[step.skill]
-        for condition in skill.pre:
+        for condition in (*skill.pre, *skill.hold):
             verdict = condition.evaluate(overlay, step.arguments)
             if not verdict:
                 return Flaw(index, verdict)

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+from skiros_py.errors import DescriptionError
+
 __all__ = ["AssertEffects", "Do", "Fallback", "Node", "P", "Retry", "Sequence", "lines"]
 
 
@@ -65,6 +67,10 @@ class Retry:
 
     child: Node
     times: int
+
+    def __post_init__(self) -> None:
+        if self.times < 1:
+            raise DescriptionError(f"retry: at least once, not {self.times} times")
 
 
 @dataclass(frozen=True, slots=True)

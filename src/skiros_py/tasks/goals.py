@@ -59,8 +59,8 @@ def _parse(text: str, view: WorldView, conditions: Mapping[str, ConditionType]) 
 
 
 def _column(error: UnexpectedInput, text: str) -> int:
-    at_end = isinstance(error, UnexpectedEOF) or error.column < 1
-    return len(text.rstrip()) + 1 if at_end or getattr(error, "token", "") == "" else error.column
+    at_end = isinstance(error, UnexpectedEOF) or (isinstance(error, UnexpectedToken) and error.token.type == "$END")
+    return len(text.rstrip()) + 1 if at_end else error.column
 
 
 def _reason(error: UnexpectedInput) -> str:
@@ -95,7 +95,7 @@ def _word(word: Token | Tree[Any] | None, conditions: Mapping[str, ConditionType
 def _argument(name: str, index: int, type_: ConditionType, view: WorldView) -> str:
     role = type_.roles[index]
     where = f"{type_.name}, argument {index + 1} ({role.name})"
-    element = _element(name, view)
+    element = _element(name, view, role.class_)
     if element is not None:
         class_ = view.element(element).type
         if not view.ontology.is_a(class_, role.class_):
@@ -105,9 +105,12 @@ def _argument(name: str, index: int, type_: ConditionType, view: WorldView) -> s
     return _abstract(name, role.class_, type_, where, view)
 
 
-def _element(name: str, view: WorldView) -> str | None:
+def _element(name: str, view: WorldView, class_: str) -> str | None:
+    """An id comes first, then a class (a part without a label of its own is called like its class), then a label."""
     if view.has(name):
         return name
+    if any(name in (c, _local(c)) for c in view.ontology.subclasses(class_)):
+        return None
     labelled = [i for i in view.instances("sk:Element") if view.element(i).label == name]
     return labelled[0] if len(labelled) == 1 else None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.skill_manager import Transport
@@ -97,9 +98,11 @@ class TaskManager:
             planned = yield from self.plan(self._keep(goal, given_up))
             if isinstance(planned.outcome, Plan):
                 self._on_plan(planned)
-                for _ in self._dispatch(planned.outcome, self._keep(goal, given_up)):
-                    self._note_what_holds(goal, started)
-                    yield
+                with closing(self._dispatch(planned.outcome, self._keep(goal, given_up))) as dispatch:
+                    for _ in dispatch:
+                        self._note_what_holds(goal, started)
+                        yield
+                given_up |= self._hopeless(self._keep(goal, given_up))
             elif not self.steps:
                 no_plan = planned.outcome.reasons
                 self._on_plan(planned)
@@ -130,9 +133,22 @@ class TaskManager:
     def _keep(goal: Sequence[Condition], given_up: Mapping[Condition, str]) -> tuple[Condition, ...]:
         return tuple(c for c in goal if c not in given_up)
 
+    @property
+    def _left_out(self) -> frozenset[str]:
+        """Targets on which a skill failed too often."""
+        return frozenset(target for (_, target), count in self._failures.items() if count >= self._attempts)
+
     def _view(self) -> WorldView:
-        out = frozenset(target for (_, target), count in self._failures.items() if count >= self._attempts)
-        return Without(self._world, out) if out else self._world
+        return Without(self._world, self._left_out) if self._left_out else self._world
+
+    def _hopeless(self, goal: Sequence[Condition]) -> dict[Condition, str]:
+        """Returns conditions that name a target left out and do not hold, with the reason."""
+        out = self._left_out
+        return {
+            c: f"gave up after {self._attempts} tries"
+            for c in goal
+            if out.intersection(c.arguments) and not c.evaluate(self._world)
+        }
 
     def _dispatch(self, plan: Plan, goal: Sequence[Condition]) -> Execution[None]:
         """Runs a plan until it is done or something is not as planned."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions.pattern import AnyOf, Binding, Exists, Not, Pattern
 from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
 __all__ = ["Condition", "ConditionType", "Role", "any_of"]
@@ -75,8 +76,18 @@ class Condition:
     @property
     def pattern(self) -> Pattern:
         """Its pattern, over its arguments."""
+        return Not(self._positive) if self.negated else self._positive
+
+    @property
+    def _positive(self) -> Pattern:
         names = {role.name: argument for role, argument in zip(self.type.roles, self.arguments, strict=True)}
-        pattern = self.type.pattern.rename(names)
+        return self.type.pattern.rename(names)
+
+    def closed_pattern(self, ontology: Ontology) -> Pattern:
+        """Its pattern with a quantifier for each argument that is a class: "there is a starter such that ..."."""
+        pattern = self._positive
+        for class_ in dict.fromkeys(a for a in self.arguments if a in ontology.classes):
+            pattern = Exists(class_, class_, pattern)
         return Not(pattern) if self.negated else pattern
 
     def bind(self, binding: Mapping[str, str]) -> Condition:
@@ -91,9 +102,10 @@ class Condition:
             binding: Element ids by parameter key; None when the arguments are ids or classes already.
         """
         grounded = self.bind(binding or {})
-        pattern: Pattern = grounded.pattern
-        for class_ in dict.fromkeys(a for a in grounded.arguments if a in view.ontology.classes):
-            pattern = Exists(class_, class_, pattern)
+        gone = [a for a in grounded.arguments if a not in view.ontology.classes and not view.has(a)]
+        if gone:
+            return Verdict(self.negated, str(grounded), (Verdict(False, f"there is no {' and no '.join(gone)}"),))
+        pattern = grounded.closed_pattern(view.ontology)
         inner = pattern.evaluate(view, {argument: argument for argument in grounded.arguments})
         return Verdict(inner.holds, str(grounded), (inner,))
 

@@ -190,4 +190,9 @@ class Exists:
     def rename(self, names: Mapping[str, str]) -> Exists:
         """Returns the same pattern with other names of its free variables."""
         free = {old: new for old, new in names.items() if old != self.variable}
-        return Exists(self.variable, self.class_, self.pattern.rename(free))
+        variable, inner = self.variable, self.pattern
+        while variable in free.values():  # a new name must not fall under this quantifier
+            variable += "'"
+        if variable != self.variable:
+            inner = inner.rename({self.variable: variable})
+        return Exists(variable, self.class_, inner.rename(free))
