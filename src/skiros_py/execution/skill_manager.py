@@ -19,7 +19,55 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.vocabulary import HAS_A, HAS_SKILL, SKILL
 
-__all__ = ["SkillManager", "Transport"]
+__all__ = ["Running", "RunningSkill", "SkillManager", "Transport"]
+
+
+class Running(Protocol):
+    """A skill that was started, wherever it runs."""
+
+    @property
+    def done(self) -> bool:
+        """True when it ended or was stopped."""
+        ...
+
+    @property
+    def result(self) -> Outcome:
+        """How it ended by itself."""
+        ...
+
+    def break_off(self, reason: str) -> None:
+        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
+        ...
+
+    def stop(self) -> None:
+        """Stops it in this cycle; nothing follows."""
+        ...
+
+
+class RunningSkill:
+    """A skill that runs in this process's control cycle."""
+
+    def __init__(self, run: SkillRun, task: Task[Outcome]) -> None:
+        self._run = run
+        self._task = task
+
+    @property
+    def done(self) -> bool:
+        """True when it ended or was stopped."""
+        return self._task.done
+
+    @property
+    def result(self) -> Outcome:
+        """How it ended by itself."""
+        return self._task.result
+
+    def break_off(self, reason: str) -> None:
+        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
+        self._run.break_off(reason)
+
+    def stop(self) -> None:
+        """Stops it in this cycle; nothing follows."""
+        self._task.stop()
 
 
 class Transport(Protocol):
@@ -35,8 +83,8 @@ class Transport(Protocol):
         """What it offers, by name."""
         ...
 
-    def start(self, skill: str, arguments: Mapping[str, str], *, break_off: Callable[[], str | None]) -> Task[Outcome]:
-        """Starts a skill; ``break_off`` is asked whenever the world changed and may give a reason to end it."""
+    def start(self, skill: str, arguments: Mapping[str, str]) -> Running:
+        """Starts a skill."""
         ...
 
 
@@ -102,7 +150,7 @@ class SkillManager:
 
         return report
 
-    def start(self, skill: str, arguments: Mapping[str, str], *, break_off: Callable[[], str | None]) -> Task[Outcome]:
+    def start(self, skill: str, arguments: Mapping[str, str]) -> RunningSkill:
         """Starts a skill.
 
         Raises:
@@ -111,8 +159,7 @@ class SkillManager:
         if skill not in self._skills:
             raise UnknownName("skill", skill, self._skills, where=f"of {self.agent}")
         run = SkillRun(self._skills[skill], arguments, self._context, self._primitives, self._monitor)
-        run.break_off_when(break_off)
-        return self._cycle.start(run.execute())
+        return RunningSkill(run, self._cycle.start(run.execute()))
 
 
 def _choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, Skill]:

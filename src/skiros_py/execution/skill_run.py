@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from skiros_py.execution.body import Scope, run_node
@@ -37,12 +37,12 @@ class SkillRun:
         self.arguments = {**defaults, **arguments}
         self._context = context
         self._monitor = monitor
-        self._broken_off: Callable[[], str | None] = lambda: None
+        self._broken_off = ""
         assert_all = lambda: _assert_effects(context.world, skill, arguments)  # noqa: E731 - a closure, named once
         self._scope = Scope(context, primitives, monitor, self.arguments, assert_all)
 
-    def break_off_when(self, reason: Callable[[], str | None]) -> None:
-        """Asks in every cycle whether the skill shall be broken off; its finishing motion is done all the same."""
+    def break_off(self, reason: str) -> None:
+        """Ends the body in the coming tick; what must follow (recovery, finishing motion) is done all the same."""
         self._broken_off = reason
 
     def execute(self) -> Execution[Outcome]:
@@ -85,18 +85,19 @@ class SkillRun:
         body = run_node(self.skill.body, self._scope)
         checked = -1
         while True:
+            fault = self._broken_off
+            if self._context.world.version != checked:
+                checked = self._context.world.version
+                fault = fault or self._hold_fault()
+            if fault:
+                body.close()
+                yield from self._recover()
+                return Failure(fault, BROKEN_OFF)
             try:
                 next(body)
             except StopIteration as end:
                 outcome: Outcome = end.value
                 return outcome
-            if self._context.world.version != checked:
-                checked = self._context.world.version
-                reason = self._broken_off() or self._hold_fault()
-                if reason:
-                    body.close()
-                    yield from self._recover()
-                    return Failure(reason, BROKEN_OFF)
             yield
 
     def _recover(self) -> Execution[None]:
@@ -110,9 +111,9 @@ class SkillRun:
                     return
                 yield
 
-    def _hold_fault(self) -> str | None:
+    def _hold_fault(self) -> str:
         fault = self._check("hold condition", self.skill.description.hold)
-        return fault.reason if fault else None
+        return fault.reason if fault else ""
 
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
         for condition in conditions:

@@ -17,8 +17,6 @@ from skiros_py.world.view import WorldView
 
 __all__ = ["read_cell"]
 
-_COMPARTMENT = "kitting:Compartment"
-
 
 def read_cell(view: WorldView, robots: Sequence[str]) -> CellSpec:
     """Reads every body with a shape and the given robots.
@@ -70,8 +68,7 @@ def _place(view: WorldView, element: str) -> str | None:
 
 
 def _is_compartment(view: WorldView, element: str) -> bool:
-    ontology = view.ontology
-    return _COMPARTMENT in ontology.classes and ontology.is_a(view.element(element).type, _COMPARTMENT)
+    return view.value(element, v.HOLLOW) is True
 
 
 def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:

@@ -9,7 +9,18 @@ from skiros_py.skills.context import RunContext
 from skiros_py.world.element import Value
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import HAS_A, HELD_BY, MANIPULATABLE, POSE, POSE_FRAME, ROBOT, SOLID, SPATIAL_THING
+from skiros_py.world.vocabulary import (
+    DEVICE,
+    HAS_A,
+    HELD_BY,
+    HOLLOW,
+    MANIPULATABLE,
+    POSE,
+    POSE_FRAME,
+    ROBOT,
+    SOLID,
+    SPATIAL_THING,
+)
 
 __all__ = ["held_by", "map_pose", "obstacles", "owner", "set_pose", "solid_of"]
 
@@ -92,7 +103,7 @@ def obstacles(context: RunContext, *, parts: bool, without: frozenset[str] = fro
         type_ = view.element(element).type
         if element in without or (not parts and view.ontology.is_a(type_, MANIPULATABLE)):
             continue
-        if any(view.ontology.is_a(type_, class_) for class_ in ("sk:Device", ROBOT, "kitting:Compartment")):
+        if view.value(element, HOLLOW) is True or any(view.ontology.is_a(type_, c) for c in (DEVICE, ROBOT)):
             continue
         solid, pose = solid_of(view, element), map_pose(context, element)
         if solid is not None and pose is not None and not _in_hand(view, element):

@@ -164,14 +164,20 @@ class TaskManager:
         capability = next(c for c in self.capabilities if c.skill.name == step.skill)
         manager = self._managers[step.arguments[capability.skill.agent]]
         start = self._cycle.board.snapshot.time
-        task = manager.start(step.skill, step.arguments, break_off=lambda: self._obsolete(step, rest, goal))
+        running = manager.start(step.skill, step.arguments)
+        seen = self._world.version
         try:
-            while not task.done:
+            while not running.done:
+                if self._world.version != seen:
+                    seen = self._world.version
+                    reason = self._obsolete(step, rest, goal)
+                    if reason:
+                        running.break_off(reason)
                 yield
         finally:
-            task.stop()
-        self._record(step, capability.skill, start, task.result)
-        return task.result
+            running.stop()
+        self._record(step, capability.skill, start, running.result)
+        return running.result
 
     def _record(self, step: Step, skill: SkillDescription, start: float, outcome: Outcome) -> None:
         reason = outcome.reason if isinstance(outcome, Failure) else ""

@@ -99,10 +99,22 @@ class Bench:
         """Pursues a goal to its end."""
         return self.cycle.run(self.cycle.start(self.tasks.pursue(self.goal(*texts))))
 
-    def run(self, skill: str, *, break_off: Callable[[], str | None] = lambda: None, **arguments: str) -> Outcome:
-        """Runs one skill by the first manager that offers it."""
+    def run(self, skill: str, *, break_off: Callable[[], str] = lambda: "", **arguments: str) -> Outcome:
+        """Runs one skill by the first manager that offers it.
+
+        Args:
+            skill: Its name.
+            break_off: Asked in every cycle for a reason to break the skill off.
+            **arguments: Element ids by parameter key.
+        """
         manager = next(m for _, m in sorted(self.managers.items()) if skill in m.descriptions)
-        return self.cycle.run(manager.start(skill, arguments, break_off=break_off))
+        running = manager.start(skill, arguments)
+        while not running.done:
+            reason = break_off()
+            if reason:
+                running.break_off(reason)
+            self.cycle.step()
+        return running.result
 
     def close(self) -> None:
         """Ends the planner."""

@@ -30,6 +30,7 @@ __all__ = [
     "HAS_SKILL",
     "HEIGHT",
     "HELD_BY",
+    "HOLLOW",
     "HOME",
     "IN",
     "JOINTS",
@@ -126,6 +127,7 @@ POSE: Final = "sk:pose"
 DRIVING_POSE: Final = "sk:drivingPose"
 SOLID: Final = "sk:solid"
 MASS: Final = "sk:mass"
+HOLLOW: Final = "sk:hollow"
 SIZE: Final = "sk:size"
 SUPPORT_HALF_EXTENTS: Final = "sk:supportHalfExtents"
 SUPPORT_OFFSET: Final = "sk:supportOffset"

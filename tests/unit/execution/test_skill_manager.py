@@ -61,7 +61,7 @@ def test_a_manager_with_nothing_to_offer_writes_nothing() -> None:
 
 def test_a_skill_it_does_not_offer_is_refused_with_those_it_does(bench: Bench) -> None:
     with pytest.raises(UnknownName, match=r"unknown skill 'pik' of arm_1.*mean 'pick'"):
-        bench.managers["arm_1"].start("pik", {}, break_off=lambda: None)
+        bench.managers["arm_1"].start("pik", {})
 
 
 class Watch(Primitive[Any]):

@@ -1,18 +1,43 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import count
 
 import pytest
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.actions import actions_of, moved_and_place
-from skiros_py.planning.literals import expand
+from skiros_py.planning.literals import Conjunction, expand
 from skiros_py.planning.model import Action, Atom, Variable
-from skiros_py.skills.conditions import AllOf, AnyOf, Computed, Exists, Has, Not, Nothing, Related, Verdict, any_of
+from skiros_py.skills.conditions import (
+    AllOf,
+    AnyOf,
+    Computed,
+    ConditionType,
+    Exists,
+    Has,
+    Not,
+    Nothing,
+    Pattern,
+    Related,
+    Role,
+    Verdict,
+    any_of,
+)
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_ontology
-from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE, REACHABLE
+from skiros_py.testing.tiny_skills import (
+    AT_LOCATION,
+    CARRIES,
+    DRIVE,
+    EMPTY_HANDED,
+    HOLDING,
+    IN_CONTAINER,
+    PICK,
+    PLACE,
+    REACHABLE,
+)
 
 _ROBOT = Param("Robot", "sk:Robot", "Who.")
 _BALL = Param("Ball", "tiny:Ball", "What.")
@@ -21,6 +46,16 @@ GIVE = SkillDescription(
     "give", "Hands a ball over.", "Robot", "Ball", (_ROBOT, _BALL), (), (), (CARRIES("Robot", "Ball"),)
 )
 LOAD = replace(GIVE, name="load", params=(_ROBOT, _BALL, _BOX), pre=(IN_CONTAINER("Ball", "Box"),))
+STORED = ConditionType(
+    "Stored",
+    (Role("ball", "tiny:Ball"), Role("where", "sk:Location")),
+    Exists("box", "tiny:Box", AllOf((Related("sk:in", "ball", "box"), Related("sk:on", "box", "where")))),
+    "The ball lies in some box that stands there.",
+)
+
+
+def ways_of(pattern: Pattern, where: str = "here") -> tuple[Conjunction, ...]:
+    return expand(pattern, where, tiny_ontology(), count(1))
 
 
 def action(skill: SkillDescription) -> Action:
@@ -38,7 +73,7 @@ def action(skill: SkillDescription) -> Action:
     ],
 )
 def test_each_simple_pattern_is_one_literal(pattern: Related, atom: Atom) -> None:
-    (conjunction,) = expand(pattern, "here")
+    (conjunction,) = ways_of(pattern)
 
     assert (conjunction.atoms, conjunction.variables) == ((atom,), ())
 
@@ -46,28 +81,51 @@ def test_each_simple_pattern_is_one_literal(pattern: Related, atom: Atom) -> Non
 def test_a_conjunction_of_disjunctions_becomes_every_combination() -> None:
     a, b, c, d = (Related("sk:in", name, "box") for name in "abcd")
 
-    ways = expand(AllOf((AnyOf((a, b)), AnyOf((c, d)))), "here")
+    ways = ways_of(AllOf((AnyOf((a, b)), AnyOf((c, d)))))
 
     pairs = [tuple(atom.arguments[0] for atom in way.atoms) for way in ways]
     assert pairs == [("a", "c"), ("a", "d"), ("b", "c"), ("b", "d")]
 
 
 def test_an_existential_brings_a_typed_variable() -> None:
-    (way,) = expand(Exists("box", "tiny:Box", Related("sk:in", "ball", "box")), "here")
+    (way,) = ways_of(Exists("box", "tiny:Box", Related("sk:in", "ball", "box")))
 
-    assert way.variables == (Variable("box", "tiny:Box"),)
+    assert way.variables == (Variable("box #1", "tiny:Box"),)
+    assert way.atoms == (Atom("sk:in", ("ball", "box #1")),)
+
+
+def test_each_existential_brings_a_variable_of_its_own() -> None:
+    some_box = Exists("box", "tiny:Box", Related("sk:in", "ball", "box"))
+
+    (way,) = ways_of(AllOf((some_box, some_box)))
+
+    assert [variable.name for variable in way.variables] == ["box #1", "box #2"]
+    assert [atom.arguments[1] for atom in way.atoms] == ["box #1", "box #2"]
+
+
+def test_that_something_is_there_brings_a_variable_for_what_it_is() -> None:
+    (way,) = ways_of(Not(Nothing("sk:heldBy", "gripper")))
+
+    (holder,) = way.variables
+    assert way.atoms == (Atom("sk:heldBy", (holder.name, "gripper")),)
+    assert holder.type == tiny_ontology().relations["sk:heldBy"].domain
+
+
+def test_a_relation_that_has_narrower_ones_is_refused_and_they_are_named() -> None:
+    with pytest.raises(PlanningError, match=r"here: sk:placement is too general .*name one of .*sk:in.*tiny:carries"):
+        ways_of(Related("sk:placement", "ball", "box"))
 
 
 def test_a_double_negation_is_none() -> None:
     pattern = Related("sk:in", "ball", "box")
 
-    assert expand(Not(Not(pattern)), "here") == expand(pattern, "here")
+    assert ways_of(Not(Not(pattern))) == ways_of(pattern)
 
 
 @pytest.mark.parametrize("pattern", [Related("sk:in", "a", "b"), Has("sk:mass", "a"), AllOf(())])
 def test_what_strips_cannot_say_is_refused_by_name_and_place(pattern: Related) -> None:
     with pytest.raises(PlanningError, match=f"precondition X of 'y': a negated {type(pattern).__name__}"):
-        expand(Not(pattern), "precondition X of 'y'")
+        ways_of(Not(pattern), "precondition X of 'y'")
 
 
 def test_every_action_asks_who_can_do_it() -> None:
@@ -141,7 +199,7 @@ def test_each_way_a_precondition_can_hold_is_a_variant_of_the_skill() -> None:
     either = any_of(REACHABLE("Location"), AT_LOCATION("Robot", "Location"))
     variants = actions_of(replace(DRIVE, pre=(either,)), tiny_ontology())
 
-    assert [(a.name, a.skill) for a in variants] == [("drive-1", "drive"), ("drive-2", "drive")]
+    assert [(a.name, a.skill) for a in variants] == [("drive/1", "drive"), ("drive/2", "drive")]
     assert Atom("has sk:drivingPose", ("?Location",)) in variants[0].pre
     assert Atom("sk:at", ("?Robot", "?Location")) in variants[1].pre
 
@@ -154,3 +212,42 @@ def test_a_postcondition_that_cannot_be_caused_is_refused_with_skill_and_conditi
 def test_a_negated_precondition_is_refused_with_skill_and_condition() -> None:
     with pytest.raises(PlanningError, match=r"skill 'pick', precondition not Holding\(Gripper, Ball\)"):
         actions_of(replace(PICK, pre=(~HOLDING("Gripper", "Ball"),)), tiny_ontology())
+
+
+def test_two_conditions_with_an_existential_of_one_name_speak_of_two_elements() -> None:
+    other, where = Param("Other", "tiny:Ball", "Another."), Param("Where", "sk:Location", "Where.")
+    look = action(
+        replace(GIVE, params=(_ROBOT, _BALL, other, where), pre=(STORED("Ball", "Where"), STORED("Other", "Where")))
+    )
+
+    assert Atom("sk:in", ("?Ball", "?box #1")) in look.pre
+    assert Atom("sk:in", ("?Other", "?box #2")) in look.pre
+    assert look.delete == (Atom("sk:in", ("?Ball", "?box #1")),), "the ball leaves its own box"
+
+
+def test_an_existential_never_means_a_parameter_of_its_name() -> None:
+    where, box = Param("Where", "sk:Location", "Where."), Param("box", "tiny:Box", "Another.")
+    look = action(replace(GIVE, params=(_ROBOT, _BALL, where, box), pre=(STORED("Ball", "Where"),)))
+
+    assert [v.name for v in look.parameters] == ["?Robot", "?Ball", "?Where", "?box", "?box #1"]
+    assert not [atom for atom in look.pre if "?box" in atom.arguments]
+
+
+def test_what_must_hold_while_it_runs_must_hold_when_it_starts() -> None:
+    gripper = Param("Gripper", "sk:Gripper", "What it must not carry.")
+    careful = replace(DRIVE, params=(*DRIVE.params, gripper), hold=(EMPTY_HANDED("Gripper"),))
+
+    assert Atom("nothing sk:heldBy", ("?Gripper",)) in action(careful).pre
+
+
+def test_a_hold_condition_that_can_be_met_in_two_ways_makes_variants() -> None:
+    either = any_of(REACHABLE("Location"), AT_LOCATION("Robot", "Location"))
+
+    assert [a.name for a in actions_of(replace(DRIVE, hold=(either,)), tiny_ontology())] == ["drive/1", "drive/2"]
+
+
+def test_a_hold_condition_that_cannot_be_written_is_refused_by_name() -> None:
+    params = (*DRIVE.params, Param("Gripper", "sk:Gripper", "-"), Param("Ball", "tiny:Ball", "-"))
+
+    with pytest.raises(PlanningError, match=r"skill 'drive', precondition not Holding\(Gripper, Ball\)"):
+        actions_of(replace(DRIVE, params=params, hold=(~HOLDING("Gripper", "Ball"),)), tiny_ontology())

@@ -1,13 +1,16 @@
 from __future__ import annotations
 
+import time
 from itertools import product
 from pathlib import Path
 
+import psutil
 import pytest
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.fast_downward import FastDownward
 from skiros_py.planning.planner import Solved, Unsolvable
+from skiros_py.planning.pddl import PddlTexts
 from skiros_py.testing import tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 
@@ -66,3 +69,79 @@ def test_nothing_is_left_in_the_folder_where_it_was_called(tmp_path: Path, monke
     planner.close()
 
     assert list(tmp_path.iterdir()) == []
+
+
+# ------------------------------------------------------------------ calls that would take for ever
+
+OPTIMAL = ("--alias", "seq-opt-lmcut")
+
+
+def endless() -> PddlTexts:
+    """Too many balls and slots for a search that wants the shortest plan."""
+    balls = "".join(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_{'ab'[n % 2]} . " for n in range(2, 16))
+    slots = "".join(f"scene:slot_{n} a tiny:Slot ; sk:on scene:floor . " for n in range(3, 16))
+    goal = [IN_CONTAINER(f"ball_{n}", f"slot_{n}") for n in range(1, 16)]
+    return tiny_pddl(tiny_world(balls, slots), *goal)
+
+
+def searching() -> list[psutil.Process]:
+    """Returns what runs below this process: driver, translator, search."""
+    return [p for p in psutil.Process().children(recursive=True) if "downward" in " ".join(p.cmdline())]
+
+
+def wait_for_search() -> list[psutil.Process]:
+    deadline = time.monotonic() + 20.0
+    while time.monotonic() < deadline:
+        found = searching()
+        if any("astar" in " ".join(p.cmdline()[1:]) and "bin" in p.cmdline()[0] for p in found):
+            return found
+        time.sleep(0.02)
+    raise AssertionError("the search never began")
+
+
+def test_closing_kills_the_whole_search_and_its_result_says_that_it_was_stopped() -> None:
+    texts = endless()
+    planner = FastDownward(OPTIMAL)
+    pending = planner.solve(texts.domain, texts.problem)
+    running = wait_for_search()
+
+    planner.close()
+
+    assert len(running) >= 2, "driver and search"
+    _, alive = psutil.wait_procs(running, timeout=5.0)
+    assert alive == []
+    with pytest.raises(PlanningError, match="Fast Downward was stopped"):
+        pending.result()
+
+
+def test_a_call_that_is_closed_at_once_leaves_nothing_running() -> None:
+    texts = endless()
+    planner = FastDownward(OPTIMAL)
+    pending = planner.solve(texts.domain, texts.problem)
+
+    planner.close()
+
+    assert searching() == []
+    with pytest.raises(PlanningError, match="was stopped"):
+        pending.result()
+
+
+def test_after_its_time_limit_a_call_is_given_up_and_nothing_is_left_running() -> None:
+    texts = endless()
+    planner = FastDownward(OPTIMAL, time_limit=1.0)
+
+    started = time.monotonic()
+    with pytest.raises(PlanningError, match="no answer in 1 s"):
+        planner.solve(texts.domain, texts.problem).result()
+
+    assert time.monotonic() - started < 5.0
+    _, alive = psutil.wait_procs(searching(), timeout=5.0)
+    assert alive == []
+    planner.close()
+
+
+def test_the_planner_may_be_closed_twice() -> None:
+    planner = FastDownward()
+
+    planner.close()
+    planner.close()

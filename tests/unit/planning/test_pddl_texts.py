@@ -11,7 +11,7 @@ from unified_planning.io import PDDLReader
 from skiros_py.planning.fast_downward import FastDownward
 from skiros_py.planning.pddl import PddlTexts
 from skiros_py.planning.planner import Solved
-from skiros_py.skills.conditions import Condition, any_of
+from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role, any_of
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_pddl, tiny_world
@@ -19,6 +19,7 @@ from skiros_py.testing.tiny_skills import (
     AT_LOCATION,
     CARRIES,
     DRIVE,
+    EMPTY_HANDED,
     HOLDING,
     IN_CONTAINER,
     PICK,
@@ -30,6 +31,14 @@ BENCH = "scene:bench_1 a tiny:Bench ; sk:on scene:floor . scene:ball_5 a tiny:Ba
 UGLY = "scene:Ball a tiny:Ball ; sk:in scene:box_a . scene:BALL a tiny:Ball ; sk:in scene:box_a ."
 KEYWORDS = "scene:object a tiny:Ball ; sk:in scene:box_a . scene:and a tiny:Slot ; sk:on scene:floor ."
 _EITHER = replace(DRIVE, pre=(any_of(REACHABLE("Location"), AT_LOCATION("Robot", "Location")), *DRIVE.pre[:1]))
+_GRIPPER = Param("Gripper", "sk:Gripper", "What it must not carry.")
+_CAREFUL = replace(DRIVE, params=(*DRIVE.params, _GRIPPER), hold=(EMPTY_HANDED("Gripper"),))
+_STORED = ConditionType(
+    "Stored",
+    (Role("ball", "tiny:Ball"), Role("where", "sk:Location")),
+    Exists("box", "tiny:Box", AllOf((Related("sk:in", "ball", "box"), Related("sk:on", "box", "where")))),
+    "The ball lies in some box that stands there.",
+)
 _LOAD = SkillDescription(
     "load",
     "Loads a ball.",
@@ -39,6 +48,30 @@ _LOAD = SkillDescription(
     (IN_CONTAINER("Ball", "Box"), AT_LOCATION("Robot", "Box")),
     (),
     (CARRIES("Robot", "Ball"),),
+)
+_FETCH = replace(
+    _LOAD,
+    name="fetch",
+    params=(*_LOAD.params, Param("Other", "tiny:Ball", "Another."), Param("Where", "sk:Location", "Where.")),
+    pre=(_STORED("Ball", "Where"), _STORED("Other", "Where"), AT_LOCATION("Robot", "Box")),
+)
+_TO_PLACE = replace(
+    DRIVE,
+    name="Größer",
+    target="2. Ort",
+    params=(*DRIVE.params[:2], Param("2. Ort", "sk:Location", "Where to go.")),
+    pre=(DRIVE.pre[0], REACHABLE("2. Ort")),
+    post=(AT_LOCATION("Robot", "2. Ort"),),
+)
+_TWINS = SkillDescription(
+    "send",
+    "One robot sends another.",
+    "Robot",
+    "robot",
+    (Param("Robot", "sk:Robot", "Who."), Param("robot", "sk:Robot", "Whom."), Param("Location", "sk:Location", "Where.")),
+    (),
+    (),
+    (AT_LOCATION("robot", "Location"),),
 )
 DOMAINS = [
     pytest.param((), (DRIVE, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),), id="one element"),
@@ -51,6 +84,23 @@ DOMAINS = [
     pytest.param((KEYWORDS,), (DRIVE, PICK, PLACE), (IN_CONTAINER("object", "and"),), id="ids that are keywords"),
     pytest.param((), (_EITHER, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),), id="variants"),
     pytest.param((), (DRIVE, _LOAD), (CARRIES("robot_1", "red_ball_1"),), id="place at the subject's end"),
+    pytest.param((), (_CAREFUL, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),), id="hold condition"),
+    pytest.param((), (DRIVE, _FETCH), (CARRIES("robot_1", "ball_1"),), id="two existentials of one name"),
+    pytest.param((), (_TO_PLACE, PICK, PLACE), (IN_CONTAINER("ball_1", "slot_1"),), id="letters PDDL lacks"),
+    pytest.param((), (_TWINS,), (AT_LOCATION("robot_1", "box_a"),), id="parameters that differ in case"),
+    pytest.param((), (DRIVE, PICK, PLACE), (~EMPTY_HANDED("gripper_1"),), id="something must be there"),
+    pytest.param(
+        (),
+        (replace(DRIVE, name="ball_1"), replace(PICK, name="slot"), replace(PLACE, name="in")),
+        (IN_CONTAINER("tiny:Ball", "slot_1"),),
+        id="skills called like an object, a type, a predicate",
+    ),
+    pytest.param(
+        (),
+        (replace(_EITHER, name="go"), replace(DRIVE, name="go_1"), replace(PICK, name="finish"), PLACE),
+        (IN_CONTAINER("tiny:Ball", "slot_1"),),
+        id="skills called like variants and bookkeeping",
+    ),
 ]
 
 
@@ -72,7 +122,6 @@ def test_fast_downward_accepts_the_domain_and_solves_it(
     assert all(name in texts.actions for name, *_ in answer.steps)
 
 
-@pytest.mark.filterwarnings("ignore:Name .* already defined")  # floor - floor: names of objects and types may be equal
 @pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
 def test_unified_planning_reads_the_same_files(
     facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...], tmp_path: Path
@@ -80,10 +129,8 @@ def test_unified_planning_reads_the_same_files(
     texts = texts_of(facts, skills, goal)
     (tmp_path / "domain.pddl").write_text(texts.domain, encoding="utf-8")
     (tmp_path / "problem.pddl").write_text(texts.problem, encoding="utf-8")
-    environment = Environment()
-    environment.error_used_name = False  # PDDL allows an object and a type of one name
 
-    problem = PDDLReader(environment).parse_problem(str(tmp_path / "domain.pddl"), str(tmp_path / "problem.pddl"))
+    problem = PDDLReader(Environment()).parse_problem(str(tmp_path / "domain.pddl"), str(tmp_path / "problem.pddl"))
 
     assert {action.name for action in problem.actions} == set(texts.actions)
 
@@ -149,3 +196,44 @@ def test_what_the_robots_cannot_do_is_no_fact() -> None:
         "(can_pick arm_1)",
         "(can_place arm_1)",
     ]
+
+
+@pytest.mark.parametrize(("facts", "skills", "goal"), DOMAINS)
+def test_objects_types_predicates_and_actions_never_share_a_name(
+    facts: tuple[str, ...], skills: tuple[SkillDescription, ...], goal: tuple[Condition, ...]
+) -> None:
+    texts = texts_of(facts, skills, goal)
+    head = texts.domain.partition("(:action")[0]
+    typing = head.partition("(:types")[2].partition(")")[0]
+    constants = head.partition("(:constants")[2].partition("(:predicates")[0]
+    objects = texts.problem.partition("(:objects")[2].partition(")")[0]
+
+    names = re.findall(r"^ +([\w-]+) - ", "\n".join((typing, constants, objects)), flags=re.MULTILINE)
+    names += re.findall(r"^ +\(([\w-]+)", head.partition("(:predicates")[2], flags=re.MULTILINE)
+    names += re.findall(r"\(:action ([\w-]+)", texts.domain)
+
+    assert len(names) == len(set(names))
+    assert set(texts.actions) <= set(names)
+
+
+def test_an_object_keeps_its_name_and_the_type_called_like_it_gets_another() -> None:
+    texts = texts_of((), (DRIVE,), (AT_LOCATION("robot_1", "box_a"),))
+
+    assert "    floor - floor-2\n" in texts.problem
+
+
+def test_variants_are_numbered_after_their_skill() -> None:
+    world = tiny_world()
+    with world.transaction("test", "the robot stands somewhere") as tx:
+        tx.place("robot_1", "sk:at", "box_a")
+
+    texts = tiny_pddl(world, AT_LOCATION("robot_1", "box_b"), skills=(_EITHER,))
+
+    assert re.findall(r"\(:action ([\w-]+)", texts.domain) == ["drive_1", "drive_2"]
+
+
+def test_variables_of_two_existentials_are_told_apart_by_number() -> None:
+    domain = texts_of((), (_FETCH,), (CARRIES("robot_1", "ball_1"),)).domain
+
+    assert "(in ?ball ?box-2)" in domain
+    assert "(in ?other ?box-3)" in domain

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from skiros_py.planning.plan import Step
 from skiros_py.planning.task import PlanningTask
 from skiros_py.planning.validation import apply_effects, replay, replay_rest
+from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, DRIVE, IN_CONTAINER, PICK, PLACE
+from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
@@ -64,6 +65,20 @@ def test_a_postcondition_that_does_not_follow_is_a_flaw() -> None:
 
     assert replay(WORLD, [DRIVE_A], [], {"drive": neither}) is not None
     assert replay(WORLD, [DRIVE_A], [], {"drive": both}) is not None
+
+
+def test_a_hold_condition_that_does_not_hold_at_the_start_is_a_flaw() -> None:
+    gripper = Param("Gripper", "sk:Gripper", "What it must not carry.")
+    careful = replace(DRIVE, params=(*DRIVE.params, gripper), hold=(EMPTY_HANDED("Gripper"),))
+    drive = Step("drive", {**DRIVE_A.arguments, "Gripper": "gripper_1"})
+    full = Overlay(WORLD)
+    full.place("ball_1", "sk:heldBy", "gripper_1")
+
+    flaw = replay(full, [drive], [], {"drive": careful})
+
+    assert replay(WORLD, [drive], [], {"drive": careful}) is None
+    assert flaw is not None
+    assert (flaw.step, flaw.verdict.text) == (0, "EmptyHanded(gripper_1)")
 
 
 def test_the_rest_of_a_plan_is_judged_as_if_the_present_step_succeeded() -> None:
