@@ -13,6 +13,8 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from skiros_py.runtime import Session
 
 __all__ = ["__version__", "open"]
@@ -20,7 +22,7 @@ __all__ = ["__version__", "open"]
 __version__ = version("skiros-py")
 
 
-def open(scene: str, **options: Any) -> Session:  # noqa: A001 - reads as what it does: skiros_py.open("kitting")
+def open(scene: str | Path, **options: Any) -> Session:  # noqa: A001 - reads as what it does: skiros_py.open("kitting")
     """Opens a scene: world, robot, skills, planner.
 
     Args:
@@ -32,4 +34,4 @@ def open(scene: str, **options: Any) -> Session:  # noqa: A001 - reads as what i
     """
     from skiros_py.runtime import Options, Session  # heavy imports only when something is opened
 
-    return Session(scene, Options(**options))
+    return Session(str(scene), Options(**options))

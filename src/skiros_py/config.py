@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from skiros_py.errors import UnknownName
+from skiros_py.errors import FileError, UnknownName
 
 __all__ = ["find_scene", "ontology_paths", "scene_names"]
 
@@ -31,12 +31,14 @@ def find_scene(name: str) -> Path:
     """Returns the file of a scene, given by name or by path.
 
     Raises:
-        UnknownName: There is no such scene.
+        UnknownName: There is no scene of that name.
+        FileError: There is no such file.
     """
     if name.endswith(".ttl"):
         if Path(name).is_file():
             return Path(name)
-        raise UnknownName("scene file", name, scene_names())
+        what = "is a folder" if Path(name).is_dir() else "does not exist"
+        raise FileError(Path(name), f"the scene file {what}; scenes known by name: {', '.join(scene_names())}")
     for folder in scene_paths():
         if (folder / f"{name}.ttl").is_file():
             return folder / f"{name}.ttl"

@@ -88,7 +88,9 @@ class GoalSyntaxError(UsageError):
     def __init__(self, text: str, column: int, reason: str) -> None:
         self.text = text
         self.column = column
-        super().__init__(f"goal, column {column}: {reason}\n  {text}\n  {' ' * (column - 1)}^")
+        start = max(0, column - 60)  # a window, should the goal be very long
+        shown = text[start : start + 100]
+        super().__init__(f"goal, column {column}: {reason}\n  {shown}\n  {' ' * (column - 1 - start)}^")
 
 
 class FileError(SkirosError):

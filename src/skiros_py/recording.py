@@ -35,8 +35,14 @@ def check_recording(path: Path, *, fake: bool) -> None:
         raise UsageError("--record needs physics: a fake run has nothing to see")
     if path.suffix not in (_SHEET, *_ANIMATIONS):
         raise UsageError(f"--record {path}: use .png for a contact sheet, .gif or .webp for an animation")
-    if not path.absolute().parent.is_dir():
-        raise UsageError(f"--record {path}: there is no folder {path.absolute().parent}")
+    new = not path.exists()
+    try:
+        with path.open("ab"):
+            pass
+        if new:
+            path.unlink()
+    except OSError as error:
+        raise UsageError(f"--record {path} cannot be written: {error.strerror}") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +89,19 @@ class Recorder:
         return _Shot(board.time, caption, picture)
 
     def write(self, path: Path) -> None:
-        """Writes what was recorded."""
-        if path.suffix == _SHEET:
-            _contact_sheet([_captioned(shot) for shot in self._moments]).save(path)
-            return
-        frames = [_captioned(shot) for shot in self._frames]
-        frames[0].save(path, save_all=True, append_images=frames[1:], duration=100, loop=0)
+        """Writes what was recorded.
+
+        Raises:
+            UsageError: The file cannot be written any more.
+        """
+        try:
+            if path.suffix == _SHEET:
+                _contact_sheet([_captioned(shot) for shot in self._moments]).save(path)
+            else:
+                frames = [_captioned(shot) for shot in self._frames]
+                frames[0].save(path, save_all=True, append_images=frames[1:], duration=100, loop=0)
+        except OSError as error:
+            raise UsageError(f"--record {path} cannot be written: {error.strerror or error}") from error
 
 
 def _vector(x: float, y: float, z: float) -> Any:

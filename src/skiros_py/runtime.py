@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from skiros_py.config import find_scene, ontology_paths
-from skiros_py.errors import DescriptionError, UnknownName, UsageError
+from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import SkillManager
@@ -57,7 +57,7 @@ class Options:
         fake: True for no physics: skills only pretend.
         pace: Simulated seconds per wall second; None for as fast as possible.
         gui: True to open PyBullet's window.
-        goal: Goal texts; empty for the goal that goes with the scene.
+        goal: Goal text or texts; empty for the goal that goes with the scene.
     """
 
     seed: int = 0
@@ -65,7 +65,13 @@ class Options:
     fake: bool = False
     pace: float | None = None
     gui: bool = False
-    goal: tuple[str, ...] = ()
+    goal: str | tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise UsageError(f"seed: a whole number from 0, not {self.seed!r}")
+        if self.pace is not None and not 0.0 < self.pace < float("inf"):
+            raise UsageError(f"pace: a positive factor, or None for as fast as possible, not {self.pace!r}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +132,7 @@ class Session:
     def __init__(self, scene: str, options: Options = Options(), *, catalogue: Catalogue | None = None) -> None:
         self._stack = ExitStack()
         self._stop_wanted = False
+        self._closed = False
         self._digest = hashlib.sha256()
         self._on_plan: list[Callable[[Planned], None]] = []
         self.options = options
@@ -141,7 +148,7 @@ class Session:
     def _open(self, scene: str) -> None:
         self.world = open_world(scene)
         self.catalogue = _fitting(self.catalogue, self.world.ontology)
-        self.goal = parse_goal(self.options.goal or self.world.goals, self.world, self.catalogue.conditions)
+        self.goal = self._own_goal()
         self.spec = read_cell(self.world, self._robots())
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
@@ -166,8 +173,19 @@ class Session:
         self.planning = PlanningService(planner, scene_title(scene), lockstep=self.options.pace is None)
         self.tasks = TaskManager(self.world, self.managers, self.planning, self.cycle, on_plan=self._tell_plan)
 
+    def _own_goal(self) -> tuple[Condition, ...]:
+        """Reads the goal of the options, else the one that goes with the scene."""
+        if self.options.goal:
+            return self._conditions(self.options.goal)
+        try:
+            return self.parse(self.world.goals)
+        except UsageError as error:
+            raise FileError(find_scene(self.scene), f"sk:goal: {error}") from error
+
     def _robots(self) -> tuple[str, ...]:
         robots = self.world.instances(ROBOT)
+        if not robots:
+            raise UsageError(f"scene '{self.scene}' has no robot: import one, such as robots/mobile_panda.ttl")
         wanted = self.options.robot
         if wanted is None:
             return robots
@@ -231,7 +249,7 @@ class Session:
         for listener in self._on_plan:
             listener(planned)
 
-    def plan(self, goal: Sequence[Condition] | None = None) -> Planned:
+    def plan(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> Planned:
         """Plans from the present beliefs without doing anything."""
         planning = self.tasks.plan(self._conditions(goal))
         while True:
@@ -242,7 +260,7 @@ class Session:
                 return result
             time.sleep(0.001)
 
-    def run(self, goal: Sequence[Condition] | Sequence[str] | None = None) -> GoalReport:
+    def run(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> GoalReport:
         """Pursues a goal to its end, or until :meth:`stop`.
 
         Args:
@@ -269,10 +287,16 @@ class Session:
         """Asks the run to stop: everything halts in the next cycle; safe to call from a signal handler."""
         self._stop_wanted = True
 
-    def _conditions(self, goal: Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
-        given = self.goal if goal is None else goal
+    def _conditions(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
+        if self._closed:
+            raise UsageError("the session is closed")
+        given: Sequence[Any] = self.goal if goal is None else (goal,) if isinstance(goal, str) else goal
+        if not isinstance(given, Sequence) or not all(isinstance(part, str | Condition) for part in given):
+            raise UsageError(f"a goal is a text, or a list of texts or conditions, not {goal!r}")
         texts = [part for part in given if isinstance(part, str)]
         conditions = tuple(part for part in given if isinstance(part, Condition)) + (self.parse(texts) if texts else ())
+        if goal is not None and not conditions:
+            raise UsageError("the goal is empty: nothing is wanted")
         if not conditions:
             raise UsageError(
                 f"scene '{self.scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'"
@@ -313,6 +337,7 @@ class Session:
 
     def close(self) -> None:
         """Ends all processes and the simulation; may be called twice."""
+        self._closed = True
         self._stack.close()
 
     def __enter__(self) -> Self:

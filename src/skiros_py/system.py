@@ -46,5 +46,11 @@ def check_display(display: str | None) -> None:
     Raises:
         UsageError: There is no display.
     """
-    if sys.platform == "linux" and not display:
+    if sys.platform != "linux":
+        return
+    if not display:
         raise UsageError("--gui needs a display and DISPLAY is not set; use --record FILE for pictures instead")
+    library = ctypes.CDLL("libX11.so.6")
+    library.XOpenDisplay.restype = ctypes.c_void_p
+    if library.XOpenDisplay(display.encode()) is None:  # PyBullet would end the process
+        raise UsageError(f"--gui: no display answers at DISPLAY={display}; use --record FILE for pictures instead")

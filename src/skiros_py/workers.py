@@ -1,8 +1,8 @@
 """Worker processes for what would hold the interpreter: planners, perception, rendering.
 
 A worker owns one object, built inside its own process; calls are answered in order. The processes are loky's, which
-need no ``if __name__ == "__main__"`` in the user's script; they ignore Ctrl-C (the parent decides) and end with their
-parent.
+need no ``if __name__ == "__main__"`` in the user's script; they ignore Ctrl-C and SIGTERM (the parent decides) and end
+with their parent.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ T = TypeVar("T")
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 _DEAD = (BrokenProcessPool, TerminatedWorkerError)
+_STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Signals that ask a run to end; its parent hears them and ends the workers in order."""
 _subject: Any = None
 
 
@@ -56,7 +58,7 @@ class Call(Generic[T]):
         try:
             return self._future.result()
         except _DEAD as error:
-            raise DeviceError(f"the {self._worker} worker process died: {error}") from error
+            raise DeviceError(f"the {self._worker} worker process died (killed, or out of memory?)") from error
 
 
 class Worker:
@@ -71,7 +73,7 @@ class Worker:
 
     def __init__(self, name: str, factory: Callable[[], object]) -> None:
         self.name = name
-        with _sigint_ignored():
+        with _signals_ignored():
             self._pool = ProcessPoolExecutor(
                 max_workers=1, timeout=None, initializer=_build, initargs=(factory, os.getpid()), env=_ONE_THREAD
             )
@@ -88,7 +90,7 @@ class Worker:
         try:
             return Call(self._pool.submit(_call, method, args), self.name, latency)
         except _DEAD as error:
-            raise DeviceError(f"the {self.name} worker process died: {error}") from error
+            raise DeviceError(f"the {self.name} worker process died (killed, or out of memory?)") from error
 
     def wait_ready(self) -> None:
         """Waits until the object is built.
@@ -107,21 +109,23 @@ class Worker:
 
 
 @contextmanager
-def _sigint_ignored() -> Iterator[None]:
-    """Lets a process start that never sees a Ctrl-C meant for its parent: an ignored signal stays ignored over exec."""
+def _signals_ignored() -> Iterator[None]:
+    """Lets a process start that never sees a stop meant for its parent: an ignored signal stays ignored over exec."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in _STOPS}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _build(factory: Callable[[], object], parent: int) -> None:
     global _subject
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in _STOPS:
+        signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     _subject = factory()
 

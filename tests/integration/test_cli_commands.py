@@ -81,3 +81,24 @@ def test_skills_are_readable_by_people() -> None:
 
     assert any(line.startswith("pick 1.0.0 (real, from skiros-skills") for line in lines)
     assert "  post  not EmptyHanded(Gripper)" in lines
+
+
+def test_a_plan_of_an_earlier_goal_is_removed_where_there_is_none_now(tmp_path: Path) -> None:
+    (tmp_path / "plan").write_text("pick(Object=starter_1)", encoding="utf-8")
+    (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
+
+    result = skiros("plan", "kitting", "--write", str(tmp_path), "--goal", "ObjectAtLocation(starter_1, pallet_b)")
+
+    assert result.returncode == 3
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["domain.pddl", "notes.txt", "problem.pddl"]
+
+
+def test_a_folder_that_cannot_be_written_ends_with_status_two_and_its_name(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    folder = tmp_path / "file" / "out"
+
+    result = skiros("plan", "kitting", "--write", str(folder), "--json", "--goal", "InKit(Starter, kit_1)")
+
+    answer = json.loads(result.stdout)
+    assert result.returncode == answer["status"] == 2
+    assert str(folder) in answer["error"]

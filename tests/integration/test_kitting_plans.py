@@ -32,15 +32,12 @@ def kitting() -> Iterator[Session]:
         yield session
 
 
-@pytest.mark.filterwarnings("ignore:Name .* already defined")  # floor - floor
 def test_unified_planning_reads_what_fast_downward_solved(opened: Session, tmp_path: Path) -> None:
     planned = opened.plan()
     (tmp_path / "domain.pddl").write_text(planned.texts.domain, encoding="utf-8")
     (tmp_path / "problem.pddl").write_text(planned.texts.problem, encoding="utf-8")
-    environment = Environment()
-    environment.error_used_name = False
 
-    problem = PDDLReader(environment).parse_problem(str(tmp_path / "domain.pddl"), str(tmp_path / "problem.pddl"))
+    problem = PDDLReader(Environment()).parse_problem(str(tmp_path / "domain.pddl"), str(tmp_path / "problem.pddl"))
 
     assert isinstance(planned.outcome, Plan)
     assert {action.name for action in problem.actions} == set(planned.texts.actions)
@@ -123,3 +120,38 @@ def test_a_session_may_be_closed_twice() -> None:
     session = skiros_py.open("kitting", fake=True)
     session.close()
     session.close()
+
+
+def test_that_something_is_not_so_is_refused_before_anything_moves(kitting: Session) -> None:
+    before = kitting.world.version
+
+    with pytest.raises(UsageError, match="say what should be so instead"):
+        kitting.run(["not ObjectAtLocation(starter_1, pallet_a)"])
+
+    assert kitting.world.version == before
+
+
+def test_that_something_is_not_so_may_be_asked_where_it_holds_already(kitting: Session) -> None:
+    report = kitting.run(["not InKit(Starter, kit_1)"])
+
+    assert report.reached
+    assert report.steps == ()
+
+
+def test_variants_of_one_skill_have_names_of_their_own() -> None:
+    with Session("kitting_carried", Options(fake=True)) as session:
+        actions = session.plan().texts.actions
+
+    assert {action.skill for action in actions.values()} >= {"drive", "pick", "place"}
+    assert len({action.name for action in actions.values()}) == len(actions)
+
+
+def test_each_condition_of_the_report_has_its_time() -> None:
+    with skiros_py.open("kitting", fake=True) as session:
+        report = session.run()
+
+    times = [c.simulated for c in report.conditions]
+    assert None not in times
+    assert max(times) == pytest.approx(report.simulated, abs=0.1)
+    assert len(set(times)) == 3, "one after the other"
+    assert all(0.0 < c.wall <= report.wall for c in report.conditions)

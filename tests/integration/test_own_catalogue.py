@@ -85,3 +85,29 @@ def test_listeners_hear_of_every_plan(tmp_path: Path) -> None:
         session.run(["At(robot_1, box_a)"])
 
     assert len(heard) == 1
+
+
+def test_the_next_goal_of_a_session_starts_with_a_clean_slate(tmp_path: Path) -> None:
+    with opened(tiny_scene(tmp_path)) as session:
+        first = session.run(["In(ball_1, slot_1)"])
+        second = session.run(["In(red_ball_1, slot_2)", "In(ball_1, slot_1)"])
+
+    assert [s.skill for s in first.steps] == [s.skill for s in second.steps] == ["drive", "pick", "place"]
+    assert [(c.tries, c.simulated == 0.0) for c in second.conditions] == [(1, False), (0, True)]
+    assert second.simulated == pytest.approx(first.simulated, abs=0.02)
+
+
+def test_after_a_goal_that_is_refused_the_session_goes_on(tmp_path: Path) -> None:
+    with opened(tiny_scene(tmp_path)) as session:
+        with pytest.raises(UsageError, match="say what should be so instead"):
+            session.run(["not In(ball_1, box_a)"])
+
+        assert session.run(["In(ball_1, slot_1)"]).reached
+
+
+def test_a_run_after_one_that_was_stopped_is_not_stopped(tmp_path: Path) -> None:
+    with opened(tiny_scene(tmp_path)) as session:
+        session.stop()
+
+        assert session.run(["In(ball_1, slot_1)"]).stopped
+        assert session.run(["In(ball_1, slot_1)"]).reached

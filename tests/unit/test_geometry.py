@@ -91,6 +91,20 @@ def test_a_lying_cylinder_is_as_long_as_its_axis_and_as_wide_as_its_diameter() -
         ('[{"kind": "ball", "size": [1]}]', "a 'box' or a 'cylinder', not 'ball'"),
         ('[{"kind": "box", "size": [1, 1]}]', "a box needs 3 positive lengths"),
         ('[{"kind": "cylinder", "size": [1, -1]}]', "a cylinder needs 2 positive lengths"),
+        ("[]", "a solid needs at least one primitive"),
+        ("{}", "a solid needs at least one primitive"),
+        ('"box"', "not a list of primitives"),
+        ("[5]", "not a list of primitives"),
+        ('[{"kind": ["box"], "size": [1, 1, 1]}]', "not a list of primitives"),
+        ('[{"kind": "box", "size": 1}]', "not a list of primitives"),
+        ('[{"kind": "box", "size": ["a", 1, 1]}]', "could not convert"),
+        ('[{"kind": "box", "size": [1, 1, NaN]}]', "a box needs 3 positive lengths"),
+        ('[{"kind": "box", "size": [1, 1, 1], "at": [0, 0]}]', "'at' takes three finite numbers"),
+        ('[{"kind": "box", "size": [1, 1, 1], "at": [NaN, 0, 0]}]', "'at' takes three finite numbers"),
+        ('[{"kind": "box", "size": [1, 1, 1], "at": ["a", 0, 0]}]', "could not convert"),
+        ('[{"kind": "box", "size": [1, 1, 1], "at": null}]', "not a list of primitives"),
+        ('[{"kind": "box", "size": [1, 1, 1], "rpy": [0, 0, 0, 0]}]', "'rpy' takes three finite numbers"),
+        ('[{"kind": "box", "size": [1, 1, 1], "rpy": [0, 0, Infinity]}]', "'rpy' takes three finite numbers"),
     ],
 )
 def test_a_shape_that_cannot_be_read_says_what_is_wrong(text: str, message: str) -> None:
@@ -102,3 +116,20 @@ def test_a_shape_that_cannot_be_read_says_what_is_wrong(text: str, message: str)
 def test_lengths_are_positive_and_finite(size: float) -> None:
     with pytest.raises(ValueError, match="positive lengths"):
         Primitive("box", (1.0, 1.0, size))
+
+
+@pytest.mark.parametrize(
+    "angle", [math.pi, -math.pi, math.nextafter(math.pi, 4.0), math.nextafter(-math.pi, -4.0), 3.0 * math.pi]
+)
+def test_half_a_turn_is_always_written_as_plus_pi_and_never_more(angle: float) -> None:
+    assert wrap_angle(angle) == pytest.approx(math.pi)
+    assert wrap_angle(angle) <= math.pi
+
+
+def test_the_next_number_after_pi_wraps_to_pi() -> None:
+    assert wrap_angle(math.nextafter(math.pi, 4.0)) == math.pi
+
+
+@given(st.floats(-1e6, 1e6))
+def test_wrapping_twice_is_wrapping_once(angle: float) -> None:
+    assert wrap_angle(wrap_angle(angle)) == wrap_angle(angle)

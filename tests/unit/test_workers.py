@@ -68,6 +68,15 @@ def test_a_worker_that_dies_is_a_device_error_with_its_name() -> None:
             worker.call("_exit", 1).result()
 
 
+def test_a_call_to_a_worker_that_died_is_a_device_error_too() -> None:
+    with closing(Worker("doomed", partial(__import__, "os"))) as worker:
+        with pytest.raises(DeviceError):
+            worker.call("_exit", 1).result()
+
+        with pytest.raises(DeviceError, match="the doomed worker process died"):
+            worker.call("getpid").result()
+
+
 def test_an_object_that_cannot_be_built_is_a_device_error_with_the_workers_name(
     capfd: pytest.CaptureFixture[str],
 ) -> None:

@@ -15,13 +15,14 @@ from skiros_py.skills.conditions import (
     Verdict,
 )
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A, HELD_BY, IN, ON, SOLID
+from skiros_py.world.vocabulary import AT, DRIVING_POSE, GRASP_WIDTH, HAS_A, HELD_BY, IN, MAX_GAP, ON, SOLID
 
 __all__ = [
     "CAN_BE_WORKED_AT",
     "CARRYING",
     "EMPTY_HANDED",
     "FITS_IN",
+    "GRASPABLE",
     "HAS_PART",
     "HOLDING",
     "IN_KIT",
@@ -44,6 +45,14 @@ def _fits(view: WorldView, part: str, container: str) -> Verdict:
     holds = all(w + _CLEARANCE <= r for w, r in zip(wanted, room, strict=True))
     sizes = f"{wanted[0]:.3f} x {wanted[1]:.3f} m into {room[0]:.3f} x {room[1]:.3f} m"
     return Verdict(holds, f"{part} {'fits' if holds else 'does not fit'} into {container}: {sizes}")
+
+
+def _graspable(view: WorldView, part: str, gripper: str) -> Verdict:
+    """Compares the part's width where it is grasped with the gripper's greatest gap."""
+    width, gap = view.value(part, GRASP_WIDTH), view.value(gripper, MAX_GAP)
+    if not isinstance(width, float) or not isinstance(gap, float):
+        return Verdict(False, f"{part} has no sk:graspWidth, or {gripper} no sk:maxGap")
+    return Verdict(width < gap, f"{part} is {width:.3f} m wide, {gripper} opens {gap:.3f} m")
 
 
 HAS_PART = ConditionType(
@@ -106,6 +115,12 @@ CARRYING = ConditionType(
     (Role("robot", "sk:Robot"), Role("object", "sk:SpatialThing")),
     Exists("deck", "sk:Deck", AllOf((Related(HAS_A, "robot", "deck"), Related(ON, "object", "deck")))),
     "The object stands on the robot and rides with it.",
+)
+GRASPABLE = ConditionType(
+    "Graspable",
+    (Role("object", "sk:Manipulatable"), Role("gripper", "sk:Gripper")),
+    Computed("kitting:graspableBy", "object", "gripper", _graspable),
+    "The object is narrow enough for the gripper.",
 )
 FITS_IN = ConditionType(
     "FitsIn",

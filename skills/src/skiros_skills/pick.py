@@ -5,7 +5,7 @@ from __future__ import annotations
 from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
-from skiros_skills.conditions import EMPTY_HANDED, HAS_PART, HOLDING, OBJECT_AT_LOCATION, ROBOT_AT_LOCATION
+from skiros_skills.conditions import EMPTY_HANDED, GRASPABLE, HAS_PART, HOLDING, OBJECT_AT_LOCATION, ROBOT_AT_LOCATION
 
 __all__ = ["DESCRIPTION", "PICK", "PICK_FAKE"]
 
@@ -28,6 +28,7 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Arm", "Camera"),
         ROBOT_AT_LOCATION("Robot", "Container"),
         OBJECT_AT_LOCATION("Object", "Container"),
+        GRASPABLE("Object", "Gripper"),
         EMPTY_HANDED("Gripper"),
     ),
     post=(HOLDING("Gripper", "Object"), ~EMPTY_HANDED("Gripper")),

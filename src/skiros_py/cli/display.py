@@ -90,10 +90,11 @@ class RunDisplay:
             return
         self._primitive = ""
         if event.status is Status.STARTED:
-            self._skill = event.module
+            self._skill = f"{event.module} {event.target}"
         else:
             mark = {Status.TERMINATED: "done", Status.ERROR: "failed", Status.PREEMPTED: "stopped"}[event.status]
-            self.say(f"{event.time:8.1f} s  {event.module} {mark}{': ' + event.text if event.text else ''}")
+            what = f"{event.module} {event.target}"
+            self.say(f"{event.time:8.1f} s  {what} {mark}{': ' + event.text if event.text else ''}")
 
     def _refresh(self) -> None:
         snapshot = self._session.cycle.board.snapshot

@@ -11,7 +11,8 @@ from importlib import import_module
 import click
 
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED, USAGE
-from skiros_py.errors import DeviceError, PlanningError, SkirosError
+from skiros_py.cli.stops import ignore_stops, unwind_on_stops
+from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName
 
 __all__ = ["cli", "main"]
 
@@ -31,7 +32,7 @@ class _LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
-            return None
+            raise click.UsageError(str(UnknownName("command", cmd_name, _COMMANDS)), ctx)
         command: click.Command = import_module(_COMMANDS[cmd_name][0]).command
         return command
 
@@ -55,7 +56,10 @@ def cli() -> None:
 
 def main() -> None:
     """Runs the command line; faults become one message and an exit status, never a traceback."""
-    sys.exit(_run(sys.argv[1:]))
+    unwind_on_stops()
+    status = _run(sys.argv[1:])
+    ignore_stops()
+    sys.exit(status)
 
 
 def _run(arguments: list[str]) -> int:
@@ -66,19 +70,27 @@ def _run(arguments: list[str]) -> int:
         error.show()
         return _fault(error.format_message(), USAGE, as_json=as_json)
     except (click.Abort, KeyboardInterrupt):
+        ignore_stops()
         return _fault("stopped", STOPPED, as_json=as_json, show=True)
     except SkirosError as error:
         broken = isinstance(error, DeviceError | PlanningError)
         return _fault(str(error), NOT_REACHED if broken else USAGE, as_json=as_json, show=True)
     except BrokenPipeError:
-        sys.stderr.close()
-        return STOPPED
+        return _silence(STOPPED)
+    except OSError as error:
+        return _silence(_fault(f"{error.strerror or error}", NOT_REACHED, as_json=False, show=True))
     except Exception as error:  # noqa: BLE001 - the last line of defence: users never see a traceback
         if os.environ.get("SKIROS_DEBUG"):
             traceback.print_exc()
         text = f"internal error: {type(error).__name__}: {error} (SKIROS_DEBUG=1 shows where)"
         return _fault(text, NOT_REACHED, as_json=as_json, show=True)
     return status if isinstance(status, int) else REACHED
+
+
+def _silence(status: int) -> int:
+    """Keeps the interpreter from complaining, while it ends, about an output that nobody reads any more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return status
 
 
 def _fault(text: str, status: int, *, as_json: bool, show: bool = False) -> int:

@@ -14,12 +14,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
+from skiros_py.cli.stops import STOPS, ignore_stops, raise_interrupt
 
 if TYPE_CHECKING:
     from skiros_py.runtime import Session
     from skiros_py.tasks.report import GoalReport
 
 __all__ = ["command"]
+
+
+_SLOWEST, _FASTEST = 0.01, 1000.0
 
 
 class _Pace(click.ParamType[float | None]):
@@ -32,8 +36,8 @@ class _Pace(click.ParamType[float | None]):
             factor = 1.0 if value == "real" else float(value)
         except ValueError:
             factor = -1.0
-        if not 0.0 < factor < float("inf"):
-            self.fail(f"'{value}' is not 'max', 'real' or a positive factor such as 2", param, ctx)
+        if not _SLOWEST <= factor <= _FASTEST:
+            self.fail(f"'{value}' is not 'max', 'real' or a factor from {_SLOWEST} to {_FASTEST:.0f}", param, ctx)
         return factor
 
 
@@ -77,7 +81,9 @@ def command(
 
     options = Options(seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals)
     with Session(scene, options) as session:
-        return _run(session, record, as_json=as_json)
+        status = _run(session, record, as_json=as_json)
+        ignore_stops()  # closing is quick and must not be torn apart
+        return status
 
 
 def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
@@ -88,23 +94,23 @@ def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
     with RunDisplay(session, to_stderr=as_json) as display, _stopping(session):
         report = session.run()
     display.show_report(report)
+    if as_json:
+        click.echo(json.dumps(_as_json(session, report)))
     if recorder is not None and record is not None:
         recorder.write(record)
         display.say(f"recorded to {record}")
-    if as_json:
-        click.echo(json.dumps(_as_json(session, report)))
     return _status(report)
 
 
 @contextmanager
 def _stopping(session: Session) -> Iterator[None]:
-    """Ctrl-C and a polite kill halt the robot in the next cycle; a second one ends the hard way."""
+    """Ctrl-C and a polite kill halt the robot in the next cycle; a second one does not wait for standstill."""
 
     def stop(number: int, _frame: object) -> None:
-        signal.signal(number, signal.default_int_handler)
+        signal.signal(number, raise_interrupt)
         session.stop()
 
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, stop) for number in STOPS}
     try:
         yield
     finally:

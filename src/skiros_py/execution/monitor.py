@@ -35,6 +35,7 @@ class ModuleEvent:
         status: Its state.
         code: Progress code; negative for an error.
         text: Words for a person.
+        target: Id of the element that a skill is done to; empty for primitives.
     """
 
     time: float
@@ -43,6 +44,7 @@ class ModuleEvent:
     status: Status
     code: int
     text: str
+    target: str = ""
 
 
 class Monitor:

@@ -123,8 +123,9 @@ class SkillRun:
         return None
 
     def _tell(self, status: Status, code: int, text: str) -> None:
-        name = self.skill.description.name
-        self._monitor.publish(ModuleEvent(self._context.now, "skill", name, status, code, text))
+        description = self.skill.description
+        target = str(self.arguments.get(description.target, ""))
+        self._monitor.publish(ModuleEvent(self._context.now, "skill", description.name, status, code, text, target))
 
 
 def _why(lines: Sequence[str]) -> str:

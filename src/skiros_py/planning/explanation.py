@@ -153,7 +153,7 @@ class _Relaxation:
             relation = atom.predicate.removeprefix(NOTHING)
             place = atom.arguments[0]
             there = [f.arguments[0] for f in self._by_predicate.get(relation, ()) if f.arguments[1] == place]
-            return f"{', '.join(there)} is {_local(relation)} {place}, and no skill takes it away"
+            return f"{', '.join(there)} {self._word(relation)} {place}, and no skill takes it away"
         if atom.predicate.startswith(HAS):
             return f"{atom.arguments[0]} has none"
         if atom.predicate.startswith(CAN):
@@ -162,14 +162,25 @@ class _Relaxation:
 
     def _words(self, atom: Atom, types: Mapping[str, str]) -> str:
         """Returns the atom as a person would say it."""
-        names = [a if not a.startswith("?") else f"a {_local(types.get(a, '')) or 'thing'}" for a in atom.arguments]
+        names = [a if not a.startswith("?") else _some(_local(types.get(a, "")) or "thing") for a in atom.arguments]
         if atom.predicate.startswith(CAN):
             return f"{names[0]} has the skill '{atom.predicate.removeprefix(CAN)}'"
         if atom.predicate.startswith(HAS):
-            return f"{names[0]} has a {_local(atom.predicate.removeprefix(HAS))}"
+            return f"{names[0]} has a {self._word(atom.predicate.removeprefix(HAS))}"
         if atom.predicate.startswith(NOTHING):
-            return f"nothing is {_local(atom.predicate.removeprefix(NOTHING))} {names[0]}"
-        return f"{names[0]} {_local(atom.predicate)} {' '.join(names[1:])}".strip()
+            return f"nothing {self._word(atom.predicate.removeprefix(NOTHING))} {names[0]}"
+        return f"{names[0]} {self._word(atom.predicate)} {' '.join(names[1:])}".strip()
+
+    def _word(self, term: str) -> str:
+        """Returns what people call a relation or property."""
+        if term in self.ontology.relations:
+            label = self.ontology.relations[term].label
+            return f"is {label}" if self.ontology.is_placement(term) else label
+        return self.ontology.properties[term].label if term in self.ontology.properties else _local(term)
+
+
+def _some(noun: str) -> str:
+    return f"{'an' if noun[:1].lower() in 'aeiou' else 'a'} {noun}"
 
 
 def _local(curie: str) -> str:

@@ -17,6 +17,9 @@ from skiros_py.world.view import WorldView
 
 __all__ = ["read_cell"]
 
+_FAR, _HEAVY = 1000.0, 1000.0
+"""Greatest distance from the map's origin [m] and greatest mass [kg] that make sense for a cell."""
+
 
 def read_cell(view: WorldView, robots: Sequence[str]) -> CellSpec:
     """Reads every body with a shape and the given robots.
@@ -40,14 +43,13 @@ def _body(view: WorldView, element: str) -> BodySpec:
     assert solid is not None
     pose, carrier = _pose(view, element)
     place = _place(view, element)
-    if pose is None and place is None:
-        raise DescriptionError(f"{element} has neither a pose nor a place: say where it is")
+    _check_start(view, element, pose, place)
     half, offset = view.value(element, v.SUPPORT_HALF_EXTENTS), view.value(element, v.SUPPORT_OFFSET)
     body = BodySpec(
         id=element,
         type=view.element(element).type,
         solid=solid,
-        mass=_number(view, element, v.MASS, default=0.0),
+        mass=_mass(view, element),
         pose=pose,
         place=place,
         carrier=carrier,
@@ -57,6 +59,25 @@ def _body(view: WorldView, element: str) -> BodySpec:
         x, y, z = offset
         return replace(body, support=(half[0], half[1]), support_centre=(x, y), support_height=z)
     return body
+
+
+def _check_start(view: WorldView, element: str, pose: Pose | None, place: str | None) -> None:
+    placement = view.placement(element)
+    if placement is not None and placement.relation == v.HELD_BY:
+        raise DescriptionError(f"{element} starts in {placement.place}: no part can, put it in a storage place")
+    if pose is None and place is None:
+        raise DescriptionError(f"{element} has neither a pose nor a place to lie in: say where it is")
+    if pose is not None and max(map(abs, pose.position)) > _FAR:
+        raise DescriptionError(f"{element}: its pose is more than {_FAR:.0f} m away; lengths are in metres")
+
+
+def _mass(view: WorldView, element: str) -> float:
+    mass = _number(view, element, v.MASS, default=0.0)
+    movable = view.ontology.is_a(view.element(element).type, v.MANIPULATABLE)
+    if not 0.0 <= mass <= _HEAVY or (movable and mass == 0.0):
+        low = "above 0" if movable else "0 (never moves)"
+        raise DescriptionError(f"{element}: sk:mass {mass:g} kg is not between {low} and {_HEAVY:g} kg")
+    return mass
 
 
 def _place(view: WorldView, element: str) -> str | None:

@@ -19,7 +19,7 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import HAS_SKILL
+from skiros_py.world.vocabulary import DEVICE, HAS_SKILL, ROBOT
 from skiros_py.world.without import Without
 from skiros_py.world.world import World
 
@@ -214,19 +214,25 @@ class TaskManager:
 
     def _condition_report(self, c: Condition, given_up: Mapping[Condition, str], held: bool) -> ConditionReport:
         verdict = c.evaluate(self._world)
-        tries = 0 if held else self._tries(c)
+        tries = 0 if held else self._tries(c, holds=bool(verdict))
         reason = "" if verdict else self._why_missing(c, given_up)
         return ConditionReport(str(c), bool(verdict), None, tries, reason, *self._since.get(c, (None, None)))
 
-    def _tries(self, condition: Condition) -> int:
-        """Counts runs of the skill tried most often on an element that could fulfil the condition."""
-        counts: Counter[tuple[str, str]] = Counter()
-        skills = self._skills()
-        for step in self.steps:
-            target = step.arguments[skills[step.skill].target]
-            if any(self._fits(target, argument) for argument in condition.arguments):
-                counts[step.skill, target] += 1
-        return max(counts.values(), default=0)
+    def _tries(self, condition: Condition, *, holds: bool) -> int:
+        """Counts the tries it took: each failed step that was for this condition is one, and so is the success."""
+        own = [step for step in self.steps if self._is_for(step, condition)]
+        failed = sum(bool(step.reason) for step in own)
+        return failed + 1 if own and holds else failed
+
+    def _is_for(self, step: StepReport, condition: Condition) -> bool:
+        """Tells whether what a step is done to, or what it moves, is what the condition speaks of."""
+        skill = self._skills()[step.skill]
+        moved = {a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).type)}
+        subjects = {step.arguments[key] for key in moved | {skill.target}}
+        return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
+
+    def _is_hardware(self, class_: str) -> bool:
+        return any(self._world.ontology.is_a(class_, own) for own in (ROBOT, DEVICE))
 
     def _fits(self, element: str, argument: str) -> bool:
         if not self._world.has(element):
@@ -237,5 +243,10 @@ class TaskManager:
         )
 
     def _why_missing(self, condition: Condition, given_up: Mapping[Condition, str]) -> str:
-        failed = [r for target, r in self._reasons.items() if any(self._fits(target, a) for a in condition.arguments)]
-        return "; ".join(filter(None, [*failed[-1:], given_up.get(condition, "")]))
+        """Says what went wrong last; only where nothing did, why there is no plan."""
+        failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
+        if not failed:
+            return given_up.get(condition, "")
+        target, reason = failed[-1]
+        gave_up = f"; gave up on {target} after {self._attempts} failed tries" if target in self._left_out else ""
+        return reason + gave_up

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -195,3 +196,34 @@ def test_a_robot_that_is_not_there_is_answered_with_those_that_are(
 ) -> None:
     assert status_of(monkeypatch, "plan", str(tiny_scene(tmp_path)), "--robot", "robot_9") == 2
     assert "unknown robot 'robot_9'" in capsys.readouterr().err
+
+
+def test_planning_without_a_goal_asks_for_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert status_of(monkeypatch, "plan", str(tiny_scene(tmp_path))) == 2
+
+    out, err = capsys.readouterr()
+    assert "comes without a goal: state one" in err
+    assert out == ""
+
+
+@pytest.mark.parametrize(
+    ("solid", "reason"),
+    [
+        ("[]", "a solid needs at least one primitive"),
+        ('[{"kind": "ball", "size": [1]}]', "a 'box' or a 'cylinder', not 'ball'"),
+        ('[{"kind": "box", "size": [1, 1, 1], "at": [0, 0]}]', "'at' takes three finite numbers"),
+    ],
+)
+def test_a_shape_that_makes_no_sense_is_reported_by_file_and_line(
+    solid: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    json_type = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"
+    scene = tiny_scene(tmp_path, f"scene:box_a sk:solid '{solid}'^^{json_type} .")
+
+    assert status_of(monkeypatch, "scene", "show", str(scene)) == 2
+
+    err = capsys.readouterr().err
+    assert re.search(r"tiny\.ttl:\d+: sk:solid of box_a", err)
+    assert reason in err

@@ -124,6 +124,26 @@ def test_stopping_a_task_that_is_done_keeps_its_result() -> None:
     assert task.result == "a"
 
 
+def test_a_task_that_raised_is_done_and_has_no_result() -> None:
+    cycle, log = new_cycle(), []
+
+    def breaks() -> Iterator[None]:
+        yield
+        raise ZeroDivisionError("a fault")
+
+    task = cycle.start(breaks())
+    cycle.start(for_cycles(9, log, "a"))
+    cycle.step()
+    with pytest.raises(ZeroDivisionError):
+        cycle.step()
+
+    assert task.done
+    with pytest.raises(RuntimeError, match="only after it ended by itself"):
+        _ = task.result
+    cycle.step()
+    assert log == ["a", "a"], "the others go on"
+
+
 def test_stopping_all_closes_every_task_and_waits_for_standstill() -> None:
     cycle, log = new_cycle(), []
 

@@ -10,9 +10,9 @@ from skiros_py.errors import UnknownName
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Retry, Sequence
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
-from skiros_py.skills.parameters import param
+from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
-from skiros_py.skills.skill import Skill
+from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, REACHABLE
 from skiros_py.world.world import World
@@ -75,7 +75,7 @@ def run(body: Node, arguments: Mapping[str, str] = TO_A, **skill: Any) -> Outcom
 
 
 def texts() -> list[str]:
-    return [text for text, _ in Note.log if "ends" not in text]
+    return [text for text, _ in Note.log if "ends" not in str(text)]
 
 
 def test_the_order_is_pre_sense_body_finish() -> None:
@@ -240,3 +240,59 @@ def test_everything_is_told_to_the_monitor_in_order() -> None:
     ]
     assert bench.events[-1].text == "slipped"
     assert bench.events[-1].code < 0
+
+
+def test_a_failing_pre_sense_is_the_skills_failure_and_nothing_else_runs() -> None:
+    outcome = run(note("body"), pre_sense=note("sense", ends="too dark"), finish=note("finish"))
+
+    assert outcome == Failure("too dark")
+    assert texts() == ["sense"]
+
+
+def test_body_and_finish_each_start_in_the_very_next_cycle() -> None:
+    run(note("body", goes="box_a"), pre_sense=note("sense"), finish=note("finish"))
+
+    cycles = dict(Note.log)
+    assert cycles["body"] == cycles["sense ends"] + 1
+    assert cycles["finish"] == cycles["body ends"] + 1
+
+
+SPEED = Param("Speed", "text", "How fast.", Kind.OFFLINE, "fast")
+WISH = Param("Wish", "text", "What else.", Kind.OPTIONAL)
+WORD = Param("Word", "text", "What to say.")
+
+
+def with_params(*params: Param) -> SkillDescription:
+    return replace(AFTER, params=(*AFTER.params, *params))
+
+
+def test_a_parameter_with_a_default_need_not_be_specified() -> None:
+    outcome = run(note(P("Speed"), goes="box_a"), description=with_params(SPEED))
+
+    assert isinstance(outcome, Success)
+    assert texts() == ["fast"]
+
+
+def test_what_is_specified_comes_before_the_default() -> None:
+    run(note(P("Speed"), goes="box_a"), {**TO_A, "Speed": "slow"}, description=with_params(SPEED))
+
+    assert texts() == ["slow"]
+
+
+def test_an_optional_parameter_may_stay_unspecified() -> None:
+    outcome = run(note(P("Wish"), goes="box_a"), description=with_params(WISH))
+
+    assert isinstance(outcome, Success)
+    assert Note.log[0][0] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "missing"), [(TO_A, "Word"), ({"Base": "base_1", "Robot": "robot_1"}, "Location, Word")]
+)
+def test_a_parameter_that_must_be_specified_and_is_not_fails_the_skill_by_its_name(
+    arguments: Mapping[str, str], missing: str
+) -> None:
+    outcome = run(note("body"), arguments, description=with_params(WORD), finish=note("finish"))
+
+    assert outcome == Failure(f"parameter {missing} of drive is not specified")
+    assert texts() == []

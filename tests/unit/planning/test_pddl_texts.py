@@ -68,7 +68,11 @@ _TWINS = SkillDescription(
     "One robot sends another.",
     "Robot",
     "robot",
-    (Param("Robot", "sk:Robot", "Who."), Param("robot", "sk:Robot", "Whom."), Param("Location", "sk:Location", "Where.")),
+    (
+        Param("Robot", "sk:Robot", "Who."),
+        Param("robot", "sk:Robot", "Whom."),
+        Param("Location", "sk:Location", "Where."),
+    ),
     (),
     (),
     (AT_LOCATION("robot", "Location"),),
@@ -208,7 +212,7 @@ def test_objects_types_predicates_and_actions_never_share_a_name(
     constants = head.partition("(:constants")[2].partition("(:predicates")[0]
     objects = texts.problem.partition("(:objects")[2].partition(")")[0]
 
-    names = re.findall(r"^ +([\w-]+) - ", "\n".join((typing, constants, objects)), flags=re.MULTILINE)
+    names = re.findall(r"^ +([\w-]+) - ", f"{typing}\n{constants}\n{objects}", flags=re.MULTILINE)
     names += re.findall(r"^ +\(([\w-]+)", head.partition("(:predicates")[2], flags=re.MULTILINE)
     names += re.findall(r"\(:action ([\w-]+)", texts.domain)
 

@@ -68,7 +68,9 @@ def test_a_plan_that_does_not_survive_the_replay_is_no_plan_and_the_reason_says_
         (("drive base_1 robot_1 moon unknown_location",), "'moon', which is not in the task"),
     ],
 )
-def test_an_answer_that_names_what_the_task_lacks_is_a_fault_of_the_planner(steps: tuple[str, ...], message: str) -> None:
+def test_an_answer_that_names_what_the_task_lacks_is_a_fault_of_the_planner(
+    steps: tuple[str, ...], message: str
+) -> None:
     with pytest.raises(PlanningError, match=message):
         planned(*steps)
 
@@ -169,9 +171,7 @@ STORED = ConditionType(
 WORDS = {**CONDITIONS, "EmptyBox": EMPTY_BOX, "Somewhere": SOMEWHERE, "Stored": STORED}
 
 
-def really_planned(
-    goal: str, world: World | None = None, skills: Sequence[Skill] = SKILLS
-) -> Plan | NoPlan:
+def really_planned(goal: str, world: World | None = None, skills: Sequence[Skill] = SKILLS) -> Plan | NoPlan:
     with Bench(world or tiny_world(), skills, conditions=WORDS) as bench:
         return bench.plan(goal).outcome
 
@@ -257,4 +257,7 @@ def test_the_goal_is_kept_beside_the_atoms_that_stand_for_it() -> None:
 
     assert task.conditions == goal
     assert [[atom.predicate for atom in atoms] for _, atoms in task.goal] == [["sk:in"], ["reached 2"]]
-    assert [a.name for a in task.domain.actions if a.skill is None] == ["bookkeeping:finish", "bookkeeping:reach-goal-2"]
+    assert [a.name for a in task.domain.actions if a.skill is None] == [
+        "bookkeeping:finish",
+        "bookkeeping:reach-goal-2",
+    ]

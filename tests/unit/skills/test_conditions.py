@@ -3,7 +3,18 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Has, Nothing, Related, Role, any_of
+from skiros_py.skills.conditions import (
+    AllOf,
+    Condition,
+    ConditionType,
+    Exists,
+    Has,
+    Not,
+    Nothing,
+    Related,
+    Role,
+    any_of,
+)
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny_skills import (
     AT_LOCATION,
@@ -163,3 +174,62 @@ def test_renaming_touches_free_variables_only() -> None:
         "box", "tiny:Box", AllOf((Related("sk:in", "b", "box"), Has("sk:drivingPose", "box")))
     )
     assert Nothing("sk:in", "slot").rename({"slot": "s"}) == Nothing("sk:in", "s")
+
+
+@pytest.mark.parametrize(
+    "condition", [IN_CONTAINER("ball_1", "moon"), HOLDING("moon", "ball_1"), FITS("ball_1", "moon")]
+)
+def test_what_speaks_of_an_element_that_is_not_there_does_not_hold_and_says_so(condition: Condition) -> None:
+    world = tiny_world()
+
+    verdict = condition.evaluate(world)
+
+    assert not verdict
+    assert verdict.lines() == [f"{condition} (does not hold)", "  there is no moon"]
+    assert (~condition).evaluate(world), "it is not so"
+
+
+def test_everything_that_is_not_there_is_named() -> None:
+    assert says(IN_CONTAINER("mars", "moon"))[1].strip() == "there is no mars and no moon"
+
+
+def test_no_element_of_a_class_is_there_when_its_negation_holds() -> None:
+    world = tiny_world("scene:ball_2 a tiny:Ball ; sk:in scene:slot_1 .")
+
+    assert IN_CONTAINER("tiny:Ball", "slot_1").evaluate(world)
+    assert not (~IN_CONTAINER("tiny:Ball", "slot_1")).evaluate(world), "another ball that is elsewhere does not count"
+    assert (~IN_CONTAINER("tiny:RedBall", "slot_1")).evaluate(world)
+
+
+@pytest.mark.parametrize("class_", ["tiny:Ball", "tiny:RedBall", "tiny:Giant"])
+@pytest.mark.parametrize("place", ["box_a", "box_b", "slot_1"])
+def test_a_negated_condition_over_classes_holds_exactly_when_the_plain_one_does_not(class_: str, place: str) -> None:
+    world, condition = tiny_world(), IN_CONTAINER(class_, place)
+
+    assert bool((~condition).evaluate(world)) is not bool(condition.evaluate(world))
+
+
+def test_the_quantifier_of_a_class_is_inside_the_negation() -> None:
+    pattern = (~IN_CONTAINER("tiny:Ball", "slot_1")).closed_pattern(tiny_world().ontology)
+
+    assert pattern == Not(Exists("tiny:Ball", "tiny:Ball", Related("sk:in", "tiny:Ball", "slot_1")))
+
+
+def test_an_element_called_like_a_quantified_variable_is_not_mistaken_for_it() -> None:
+    world = tiny_world(
+        "scene:box a sk:Surface ; sk:on scene:floor . scene:box_q a tiny:Box ; sk:on scene:box ."
+        " scene:ball_q a tiny:Ball ; sk:in scene:box_q ."
+    )
+
+    assert STORED("ball_q", "box").evaluate(world)
+    assert not STORED("ball_1", "box").evaluate(world)
+
+
+def test_renaming_into_a_quantified_name_gives_the_quantifier_another() -> None:
+    pattern = Exists("box", "tiny:Box", Related("sk:in", "ball", "box"))
+
+    renamed = pattern.rename({"ball": "box"})
+
+    assert isinstance(renamed, Exists)
+    assert renamed.variable != "box"
+    assert renamed.pattern == Related("sk:in", "box", renamed.variable)

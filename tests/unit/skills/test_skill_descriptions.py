@@ -84,3 +84,9 @@ def test_a_body_prints_as_an_indented_tree() -> None:
         "      grasp()",
         "      pretend for 2 s",
     ]
+
+
+@pytest.mark.parametrize("times", [0, -1])
+def test_a_retry_that_never_tries_is_refused(times: int) -> None:
+    with pytest.raises(DescriptionError, match=f"retry: at least once, not {times} times"):
+        Retry(Do.of("grasp"), times)

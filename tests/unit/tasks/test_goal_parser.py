@@ -67,6 +67,10 @@ def test_an_element_may_be_given_by_its_label() -> None:
         ("not not Free(slot_1)", 9, "expected '('"),
         ("(In(ball_1, slot_1))", 1, "expected"),
         ("In((ball_1), slot_1)", 4, "expected a name"),
+        ("In(ball_1; slot_1)", 10, "expected"),
+        ("In(ball_1, slot_1)!", 19, "expected"),
+        ("$In(ball_1, slot_1)", 1, "expected"),
+        ("In(ball_1, 7up)", 12, "expected"),
     ],
 )
 def test_an_error_points_at_the_column(text: str, column: int, reason: str) -> None:
@@ -148,3 +152,41 @@ def test_any_text_parses_or_is_answered_with_a_usage_error(text: str) -> None:
     else:
         answer = " and ".join(map(str, goal))
     assert answer
+
+
+LABELS = """
+scene:ball_7 a tiny:Ball ; rdfs:label "ball_1" ; sk:in scene:box_a .
+scene:ball_8 a tiny:Ball ; rdfs:label "RedBall" ; sk:in scene:box_a .
+scene:ball_9 a tiny:Ball ; rdfs:label "bluey" ; sk:in scene:box_a .
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("ball_1", "ball_1"), ("RedBall", "tiny:RedBall"), ("bluey", "ball_9")],
+    ids=["id before label", "class before label", "label"],
+)
+def test_a_word_is_an_id_first_then_a_class_then_a_label(name: str, meant: str) -> None:
+    world = tiny_world(LABELS)
+
+    assert parse_goal([f"In({name}, slot_1)"], world, CONDITIONS) == (IN_CONTAINER(meant, "slot_1"),)
+
+
+def test_an_element_whose_id_is_the_name_of_a_class_is_meant_before_the_class() -> None:
+    world = tiny_world("scene:Giant a tiny:Ball ; sk:in scene:box_a .")
+
+    assert parse_goal(["In(Giant, slot_1)"], world, CONDITIONS) == (IN_CONTAINER("Giant", "slot_1"),)
+
+
+def test_a_part_without_a_label_does_not_stand_for_its_whole_class() -> None:
+    world = tiny_world("scene:only a tiny:Giant ; sk:in scene:box_a .")
+
+    assert world.element("only").label == "Giant"
+    assert parse_goal(["In(Giant, slot_1)"], world, CONDITIONS) == (IN_CONTAINER("tiny:Giant", "slot_1"),)
+
+
+def test_a_label_that_two_elements_have_stands_for_neither() -> None:
+    twins = "".join(f'scene:twin_{n} a tiny:Ball ; rdfs:label "twin" ; sk:in scene:box_a . ' for n in (1, 2))
+
+    with pytest.raises(UnknownName, match="unknown element 'twin'"):
+        parse_goal(["In(twin, slot_1)"], tiny_world(twins), CONDITIONS)

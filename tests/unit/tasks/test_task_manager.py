@@ -5,7 +5,6 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.errors import PlanningError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
 from skiros_py.skills.outcome import Failure, Outcome, Success
@@ -200,10 +199,11 @@ def test_what_the_world_did_by_itself_need_not_be_done() -> None:
 
 def test_a_wrong_plan_is_never_begun() -> None:
     with Bench(tiny_world(), planner=GivenPlanner("pick arm_1 gripper_1 robot_1 box_a ball_1")) as bench:
-        with pytest.raises(PlanningError):
-            bench.pursue("In(ball_1, slot_1)")
+        report = bench.pursue("In(ball_1, slot_1)")
 
         assert bench.events == []
+    assert report.steps == ()
+    assert report.no_plan[0].startswith("the plan of given breaks at step 1 (pick(")
 
 
 def test_capabilities_are_what_the_world_says_is_there() -> None:
@@ -242,3 +242,96 @@ def test_equal_runs_are_equal() -> None:
         return [(s.skill, s.arguments, s.start, s.end, s.reason) for s in report.steps]
 
     assert run() == run()
+
+
+def test_a_target_given_up_does_not_come_back_by_being_named_in_the_goal() -> None:
+    with trying(tiny_world(), ball_1=99) as bench:
+        report = bench.pursue("In(ball_1, slot_1)", "In(red_ball_1, slot_2)")
+
+    named, other = report.conditions
+    assert picks(bench).count("ball_1") == 3
+    assert (named.believed, named.tries, named.reason) == (False, 3, "ball_1 slipped; gave up after 3 tries")
+    assert (other.believed, other.reason) == (True, "")
+    assert report.no_plan == ()
+
+
+def test_a_condition_that_names_a_target_given_up_but_holds_is_kept() -> None:
+    Try.clumsy["box_a"] = 99
+    skills = (pretend(DRIVE, Sequence.of(Do.of("try", ball=P("Location")), AssertEffects(0.02))), *TRYING[1:])
+    with Bench(tiny_world(), skills, (Try,)) as bench:
+        report = bench.pursue("Reachable(box_a)", "At(robot_1, box_a)")
+
+    assert [(c.believed, c.tries) for c in report.conditions] == [(True, 0), (False, 3)]
+    assert report.conditions[0].reason == ""
+
+
+def test_the_next_goal_starts_with_a_clean_slate() -> None:
+    with trying(tiny_world(), ball_1=3) as bench:
+        first = bench.pursue("In(ball_1, slot_1)")
+        second = bench.pursue("In(ball_1, slot_1)")
+
+    assert (first.reached, second.reached) == (False, True)
+    assert [s.skill for s in second.steps] == ["pick", "place"]
+    assert (second.conditions[0].tries, second.conditions[0].reason) == (1, "")
+
+
+def test_steps_of_an_earlier_goal_are_not_reported_again() -> None:
+    with Bench(tiny_world()) as bench:
+        bench.pursue("In(ball_1, slot_1)")
+        second = bench.pursue("In(red_ball_1, slot_2)")
+        third = bench.pursue("In(red_ball_1, slot_1)")
+
+    assert [s.skill for s in second.steps] == ["drive", "pick", "place"]
+    assert third.steps == ()
+    assert "ball_1 is in slot_1" in third.no_plan[0]
+
+
+def test_times_of_conditions_are_those_of_the_steps_that_brought_them_about() -> None:
+    with Bench(tiny_world()) as bench:
+        report = bench.pursue("In(ball_1, slot_1)", "In(RedBall, slot_2)")
+
+    ends = {s.arguments["Slot"]: s.end for s in report.steps if s.skill == "place"}
+    times = [c.simulated for c in report.conditions]
+    assert times == pytest.approx([ends["slot_1"], ends["slot_2"]], abs=0.011)
+    assert max(ends.values()) == pytest.approx(report.simulated, abs=0.011)
+    assert all(c.wall is not None and 0.0 < c.wall <= report.wall for c in report.conditions)
+
+
+def test_times_count_from_the_start_of_their_own_goal() -> None:
+    with Bench(tiny_world()) as bench:
+        first = bench.pursue("In(ball_1, slot_1)")
+        second = bench.pursue("In(ball_1, slot_1)", "In(red_ball_1, slot_2)")
+
+    held, brought = second.conditions
+    assert (held.simulated, held.tries) == (0.0, 0)
+    assert brought.simulated == pytest.approx(second.simulated, abs=0.011)
+    assert second.simulated == pytest.approx(first.simulated, abs=0.02), "not counted on from the first"
+
+
+def test_a_condition_that_is_not_believed_at_the_end_has_no_time() -> None:
+    with trying(tiny_world(), ball_1=99) as bench:
+        report = bench.pursue("Free(slot_2)", "Holding(gripper_1, ball_1)")
+
+    assert [c.believed for c in report.conditions] == [True, False]
+    assert [c.simulated is None for c in report.conditions] == [False, True]
+    assert report.conditions[1].wall is None
+
+
+def test_a_condition_lost_again_has_the_time_when_it_came_to_hold_for_good() -> None:
+    world = tiny_world()
+
+    def take_it_out(event: ModuleEvent) -> None:
+        if event.module == "place" and event.status is Status.TERMINATED and world.related("ball_1", "sk:in", "slot_1"):
+            with world.transaction("somebody", "took it out, once") as tx:
+                tx.place("ball_1", "sk:in", "box_b")
+            taken.append(event.time)
+
+    taken: list[float] = []
+    with Bench(world) as bench:
+        bench.monitor.subscribe(lambda event: None if taken else take_it_out(event))
+        report = bench.pursue("In(ball_1, slot_1)")
+
+    assert report.reached
+    assert len(taken) == 1
+    assert report.conditions[0].simulated == pytest.approx(report.simulated, abs=0.011)
+    assert report.conditions[0].simulated > taken[0]

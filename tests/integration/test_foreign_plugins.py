@@ -1,0 +1,128 @@
+"""Distributions as pip would leave them behind, good and bad, found by a session on the tiny scene."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from skiros_py.cli.main import cli
+from skiros_py.plugins import PluginFault
+from skiros_py.runtime import Options, Session, load_catalogue
+from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
+
+Install = Callable[[str, Mapping[str, Mapping[str, str]], str], None]
+
+GOOD = """
+from dataclasses import replace
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, pretend
+HOP = pretend(replace(DRIVE, name="hop"))
+AT = AT_LOCATION
+"""
+BAD = """
+from dataclasses import replace
+from skiros_py.skills.composition import Do
+from skiros_py.skills.parameters import Param
+from skiros_py.skills.skill import Skill
+from skiros_py.testing.tiny_skills import DRIVE, pretend
+FLY = pretend(replace(DRIVE, name="fly", params=(Param("Base", "uav:Drone", "Who."), *DRIVE.params[1:])))
+SWIM = Skill(replace(DRIVE, name="swim"), Do.of("paddle"), driver="fake")
+"""
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Install:
+    """Installs a distribution with entry points by group, and one module."""
+    monkeypatch.setenv("SKIROS_ONTOLOGIES", str(TINY_ONTOLOGY))
+    site = tmp_path / "site"
+    site.mkdir()
+    monkeypatch.syspath_prepend(str(site))
+
+    def make(name: str, groups: Mapping[str, Mapping[str, str]], text: str) -> None:
+        info = site / f"{name}-0.3.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.3\n", encoding="utf-8")
+        lines = [
+            line
+            for group, points in groups.items()
+            for line in (f"[skiros.{group}]", *(f"{key} = {name}:{value}" for key, value in points.items()))
+        ]
+        (info / "entry_points.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        (site / f"{name}.py").write_text(text, encoding="utf-8")
+
+    return make
+
+
+def opened(folder: Path) -> Session:
+    return Session(str(tiny_scene(folder)), Options(fake=True))
+
+
+def faults_of(faults: tuple[PluginFault, ...], distribution: str) -> dict[str, str]:
+    return {fault.name: fault.reason for fault in faults if fault.distribution == f"{distribution} 0.3"}
+
+
+def test_what_a_distribution_brings_is_used(install: Install, tmp_path: Path) -> None:
+    install("sk_good", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
+
+    with opened(tmp_path) as session:
+        assert "hop" in session.managers["base_1"].descriptions
+        assert session.catalogue.sources["skills/hop"] == "sk_good 0.3"
+        assert faults_of(session.catalogue.faults, "sk_good") == {}
+        assert session.run(["TinyAt(robot_1, box_a)"]).reached
+
+
+def test_skills_that_cannot_work_here_are_left_out_and_reported_and_the_rest_is_used(
+    install: Install, tmp_path: Path
+) -> None:
+    install("sk_good", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
+    install("sk_bad", {"skills": {"fly": "FLY", "swim": "SWIM"}}, BAD)
+
+    with opened(tmp_path) as session:
+        faults = faults_of(session.catalogue.faults, "sk_bad")
+        assert faults["fly"] == "parameter Base: no ontology declares the class uav:Drone"
+        assert faults["swim"].startswith("there is no primitive 'paddle'; there is")
+        assert not {"fly", "swim"} & set(session.catalogue.skills)
+        assert not {"fly", "swim"} & set(session.managers["base_1"].descriptions)
+        assert session.run(["TinyAt(robot_1, box_a)"]).reached
+
+
+def test_a_module_that_breaks_while_it_is_imported_hurts_nobody(install: Install, tmp_path: Path) -> None:
+    install("sk_good", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
+    install("sk_broken", {"skills": {"dive": "DIVE"}, "conditions": {"Wet": "WET"}}, "1 / 0")
+
+    with opened(tmp_path) as session:
+        faults = [f for f in session.catalogue.faults if f.distribution == "sk_broken 0.3"]
+        assert [(f.group, f.name) for f in faults] == [("skiros.skills", "dive"), ("skiros.conditions", "Wet")]
+        assert all("ZeroDivisionError" in f.traceback for f in faults)
+        assert session.run(["TinyAt(robot_1, box_a)"]).reached
+
+
+@pytest.mark.parametrize("kind", ["skills", "primitives", "conditions", "planners"])
+@pytest.mark.parametrize(("text", "type_"), [("X = 5", "int"), ("X = None", "NoneType"), ("X = 'drive'", "str")])
+def test_an_entry_point_that_names_something_else_is_refused_by_its_type(
+    install: Install, kind: str, text: str, type_: str
+) -> None:
+    install(f"sk_wrong_{kind}_{type_}", {kind: {"odd": "X"}}, text)
+
+    catalogue = load_catalogue()
+
+    assert faults_of(catalogue.faults, f"sk_wrong_{kind}_{type_}") == {"odd": f"it is a {type_}, nothing for {kind}"}
+    assert "odd" not in getattr(catalogue, kind)
+
+
+@pytest.mark.parametrize("kind", ["skills", "primitives", "conditions"])
+def test_a_class_where_an_object_is_needed_is_refused(install: Install, kind: str) -> None:
+    install(f"sk_class_{kind}", {kind: {"odd": "X"}}, "class X: pass")
+
+    assert list(faults_of(load_catalogue().faults, f"sk_class_{kind}")) == ["odd"]
+
+
+def test_faults_are_listed_by_the_command_line(install: Install) -> None:
+    install("sk_typo", {"skills": {"dive": "DIVE"}}, "")
+
+    answer = json.loads(CliRunner().invoke(cli, ["skills", "--json"]).output)
+
+    assert [f["name"] for f in answer["faults"]] == ["dive"]

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from skiros_py.config import ontology_paths
+from skiros_py.errors import DescriptionError
+from skiros_py.runtime import open_world
+from skiros_py.testing import tiny_world
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.world import World
+
+models = pytest.importorskip("skiros_primitives.part_models")
+
+RDF_JSON = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"
+UPRIGHT = '{"kind": "cylinder", "size": [0.03, 0.06], "at": [0, 0, 0.03]}'
+KNOB = '{"kind": "cylinder", "size": [0.01, 0.02], "at": [0, 0, 0.07], "rpy": [0, 0, 1.0]}'
+LYING = '{"kind": "cylinder", "size": [0.03, 0.06], "at": [0, 0, 0.03], "rpy": [1.5707963267948966, 0, 0]}'
+ASIDE = '{"kind": "cylinder", "size": [0.01, 0.02], "at": [0.02, 0, 0.07]}'
+BLOCK = '{"kind": "box", "size": [0.05, 0.05, 0.05], "at": [0, 0, 0.025]}'
+
+
+def part(*blocks: str) -> World:
+    """A world with one part of this shape."""
+    solid = f"sk:solid '[{', '.join(blocks)}]'^^{RDF_JSON}"
+    return tiny_world(f"scene:p a tiny:Ball ; sk:in scene:box_a ; {solid} ; sk:graspHeight 0.03 ; sk:graspWidth 0.05 .")
+
+
+@pytest.fixture(scope="module")
+def kitting() -> World:
+    return open_world("kitting")
+
+
+def test_every_part_type_with_a_shape_has_a_model_in_a_fixed_order(kitting: World) -> None:
+    found = [model.type for model in models.part_models(kitting)]
+
+    assert found == ["kitting:Alternator", "kitting:Compressor", "kitting:RelayBox", "kitting:Starter"]
+
+
+def test_a_type_without_a_shape_has_no_model(kitting: World) -> None:
+    assert "kitting:Part" not in [model.type for model in models.part_models(kitting)]
+    assert models.part_models(tiny_world()) == ()
+
+
+def test_a_model_has_the_shape_that_the_ontology_gives(kitting: World) -> None:
+    relay = next(m for m in models.part_models(kitting) if m.type == "kitting:RelayBox")
+
+    low, high = relay.solid.bounds()
+    assert high - low == pytest.approx([0.059, 0.040, 0.054])
+
+
+def test_the_grasp_is_what_the_ontology_says(kitting: World) -> None:
+    grasp = models.grasp_of(kitting, "starter_1")
+
+    assert (grasp.height, grasp.width) == (0.032, 0.049)
+
+
+def test_every_part_of_the_scene_can_be_grasped_within_its_own_height(kitting: World) -> None:
+    heights = {m.type: float(m.solid.bounds()[1][2]) for m in models.part_models(kitting)}
+    parts = kitting.instances("kitting:Part")
+
+    assert parts
+    for element in parts:
+        assert 0.0 < models.grasp_of(kitting, element).height < heights[kitting.element(element).type]
+
+
+@pytest.mark.parametrize(
+    ("blocks", "turns"),
+    [
+        ((UPRIGHT,), 8),
+        ((UPRIGHT, KNOB), 8),
+        ((LYING,), 2),
+        ((UPRIGHT, ASIDE), 2),
+        ((BLOCK,), 2),
+        ((UPRIGHT, BLOCK), 2),
+    ],
+    ids=["upright", "turned about its axis", "lying", "off the axis", "block", "with a block"],
+)
+def test_a_part_that_looks_the_same_from_all_sides_may_be_taken_from_eight(blocks: tuple[str, ...], turns: int) -> None:
+    yaws = models.grasp_of(part(*blocks), "p").yaws
+
+    assert yaws == pytest.approx([2.0 * math.pi * k / turns for k in range(turns)])
+
+
+@pytest.mark.parametrize("given", ["", "sk:graspHeight 0.03", "sk:graspWidth 0.05"])
+def test_a_part_that_nobody_said_how_to_grasp_is_the_ontologys_fault(given: str) -> None:
+    world = tiny_world(f"scene:p a tiny:Ball ; sk:in scene:box_a ; {given} .")
+
+    with pytest.raises(DescriptionError, match="tiny:Ball has no sk:graspHeight and sk:graspWidth"):
+        models.grasp_of(world, "p")
+
+
+def test_the_shipped_ontologies_say_for_each_shape_how_to_grasp_it() -> None:
+    ontology = Ontology.load(ontology_paths())
+
+    for class_ in ontology.subclasses("sk:Manipulatable"):
+        if ontology.class_value(class_, "sk:solid") is not None:
+            assert isinstance(ontology.class_value(class_, "sk:graspHeight"), float), class_
+            assert isinstance(ontology.class_value(class_, "sk:graspWidth"), float), class_
