@@ -31,8 +31,8 @@ def main() -> int:
     ours, bare = [], []
     with Session("kitting", Options(fake=True)) as session, tempfile.TemporaryDirectory() as folder:
         planned = session.plan()
-        if isinstance(planned.outcome, NoPlan):
-            raise SystemExit(f"no plan: {planned.outcome.reasons}")
+        if isinstance(planned.outcome, NoPlan) or planned.texts is None:
+            raise SystemExit(f"no plan: {planned.outcome}")
         for name, text in (("domain.pddl", planned.texts.domain), ("problem.pddl", planned.texts.problem)):
             (Path(folder) / name).write_text(text, encoding="utf-8")
         for _ in range(pairs):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from types import TracebackType
@@ -13,21 +13,18 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.plugins import Plugin, PluginFault, load_plugins
 from skiros_py.robot.devices import DeviceBoard
 from skiros_py.robot.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.conditions import Condition, ConditionType
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries, RunContext
-from skiros_py.skills.lint import problems_of
-from skiros_py.skills.primitive import Primitive
-from skiros_py.skills.skill import Skill
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager
@@ -40,7 +37,7 @@ from skiros_py.world.world import World
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.cell import PyBulletCell
 
-__all__ = ["Catalogue", "Options", "Session", "load_catalogue"]
+__all__ = ["Options", "Session", "open_world", "scene_title"]
 
 _PLANNER = "fast-downward"
 _HASH_EVERY = 20
@@ -74,48 +71,6 @@ class Options:
             raise UsageError(f"pace: a positive factor, or None for as fast as possible, not {self.pace!r}")
 
 
-@dataclass(frozen=True, slots=True)
-class Catalogue:
-    """What plug-ins brought: skills, primitives and conditions; and the faults of those that did not load."""
-
-    skills: Mapping[str, Skill]
-    primitives: Mapping[str, type[Primitive[Any]]]
-    conditions: Mapping[str, ConditionType]
-    planners: Mapping[str, Any]
-    sources: Mapping[str, str]
-    faults: tuple[PluginFault, ...]
-
-
-_IS_ONE: Mapping[str, Callable[[Any], bool]] = {
-    "skills": lambda value: isinstance(value, Skill),
-    "primitives": lambda value: isinstance(value, type) and issubclass(value, Primitive),
-    "conditions": lambda value: isinstance(value, ConditionType),
-    "planners": callable,
-}
-"""What an entry point of each group must name."""
-
-
-def _fault(plugin: Plugin, reason: str) -> PluginFault:
-    return PluginFault(plugin.group, plugin.name, plugin.distribution, reason, "")
-
-
-def load_catalogue() -> Catalogue:
-    """Loads all plug-ins of the groups ``skiros.skills``, ``.primitives``, ``.conditions`` and ``.planners``."""
-    found: dict[str, dict[str, Any]] = {}
-    sources: dict[str, str] = {}
-    faults: list[PluginFault] = []
-    for kind in ("skills", "primitives", "conditions", "planners"):
-        plugins, broken = load_plugins(f"skiros.{kind}")
-        good = [plugin for plugin in plugins if _IS_ONE[kind](plugin.value)]
-        found[kind] = {plugin.name: plugin.value for plugin in good}
-        sources |= {f"{kind}/{plugin.name}": plugin.distribution for plugin in good}
-        faults += broken
-        faults += [_fault(p, f"it is a {type(p.value).__name__}, nothing for {kind}") for p in plugins if p not in good]
-    return Catalogue(
-        found["skills"], found["primitives"], found["conditions"], found["planners"], sources, tuple(faults)
-    )
-
-
 class Session:
     """A scene brought to life: world, robots, skill managers, task manager. Close it, or use it in a ``with``.
 
@@ -147,7 +102,7 @@ class Session:
 
     def _open(self, scene: str) -> None:
         self.world = open_world(scene)
-        self.catalogue = _fitting(self.catalogue, self.world.ontology)
+        self.catalogue = fitting(self.catalogue, self.world.ontology)
         self.goal = self._own_goal()
         self.spec = read_cell(self.world, self._robots())
         libraries = Libraries() if self.options.fake else self._start_libraries()
@@ -347,18 +302,6 @@ class Session:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-
-
-def _fitting(catalogue: Catalogue, ontology: Ontology) -> Catalogue:
-    """Leaves out skills that say what no ontology declares; they are reported and hurt nobody else."""
-    found = {name: problems_of(skill, ontology, catalogue.primitives) for name, skill in catalogue.skills.items()}
-    faults = tuple(
-        PluginFault("skiros.skills", name, catalogue.sources.get(f"skills/{name}", "this catalogue"), "; ".join(p), "")
-        for name, p in found.items()
-        if p
-    )
-    good = {name: skill for name, skill in catalogue.skills.items() if not found[name]}
-    return replace(catalogue, skills=good, faults=catalogue.faults + faults)
 
 
 def open_world(scene: str) -> World:

@@ -57,14 +57,6 @@ def test_a_plan_is_written_as_three_files(tmp_path: Path) -> None:
     assert len(answer["steps"]) == 4
 
 
-def test_without_a_plan_no_plan_is_written(tmp_path: Path) -> None:
-    result = skiros("plan", "kitting", "--write", str(tmp_path), "--goal", "ObjectAtLocation(starter_1, pallet_b)")
-
-    assert result.returncode == 3
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["domain.pddl", "problem.pddl"]
-    assert "; no plan" in result.stdout
-
-
 def test_skills_are_listed_with_where_they_come_from() -> None:
     result = skiros("skills", "--json")
 
@@ -83,7 +75,7 @@ def test_skills_are_readable_by_people() -> None:
     assert "  post  not EmptyHanded(Gripper)" in lines
 
 
-def test_a_plan_of_an_earlier_goal_is_removed_where_there_is_none_now(tmp_path: Path) -> None:
+def test_without_a_plan_none_is_written_and_one_of_an_earlier_goal_is_removed(tmp_path: Path) -> None:
     (tmp_path / "plan").write_text("pick(Object=starter_1)", encoding="utf-8")
     (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
 
@@ -91,6 +83,7 @@ def test_a_plan_of_an_earlier_goal_is_removed_where_there_is_none_now(tmp_path: 
 
     assert result.returncode == 3
     assert sorted(file.name for file in tmp_path.iterdir()) == ["domain.pddl", "notes.txt", "problem.pddl"]
+    assert "; no plan" in result.stdout
 
 
 def test_a_folder_that_cannot_be_written_ends_with_status_two_and_its_name(tmp_path: Path) -> None:

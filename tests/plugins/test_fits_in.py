@@ -79,7 +79,7 @@ def test_what_has_no_size_does_not_fit_and_is_named(part: str, room: str, who: s
 sizes = st.floats(0.01, 0.3)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(sizes, sizes, sizes, sizes)
 def test_turning_part_or_room_changes_nothing(x: float, y: float, a: float, b: float) -> None:
     answers = {bool(fits(solid(*part), solid(*room))) for part in ((x, y), (y, x)) for room in ((a, b), (b, a))}

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.config import find_scene, ontology_paths, scene_names
-from skiros_py.errors import UnknownName
+from skiros_py.errors import FileError, UnknownName
 
 
 def test_a_scene_is_found_by_name_in_the_folders_of_the_environment(
@@ -33,12 +33,23 @@ def test_a_scene_is_found_by_path(tmp_path: Path) -> None:
     assert find_scene(str(file)) == file
 
 
-@pytest.mark.parametrize("name", ["kiting", "kiting.ttl"])
-def test_an_unknown_scene_is_answered_with_the_nearest(name: str) -> None:
+def test_an_unknown_scene_is_answered_with_the_nearest() -> None:
     with pytest.raises(UnknownName) as caught:
-        find_scene(name)
+        find_scene("kiting")
 
     assert caught.value.nearest == "kitting"
+
+
+def test_a_scene_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=r"kiting\.ttl: the scene file does not exist"):
+        find_scene(str(tmp_path / "kiting.ttl"))
+
+
+def test_a_folder_is_no_scene_file(tmp_path: Path) -> None:
+    (tmp_path / "folder.ttl").mkdir()
+
+    with pytest.raises(FileError, match=r"folder\.ttl: the scene file is a folder"):
+        find_scene(str(tmp_path / "folder.ttl"))
 
 
 def test_ontologies_of_the_environment_come_after_the_shipped_ones(

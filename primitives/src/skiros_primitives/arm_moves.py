@@ -1,4 +1,4 @@
-"""What the arm primitives share: asking for a motion, following it, looking straight down at something."""
+"""What the arm primitives share: asking for a motion and following it."""
 
 from __future__ import annotations
 
@@ -8,18 +8,15 @@ from typing import Any
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import ArmSpec, CameraSpec, RobotSpec
-from skiros_py.robot.devices import Arm, Camera
-from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, PoseMove, Route, Trajectory
-from skiros_py.robot.values import ArmTarget, DepthImage
+from skiros_py.robot.cell import ArmSpec, RobotSpec
+from skiros_py.robot.devices import Arm
+from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
+from skiros_py.robot.values import ArmTarget
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A
 
 __all__ = ["ArmPrimitive", "downward"]
-
-_LOOK_HEIGHTS = (0.46, 0.40, 0.34)
-"""Heights of the camera above what it looks at, best first [m]; low ones where the arm cannot reach higher."""
 
 
 def downward(x: float, y: float, z: float, yaw: float) -> Pose:
@@ -106,41 +103,13 @@ class ArmPrimitive(Primitive[Any]):
             yield from self.follow(leg)
         return None
 
-    def look_down(self, camera: CameraSpec, x: float, y: float, surface: float) -> Execution[DepthImage | NoMotion]:
-        """Takes a picture from straight above a point of the map [m]."""
-        tool_camera = yield from self._camera_in_tool(camera)
-        answer: NoMotion | None = NoMotion("no height tried")
-        for height in _LOOK_HEIGHTS:
-            poses = [downward(x, y, surface + height, yaw) for yaw in self._yaws()]
-            answer = yield from self.go([(PoseMove(pose @ tool_camera.inverse()),) for pose in poses])
-            if answer is None:
-                return (yield from self.wait(Camera(self.context.board, camera.id).capture()))
-        return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {answer.reason}" if answer else "")
-
-    def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Execution[Pose]:
-        """Returns where in the map the camera was when it took a picture, as known from joints and localisation."""
-        frame = yield from self._frame(image.arms[self.params.arm], camera.frame)
-        return image.bases[self.robot.base.id] @ frame
-
     def tool_pose(self) -> Execution[Pose]:
         """Returns where in the map the arm's tip is now."""
-        frame = yield from self._frame(self.arm.state.positions, self.arm_spec.tip)
+        frame = yield from self.frame_pose(self.arm.state.positions, self.arm_spec.tip)
         return self.base_pose @ frame
 
-    def camera_spec(self, camera: str) -> CameraSpec:
-        """Returns the description of one of the robot's cameras."""
-        return next(c for c in self.robot.cameras if c.id == camera)
-
-    def _yaws(self) -> list[float]:
-        return [self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4)]
-
-    def _camera_in_tool(self, camera: CameraSpec) -> Execution[Pose]:
-        positions = self.arm.state.positions
-        tool = yield from self._frame(positions, self.arm_spec.tip)
-        optical = yield from self._frame(positions, camera.frame)
-        return tool.inverse() @ optical
-
-    def _frame(self, positions: tuple[float, ...], frame: str) -> Execution[Pose]:
+    def frame_pose(self, positions: tuple[float, ...], frame: str) -> Execution[Pose]:
+        """Returns where a link of the robot is in its base's frame at the given joint angles [rad]."""
         planner = self.context.libraries.arm_planner
         if planner is None:
             raise DeviceError(f"{self.name} needs an arm planner")

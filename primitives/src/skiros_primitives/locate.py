@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.association import Association, associate
+from skiros_primitives.looking import LookingPrimitive
 from skiros_primitives.part_models import part_models
 from skiros_primitives.regions import support_region
-from skiros_py.errors import DeviceError
 from skiros_py.robot.motion import NoMotion
-from skiros_py.robot.perception import LookRequest, LookResult, Region
+from skiros_py.robot.perception import LookResult
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -28,7 +27,7 @@ _MISSES = 2
 """A part that so many clear looks do not show is missing."""
 
 
-class Locate(ArmPrimitive):
+class Locate(LookingPrimitive):
     """Looks from above; looks again where something expected is not seen."""
 
     name: ClassVar[str] = "locate"
@@ -50,7 +49,8 @@ class Locate(ArmPrimitive):
         clear_looks, why = 0, ""
         for attempt in range(1, _MISSES + 2):
             self.progress(attempt, f"look {attempt} at {self.params.place}")
-            look = yield from self._look(region, aside=0.04 * (attempt - 1))
+            x, y, _ = region.pose.position
+            look = yield from self.look_for_parts(region, x + 0.04 * (attempt - 1), y)
             if isinstance(look, NoMotion):
                 return Failure(look.reason)
             seen = self._write(look)
@@ -61,19 +61,6 @@ class Locate(ArmPrimitive):
             if clear_looks >= _MISSES:
                 break
         return Failure(why)
-
-    def _look(self, region: Region, *, aside: float) -> Execution[LookResult | NoMotion]:
-        camera = self.camera_spec(self.params.camera)
-        x, y, surface = region.pose.position
-        image = yield from self.look_down(camera, x + aside, y, surface)
-        if isinstance(image, NoMotion):
-            return image
-        pose = yield from self.camera_pose(camera, image)
-        detector = self.context.libraries.detector
-        if detector is None:
-            raise DeviceError("locate needs a part detector")
-        request = LookRequest(image, pose, region, part_models(self.world), self.seed())
-        return (yield from self.wait(detector.detect(request)))
 
     def _write(self, look: LookResult) -> set[str]:
         """Writes what was seen, and counts the clear looks that did not show what was expected."""

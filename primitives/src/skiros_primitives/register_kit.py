@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.looking import LookingPrimitive
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.robot.motion import NoMotion
@@ -19,7 +19,7 @@ from skiros_py.world.vocabulary import POSE_FRAME
 __all__ = ["RegisterKit"]
 
 
-class RegisterKit(ArmPrimitive):
+class RegisterKit(LookingPrimitive):
     """The kit's walls are fitted to what the camera sees; a bad fit is an answer, not a pose."""
 
     name: ClassVar[str] = "register_kit"

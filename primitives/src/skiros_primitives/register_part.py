@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.part_models import part_models
-from skiros_py.errors import DeviceError
+from skiros_primitives.looking import LookingPrimitive
 from skiros_py.geometry import Pose
 from skiros_py.robot.motion import NoMotion
-from skiros_py.robot.perception import Detection, LookRequest, LookResult, Region
+from skiros_py.robot.perception import Detection, Region
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -24,7 +22,7 @@ _HALF = 0.10
 """Half side of the square that is searched [m]."""
 
 
-class RegisterPart(ArmPrimitive):
+class RegisterPart(LookingPrimitive):
     """The second look, with the camera exactly above the part: nothing hides its far side."""
 
     name: ClassVar[str] = "register_part"
@@ -42,24 +40,12 @@ class RegisterPart(ArmPrimitive):
         believed = map_pose(self.context, self.params.part)
         if believed is None:
             return Failure(f"{self.params.part} has not been seen yet")
-        look = yield from self._look(believed)
+        x, y, _ = believed.position
+        look = yield from self.look_for_parts(Region(Pose(believed.position), (_HALF, _HALF)), x, y)
         if isinstance(look, NoMotion):
             return Failure(look.reason)
         nearest = min(look.detections, key=lambda d: d.pose.distance(believed), default=None)
         return self._judge(nearest, believed)
-
-    def _look(self, believed: Pose) -> Execution[LookResult | NoMotion]:
-        camera = self.camera_spec(self.params.camera)
-        image = yield from self.look_down(camera, *believed.position)
-        if isinstance(image, NoMotion):
-            return image
-        pose = yield from self.camera_pose(camera, image)
-        detector = self.context.libraries.detector
-        if detector is None:
-            raise DeviceError("register_part needs a part detector")
-        region = Region(Pose(believed.position), (_HALF, _HALF))
-        request = LookRequest(image, pose, region, part_models(self.world), self.seed())
-        return (yield from self.wait(detector.detect(request)))
 
     def _judge(self, nearest: Detection | None, believed: Pose) -> Outcome:
         part = self.params.part

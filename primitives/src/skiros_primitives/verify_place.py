@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.part_models import part_models
+from skiros_primitives.looking import LookingPrimitive
 from skiros_primitives.regions import inner_region
-from skiros_py.errors import DeviceError
 from skiros_py.robot.motion import NoMotion
-from skiros_py.robot.perception import Detection, LookRequest, LookResult, Region
+from skiros_py.robot.perception import Detection, LookResult
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -22,7 +20,7 @@ __all__ = ["VerifyPlace"]
 _LOOKS = 2
 
 
-class VerifyPlace(ArmPrimitive):
+class VerifyPlace(LookingPrimitive):
     """Only what was seen in the compartment is believed to be in it."""
 
     name: ClassVar[str] = "verify_place"
@@ -43,7 +41,8 @@ class VerifyPlace(ArmPrimitive):
             return Failure(region)
         strange = False
         for attempt in range(_LOOKS):
-            look = yield from self._look(region, aside=0.03 * attempt)
+            x, y, _ = region.pose.position
+            look = yield from self.look_for_parts(region, x + 0.03 * attempt, y)
             if isinstance(look, NoMotion):
                 return Failure(look.reason)
             seen = self._find(look)
@@ -51,18 +50,6 @@ class VerifyPlace(ArmPrimitive):
                 return self._confirm(seen)
             strange = any(d.type is None for d in look.detections)
         return self._deny(strange=strange)
-
-    def _look(self, region: Region, *, aside: float) -> Execution[LookResult | NoMotion]:
-        camera, detector = self.camera_spec(self.params.camera), self.context.libraries.detector
-        if detector is None:
-            raise DeviceError("verify_place needs a part detector")
-        x, y, floor = region.pose.position
-        image = yield from self.look_down(camera, x + aside, y, floor)
-        if isinstance(image, NoMotion):
-            return image
-        pose = yield from self.camera_pose(camera, image)
-        request = LookRequest(image, pose, region, part_models(self.world), self.seed())
-        return (yield from self.wait(detector.detect(request)))
 
     def _find(self, look: LookResult) -> Detection | None:
         wanted = self.world.element(self.params.part).type

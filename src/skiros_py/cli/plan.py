@@ -32,10 +32,11 @@ def command(scene: str, goals: tuple[str, ...], robot: str | None, folder: Path 
 
     with Session(scene, Options(robot=robot, fake=True, goal=goals)) as session:
         planned = session.plan()
-    outcome = planned.outcome
+    outcome, texts = planned.outcome, planned.texts
+    assert texts is not None  # every element of a goal just read is there
     steps = [] if isinstance(outcome, NoPlan) else [str(step) for step in outcome.steps]
     reasons = list(outcome.reasons) if isinstance(outcome, NoPlan) else []
-    files = {"domain.pddl": planned.texts.domain, "problem.pddl": planned.texts.problem}
+    files = {"domain.pddl": texts.domain, "problem.pddl": texts.problem}
     if steps or not reasons:
         files["plan"] = "".join(f"{step}\n" for step in steps)
     if folder is not None:

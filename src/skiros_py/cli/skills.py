@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from skiros_py.runtime import Catalogue
+    from skiros_py.catalogue import Catalogue
 
 __all__ = ["command"]
 
@@ -17,7 +17,7 @@ __all__ = ["command"]
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(as_json: bool) -> int:
     """Lists skills with their conditions, primitives, conditions, and plug-ins that did not load."""
-    from skiros_py.runtime import load_catalogue
+    from skiros_py.catalogue import load_catalogue
 
     catalogue = load_catalogue()
     if as_json:

@@ -33,7 +33,7 @@ class SkillRun:
         monitor: Monitor,
     ) -> None:
         self.skill = skill
-        defaults = {p.key: p.default for p in skill.description.params if not p.is_element}
+        defaults = {p.key: p.default for p in skill.description.params}
         self.arguments = {**defaults, **arguments}
         self._context = context
         self._monitor = monitor
@@ -61,14 +61,14 @@ class SkillRun:
 
     def _phases(self) -> Execution[Outcome]:
         description = self.skill.description
+        missing = [p.key for p in description.params if p.kind is Kind.ONLINE and self.arguments.get(p.key) is None]
+        if missing:
+            return Failure(f"parameter {', '.join(missing)} of {description.name} is not specified")
         if self.skill.pre_sense is not None:
             sensed = yield from run_node(self.skill.pre_sense, self._scope)
             if isinstance(sensed, Failure):
                 return sensed
             yield
-        missing = [p.key for p in description.params if p.kind is Kind.ONLINE and self.arguments.get(p.key) is None]
-        if missing:
-            return Failure(f"parameter {', '.join(missing)} of {description.name} is not specified")
         refusal = self._check("precondition", description.pre)
         if refusal:
             return refusal

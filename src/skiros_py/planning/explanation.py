@@ -10,16 +10,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from skiros_py.planning.literals import CAN, HAS, NOTHING
 from skiros_py.planning.model import Action, Atom
 from skiros_py.planning.task import PlanningTask
-from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
 
 __all__ = ["explain"]
 
 _DEPTH = 5
+_SHOWN = 4
+"""How many things of one kind are named before it gets long."""
 
 
-def explain(task: PlanningTask, ontology: Ontology) -> tuple[str, ...]:
+def explain(task: PlanningTask, view: WorldView) -> tuple[str, ...]:
     """Returns one reason for each goal condition that can never hold; empty when each alone could."""
-    relaxed = _Relaxation(task, ontology)
+    relaxed = _Relaxation(task, view)
     reasons = []
     for condition, atoms in task.goal:
         missing = [atom for atom in atoms if atom not in relaxed.facts]
@@ -31,9 +33,10 @@ def explain(task: PlanningTask, ontology: Ontology) -> tuple[str, ...]:
 class _Relaxation:
     """The facts that could ever become true, ignoring deletes."""
 
-    def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
+    def __init__(self, task: PlanningTask, view: WorldView) -> None:
         self.task = task
-        self.ontology = ontology
+        self.view = view
+        self.ontology = view.ontology
         self.facts: dict[Atom, None] = {}
         self._by_predicate: dict[str, list[Atom]] = {}
         for atom in sorted(task.problem.init):
@@ -90,9 +93,9 @@ class _Relaxation:
 
     def why(self, atom: Atom, types: Mapping[str, str], depth: int) -> str:
         """Says why an atom (perhaps with variables left) never holds."""
-        givers = [(a, e) for a in self.task.domain.actions for e in a.add if e.predicate == atom.predicate]
+        givers = [(a, e) for a in self.task.domain.actions for e in a.add if self._could_give(a, e, atom, types)]
         if not givers or depth == 0:
-            return f"{self._words(atom, types)} does not hold, and no skill brings it about"
+            return self._where_instead(atom, types)
         action, effect = givers[0]
         start = {
             variable: value
@@ -105,10 +108,38 @@ class _Relaxation:
                 narrowed[variable] = types[value]
         return self._first_obstacle(action, start, narrowed, depth)
 
+    def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Mapping[str, str]) -> bool:
+        """Tells whether an effect is of the kind that is wanted; a wrong element is for the obstacle to name."""
+        if effect.predicate != atom.predicate:
+            return False
+        own = {v.name: v.type for v in action.parameters}
+        pairs = [
+            (own[variable], types[value])
+            for variable, value in zip(effect.arguments, atom.arguments, strict=True)
+            if value.startswith("?") and own.get(variable) and types.get(value)
+        ]
+        return all(self.ontology.is_a(a, b) or self.ontology.is_a(b, a) for a, b in pairs)
+
+    def _where_instead(self, atom: Atom, types: Mapping[str, str]) -> str:
+        """Says that nothing brings an atom about, and for a placement where the things are instead."""
+        plain = f"{self._words(atom, types)} does not hold, and no skill brings it about"
+        if atom.predicate not in self.ontology.relations or not self.ontology.is_placement(atom.predicate):
+            return plain
+        moved = atom.arguments[0]
+        things = self.view.instances(types[moved]) if moved in types else (moved,) if self.view.has(moved) else ()
+        if not things:
+            return f"there is no {_local(types.get(moved, moved))}"
+        places = ((thing, self.view.placement(thing)) for thing in things[:_SHOWN])
+        said = [f"{thing} {self._word(p.relation)} {p.place}" for thing, p in places if p is not None]
+        return f"{', '.join(said)}, and no skill takes it from there" if said else plain
+
     def _first_obstacle(self, action: Action, start: dict[str, str], types: Mapping[str, str], depth: int) -> str:
         for variable, value in start.items():
             if not self._fits(value, types[variable]):
                 return f"{value} is not a {_local(types[variable])}, which skill '{action.skill}' needs"
+        for variable, class_ in types.items():
+            if variable not in start and not any(self._fits(thing, class_) for thing in self.task.problem.objects):
+                return f"there is no {_local(class_)}"
         pre = self._easy_first(action)
         for count in range(1, len(pre) + 1):
             if next(self._typed(action, pre[:count], start, types), None) is None:

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -48,7 +48,10 @@ class _Solving:
         return self._future.done()
 
     def result(self) -> Answer:
-        return self._future.result()
+        try:
+            return self._future.result()
+        except CancelledError as error:
+            raise PlanningError("Fast Downward was stopped") from error
 
 
 class FastDownward:
@@ -74,6 +77,8 @@ class FastDownward:
 
     def solve(self, domain: str, problem: str) -> _Solving:
         """Starts solving; several calls may be under way at once."""
+        if self._closed:
+            raise PlanningError("Fast Downward was stopped")
         return _Solving(self._threads.submit(self._solve, domain, problem))
 
     def close(self) -> None:

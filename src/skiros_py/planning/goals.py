@@ -68,10 +68,9 @@ def compile_goal(goal: Sequence[Condition], actions: Sequence[Action], view: Wor
 
 def _ways(condition: Condition, ontology: Ontology) -> tuple[Conjunction, ...]:
     try:
-        return expand(condition.closed_pattern(ontology), f"goal {condition}", ontology, count(1))
+        return expand(condition.closed_pattern(ontology), f"goal '{condition}'", ontology, count(1))
     except PlanningError as error:
-        advice = "that something is not so cannot be planned for; say what should be so instead"
-        raise UsageError(f"goal '{condition}': {advice}") from error
+        raise UsageError(str(error)) from error
 
 
 def _check_emptiness(

@@ -72,14 +72,11 @@ def expand(pattern: Pattern, where: str, ontology: Ontology, fresh: Iterator[int
             inner_ways = expand(inner.rename({variable: name}), where, ontology, fresh)
             return tuple(Conjunction(c.atoms, extra + c.variables) for c in inner_ways)
         case _:
-            raise PlanningError(f"{where}: a negated {_inner_name(pattern)} cannot be written as plain PDDL")
+            advice = "that something is not so cannot be planned for; say what should be so instead"
+            raise PlanningError(f"{where}: {advice}")
 
 
 def _join(parts: tuple[Conjunction, ...]) -> Conjunction:
     atoms = tuple(atom for part in parts for atom in part.atoms)
     variables = tuple(variable for part in parts for variable in part.variables)
     return Conjunction(tuple(dict.fromkeys(atoms)), tuple(dict.fromkeys(variables)))
-
-
-def _inner_name(pattern: Pattern) -> str:
-    return type(pattern.pattern).__name__ if isinstance(pattern, Not) else type(pattern).__name__

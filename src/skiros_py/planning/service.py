@@ -25,12 +25,12 @@ class Planned:
 
     Attributes:
         outcome: The plan, or why there is none.
-        texts: Domain and problem as given to the planner.
+        texts: Domain and problem as given to the planner; None where none had to be asked.
         wall: Wall time from world model to replayed plan [s].
     """
 
     outcome: Plan | NoPlan
-    texts: PddlTexts
+    texts: PddlTexts | None
     wall: float
 
 
@@ -57,6 +57,9 @@ class PlanningService:
             PlanningError: The task cannot be written, the planner broke, or its answer is no plan.
         """
         started = time.perf_counter()
+        gone = sorted({a for c in goal for a in c.arguments if a not in view.ontology.classes and not view.has(a)})
+        if gone:
+            return Planned(NoPlan(tuple(f"there is no {name} any more" for name in gone)), None, 0.0)
         task = build_task(view, capabilities, goal)
         texts = write_pddl(task.domain, task.problem, name=self._name)
         pending = self.planner.solve(texts.domain, texts.problem)
@@ -67,7 +70,7 @@ class PlanningService:
 
     def _outcome(self, view: WorldView, task: PlanningTask, texts: PddlTexts, answer: Answer) -> Plan | NoPlan:
         if isinstance(answer, Unsolvable):
-            reasons = explain(task, view.ontology)
+            reasons = explain(task, view)
             together = "each condition could be reached alone, but not all of them together"
             return NoPlan(reasons or (together,))
         skills = {c.skill.name: c.skill for c in task.capabilities}

@@ -92,9 +92,7 @@ def _supported(actions: Sequence[Action], init: set[Atom]) -> tuple[Action, ...]
 def _objects(view: WorldView, actions: Iterable[Action], named: Iterable[str]) -> dict[str, str]:
     """Returns every element that some parameter could be, under its most specific class."""
     wanted = dict.fromkeys(v.type for action in actions for v in action.parameters if v.type)
-    ids = {i for class_ in wanted for i in view.instances(class_)} | {
-        n for n in named if view.has(n) and n in view.instances(view.element(n).type)
-    }
+    ids = {i for class_ in wanted for i in view.instances(class_)} | {n for n in named if view.has(n)}
     return {i: view.element(i).type for i in sorted(ids)}
 
 

@@ -22,10 +22,25 @@ def problems_of(skill: Skill, ontology: Ontology, primitives: Mapping[str, type[
     found = [f"{where}: no ontology declares the class {c}" for where, c in classes if c not in ontology.classes]
     for condition in (*description.pre, *description.hold, *description.post):
         found += [f"condition {condition}: {problem}" for problem in _undeclared(condition.pattern, ontology)]
+    found += _unplaced(skill, ontology)
     keys = [p.key for p in description.params]
     for node in (skill.pre_sense, skill.body, skill.finish):
         found += _in_body(node, keys, primitives) if node is not None else []
     return tuple(found)
+
+
+def _unplaced(skill: Skill, ontology: Ontology) -> Iterator[str]:
+    """Yields effects that take something from its place without saying where it is then."""
+    posts = [condition.pattern for condition in skill.description.post]
+    placed = [{p.subject, p.object} for p in posts if isinstance(p, Related)]
+    for pattern in posts:
+        match pattern:
+            case Not(Related(relation, subject, object_)) if relation in ontology.relations:
+                if ontology.is_placement(relation) and not any(ends & {subject, object_} for ends in placed):
+                    what = f"postcondition not {relation}({subject}, {object_})"
+                    yield f"{what}: everything is somewhere; say where it is then"
+            case _:
+                pass
 
 
 def _undeclared(pattern: Pattern, ontology: Ontology) -> Iterator[str]:

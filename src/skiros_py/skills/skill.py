@@ -38,6 +38,8 @@ class SkillDescription:
     post: tuple[Condition, ...] = ()
 
     def __post_init__(self) -> None:
+        if not self.name or ":" in self.name:
+            raise DescriptionError(f"skill name '{self.name}': it must not be empty or contain ':'")
         keys = [param.key for param in self.params]
         for condition in (*self.pre, *self.hold, *self.post):
             for argument in condition.arguments:

@@ -227,9 +227,18 @@ class TaskManager:
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
         """Tells whether what a step is done to, or what it moves, is what the condition speaks of."""
         skill = self._skills()[step.skill]
+        if self._names_another_target(condition, step.arguments[skill.target], skill.param(skill.target).type):
+            return False
         moved = {a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).type)}
         subjects = {step.arguments[key] for key in moved | {skill.target}}
         return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
+
+    def _names_another_target(self, condition: Condition, target: str, class_: str) -> bool:
+        """Tells whether the condition is about one element of the kind of target, and not about this one."""
+        named = [a for a in condition.arguments if self._world.has(a)]
+        return target not in named and any(
+            self._world.ontology.is_a(self._world.element(a).type, class_) for a in named
+        )
 
     def _is_hardware(self, class_: str) -> bool:
         return any(self._world.ontology.is_a(class_, own) for own in (ROBOT, DEVICE))

@@ -169,14 +169,18 @@ class SceneReader:
 
     def _check_single(self, name: str, relation: str) -> None:
         """A placement or a functional relation would silently be replaced by the next."""
-        same = self._ontology.is_placement(relation)
+        same = self._moves(relation)
         if not same and not self._ontology.relation(relation).functional:
             return
         relations = self._individuals[name].relations
-        rivals = [(r, o) for r, o in relations if r == relation or (same and self._ontology.is_placement(r))]
+        rivals = [(r, o) for r, o in relations if r == relation or (same and self._moves(r))]
         if len(rivals) > 1:
             said = ", ".join(f"{r} {o}" for r, o in sorted(rivals))
             raise self._at(*relations[rivals[-1]], f"{name} may have one of these, not all: {said}")
+
+    def _moves(self, relation: str) -> bool:
+        """Tells whether stating a relation of an individual says where that individual is."""
+        return self._ontology.is_placement(relation) and self._ontology.relation(relation).place_end == "object"
 
     def _unknown(self, file: TurtleFile, triple: ox.Triple, kind: str, name: str) -> FileError:
         known = self._ontology.relations if kind == "relation" else self._ontology.properties

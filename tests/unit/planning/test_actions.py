@@ -124,7 +124,7 @@ def test_a_double_negation_is_none() -> None:
 
 @pytest.mark.parametrize("pattern", [Related("sk:in", "a", "b"), Has("sk:mass", "a"), AllOf(())])
 def test_what_strips_cannot_say_is_refused_by_name_and_place(pattern: Related) -> None:
-    with pytest.raises(PlanningError, match=f"precondition X of 'y': a negated {type(pattern).__name__}"):
+    with pytest.raises(PlanningError, match="precondition X of 'y': that something is not so cannot be planned for"):
         ways_of(Not(pattern), "precondition X of 'y'")
 
 

@@ -1,0 +1,66 @@
+"""What the primitives share that look: a picture from straight above, and the parts it shows."""
+
+from __future__ import annotations
+
+import math
+
+from skiros_primitives.arm_moves import ArmPrimitive, downward
+from skiros_primitives.part_models import part_models
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose
+from skiros_py.robot.cell import CameraSpec
+from skiros_py.robot.devices import Camera
+from skiros_py.robot.motion import NoMotion, PoseMove
+from skiros_py.robot.perception import LookRequest, LookResult, Region
+from skiros_py.robot.values import DepthImage
+from skiros_py.skills.primitive import Execution
+
+__all__ = ["LookingPrimitive"]
+
+_LOOK_HEIGHTS = (0.46, 0.40, 0.34)
+"""Heights of the camera above what it looks at, best first [m]; low ones where the arm cannot reach higher."""
+
+
+class LookingPrimitive(ArmPrimitive):
+    """Base of the primitives that look; their parameters have fields ``arm`` and ``camera``."""
+
+    def look_for_parts(self, region: Region, x: float, y: float) -> Execution[LookResult | NoMotion]:
+        """Searches a region for parts, in a picture from straight above a point of the map [m]."""
+        camera, detector = self.camera_spec(self.params.camera), self.context.libraries.detector
+        if detector is None:
+            raise DeviceError(f"{self.name} needs a part detector")
+        image = yield from self.look_down(camera, x, y, region.pose.position[2])
+        if isinstance(image, NoMotion):
+            return image
+        pose = yield from self.camera_pose(camera, image)
+        request = LookRequest(image, pose, region, part_models(self.world), self.seed())
+        return (yield from self.wait(detector.detect(request)))
+
+    def look_down(self, camera: CameraSpec, x: float, y: float, surface: float) -> Execution[DepthImage | NoMotion]:
+        """Takes a picture from straight above a point of the map [m]."""
+        tool_camera = yield from self._camera_in_tool(camera)
+        answer: NoMotion | None = NoMotion("no height tried")
+        for height in _LOOK_HEIGHTS:
+            poses = [downward(x, y, surface + height, yaw) for yaw in self._yaws()]
+            answer = yield from self.go([(PoseMove(pose @ tool_camera.inverse()),) for pose in poses])
+            if answer is None:
+                return (yield from self.wait(Camera(self.context.board, camera.id).capture()))
+        return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {answer.reason}" if answer else "")
+
+    def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Execution[Pose]:
+        """Returns where in the map the camera was when it took a picture, as known from joints and localisation."""
+        frame = yield from self.frame_pose(image.arms[self.params.arm], camera.frame)
+        return image.bases[self.robot.base.id] @ frame
+
+    def camera_spec(self, camera: str) -> CameraSpec:
+        """Returns the description of one of the robot's cameras."""
+        return next(c for c in self.robot.cameras if c.id == camera)
+
+    def _yaws(self) -> list[float]:
+        return [self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4)]
+
+    def _camera_in_tool(self, camera: CameraSpec) -> Execution[Pose]:
+        positions = self.arm.state.positions
+        tool = yield from self.frame_pose(positions, self.arm_spec.tip)
+        optical = yield from self.frame_pose(positions, camera.frame)
+        return tool.inverse() @ optical
