@@ -23,6 +23,7 @@ _WIDTH, _HEIGHT = 480, 360
 _EVERY = 1.0
 """Time between two pictures of an animation [s]."""
 _COLUMNS = 4
+_WORDS = {Status.TERMINATED: "done", Status.ERROR: "failed"}
 
 
 def check_recording(path: Path, *, fake: bool) -> None:
@@ -66,7 +67,7 @@ class Recorder:
     def _on_event(self, event: ModuleEvent) -> None:
         telling = event.kind == "skill" or event.module in ("locate", "grasp", "put_down", "register_kit")
         if telling and event.status in (Status.TERMINATED, Status.ERROR):
-            self._moments.append(self._shoot(f"{event.module} {event.status.value}"))
+            self._moments.append(self._shoot(f"{event.module} {event.target} {_WORDS[event.status]}"))
 
     def _on_cycle(self) -> None:
         now = self._session.cycle.board.snapshot.time

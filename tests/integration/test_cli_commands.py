@@ -53,7 +53,7 @@ def test_a_plan_is_written_as_three_files(tmp_path: Path) -> None:
     assert result.returncode == 0
     assert (folder / "domain.pddl").read_text(encoding="utf-8") == answer["domain"]
     assert (folder / "problem.pddl").read_text(encoding="utf-8") == answer["problem"]
-    assert (folder / "plan").read_text(encoding="utf-8").splitlines() == answer["steps"]
+    assert (folder / "plan").read_text(encoding="utf-8").splitlines() == answer["plan"]
     assert len(answer["steps"]) == 4
 
 

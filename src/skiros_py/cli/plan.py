@@ -37,12 +37,18 @@ def command(scene: str, goals: tuple[str, ...], robot: str | None, folder: Path 
     steps = [] if isinstance(outcome, NoPlan) else [str(step) for step in outcome.steps]
     reasons = list(outcome.reasons) if isinstance(outcome, NoPlan) else []
     files = {"domain.pddl": texts.domain, "problem.pddl": texts.problem}
-    if steps or not reasons:
-        files["plan"] = "".join(f"{step}\n" for step in steps)
+    if not isinstance(outcome, NoPlan):
+        files["plan"] = "".join(f"{line}\n" for line in outcome.pddl)
     if folder is not None:
         _write(folder, files)
     if as_json:
-        found = {"steps": steps, "reasons": reasons, "domain": files["domain.pddl"], "problem": files["problem.pddl"]}
+        found = {
+            "steps": steps,
+            "reasons": reasons,
+            "domain": files["domain.pddl"],
+            "problem": files["problem.pddl"],
+            "plan": files.get("plan", "").splitlines(),
+        }
         click.echo(json.dumps(found))
     else:
         _print(files, steps, reasons)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from skiros_py.planning.literals import CAN, HAS, NOTHING
+from skiros_py.planning.matching import bindings
 from skiros_py.planning.model import Action, Atom
 from skiros_py.planning.task import PlanningTask
 from skiros_py.world.view import WorldView
@@ -63,30 +64,7 @@ class _Relaxation:
 
     def bindings(self, action: Action, atoms: Sequence[Atom], start: Mapping[str, str]) -> Iterator[dict[str, str]]:
         """Yields every way to make the atoms true at once."""
-        types = {v.name: v.type for v in action.parameters}
-
-        def extend(index: int, binding: dict[str, str]) -> Iterator[dict[str, str]]:
-            if index == len(atoms):
-                yield binding
-                return
-            for fact in list(self._by_predicate.get(atoms[index].predicate, ())):
-                matched = self._match(atoms[index], fact, binding, types)
-                if matched is not None:
-                    yield from extend(index + 1, matched)
-
-        return extend(0, dict(start))
-
-    def _match(
-        self, atom: Atom, fact: Atom, binding: Mapping[str, str], types: Mapping[str, str]
-    ) -> dict[str, str] | None:
-        result = dict(binding)
-        for argument, value in zip(atom.arguments, fact.arguments, strict=True):
-            if not argument.startswith("?"):
-                if argument != value:
-                    return None
-            elif result.setdefault(argument, value) != value or not self._fits(value, types.get(argument, "")):
-                return None
-        return result
+        return bindings(atoms, self._by_predicate, start, _types(action), self._fits)
 
     def _fits(self, element: str, class_: str) -> bool:
         return not class_ or self.ontology.is_a(self.task.problem.objects[element], class_)
@@ -102,7 +80,7 @@ class _Relaxation:
             for variable, value in zip(effect.arguments, atom.arguments, strict=True)
             if variable.startswith("?") and not value.startswith("?")
         }
-        narrowed = {v.name: v.type for v in action.parameters}
+        narrowed = _types(action)
         for variable, value in zip(effect.arguments, atom.arguments, strict=True):
             if value.startswith("?") and types.get(value) and self.ontology.is_a(types[value], narrowed[variable]):
                 narrowed[variable] = types[value]
@@ -112,7 +90,7 @@ class _Relaxation:
         """Tells whether an effect is of the kind that is wanted; a wrong element is for the obstacle to name."""
         if effect.predicate != atom.predicate:
             return False
-        own = {v.name: v.type for v in action.parameters}
+        own = _types(action)
         pairs = [
             (own[variable], types[value])
             for variable, value in zip(effect.arguments, atom.arguments, strict=True)
@@ -208,6 +186,10 @@ class _Relaxation:
             label = self.ontology.relations[term].label
             return f"is {label}" if self.ontology.is_placement(term) else label
         return self.ontology.properties[term].label if term in self.ontology.properties else _local(term)
+
+
+def _types(action: Action) -> dict[str, str]:
+    return {v.name: v.type for v in action.parameters}
 
 
 def _some(noun: str) -> str:

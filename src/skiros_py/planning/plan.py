@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from skiros_py.errors import PlanningError
@@ -30,9 +30,15 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Steps that lead to the goal, replayed and found right."""
+    """Steps that lead to the goal, replayed and found right.
+
+    Attributes:
+        steps: The skills to run.
+        pddl: The plan of the PDDL task, one action a line, as planners write it and validators read it.
+    """
 
     steps: tuple[Step, ...]
+    pddl: tuple[str, ...] = field(default=(), compare=False)
 
     def __str__(self) -> str:
         return "\n".join(f"{i:2}. {step}" for i, step in enumerate(self.steps, start=1))
@@ -45,7 +51,9 @@ class NoPlan:
     reasons: tuple[str, ...]
 
 
-def read_plan(lines: tuple[tuple[str, ...], ...], texts: PddlTexts, keys: Mapping[str, tuple[str, ...]]) -> Plan:
+def read_plan(
+    lines: tuple[tuple[str, ...], ...], texts: PddlTexts, keys: Mapping[str, tuple[str, ...]]
+) -> tuple[Step, ...]:
     """Turns a planner's answer back into skills; parameters and actions of our own making are left out.
 
     Args:
@@ -65,5 +73,6 @@ def read_plan(lines: tuple[tuple[str, ...], ...], texts: PddlTexts, keys: Mappin
             raise PlanningError(f"the planner answered with {error}, which is not in the task") from error
         if action.skill is not None:
             wanted = keys[action.skill]
-            steps.append(Step(action.skill, MappingProxyType(dict(zip(wanted, ids[: len(wanted)], strict=True)))))
-    return Plan(tuple(steps))
+            arguments = MappingProxyType(dict(zip(wanted, ids[: len(wanted)], strict=True)))
+            steps.append(Step(action.skill, arguments))
+    return tuple(steps)

@@ -10,6 +10,7 @@ from skiros_py.planning.explanation import explain
 from skiros_py.planning.pddl import PddlTexts, write_pddl
 from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
 from skiros_py.planning.planner import Answer, Planner, Unsolvable
+from skiros_py.planning.regrounding import pddl_plan
 from skiros_py.planning.task import Capability, PlanningTask, build_task
 from skiros_py.planning.validation import replay
 from skiros_py.skills.conditions import Condition
@@ -75,12 +76,13 @@ class PlanningService:
             return NoPlan(reasons or (together,))
         skills = {c.skill.name: c.skill for c in task.capabilities}
         keys = {name: tuple(p.key for p in skill.params if p.is_element) for name, skill in skills.items()}
-        plan = read_plan(answer.steps, texts, keys)
-        flaw = replay(view, plan.steps, task.conditions, skills)
+        steps = read_plan(answer.steps, texts, keys)
+        flaw = replay(view, steps, task.conditions, skills)
         if flaw is not None:
-            where = f"step {flaw.step + 1} ({plan.steps[flaw.step]})" if flaw.step is not None else "the end"
+            where = f"step {flaw.step + 1} ({steps[flaw.step]})" if flaw.step is not None else "the end"
             return NoPlan((f"the plan of {self.planner.name} breaks at {where}: {flaw.verdict.text}",))
-        return Plan(_without_detours(view, plan.steps, task, skills))
+        steps = _without_detours(view, steps, task, skills)
+        return Plan(steps, pddl_plan(task, texts, steps, view.ontology))
 
 
 def _without_detours(

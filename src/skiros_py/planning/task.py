@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 from skiros_py.planning.actions import actions_of, maintain_emptiness
@@ -85,8 +86,9 @@ def _supported(actions: Sequence[Action], init: set[Atom]) -> tuple[Action, ...]
     """
     there = {atom.predicate for atom in init} | {atom.predicate for action in actions for atom in action.add}
     good = [a for a in actions if all(atom.predicate in there for atom in a.pre)]
-    kept = {action.skill for action in good}
-    return tuple(a for a in actions if a in good or a.skill is None or a.skill not in kept)
+    kept = Counter(action.skill for action in good)
+    left = (a for a in actions if a in good or a.skill is None or a.skill not in kept)
+    return tuple(replace(a, name=a.skill) if a.skill is not None and kept[a.skill] == 1 else a for a in left)
 
 
 def _objects(view: WorldView, actions: Iterable[Action], named: Iterable[str]) -> dict[str, str]:

@@ -147,9 +147,9 @@ def test_bookkeeping_of_the_goal_is_no_step_of_the_plan() -> None:
     texts = tiny_pddl(tiny_world(), AT_LOCATION("robot_1", "box_a"))
     lines = (("drive", "base_1", "robot_1", "box_a", "unknown_location"),)
 
-    plan = read_plan(lines, texts, MappingProxyType({"drive": ("Base", "Robot", "Location")}))
+    steps = read_plan(lines, texts, MappingProxyType({"drive": ("Base", "Robot", "Location")}))
 
-    assert plan.steps[0].arguments == {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
+    assert steps[0].arguments == {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
 
 
 # ------------------------------------------------------------------ goals that say more than one fact
