@@ -1,0 +1,88 @@
+"""What was tried for a goal: which steps ran, what failed on which target, and what that means for its conditions."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+from skiros_py.planning.plan import Step
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.report import StepReport
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import DEVICE, ROBOT
+
+__all__ = ["History"]
+
+
+class History:
+    """The tries of one goal.
+
+    Args:
+        view: The live world.
+        attempts: How often a skill may fail on one target before that target is left out of further plans.
+    """
+
+    def __init__(self, view: WorldView, attempts: int) -> None:
+        self.attempts = attempts
+        self.steps: list[StepReport] = []
+        self._view = view
+        self._skills: dict[str, SkillDescription] = {}
+        self._failures: Counter[tuple[str, str]] = Counter()
+        self._reasons: dict[str, str] = {}
+
+    def record(self, step: Step, skill: SkillDescription, start: float, end: float, outcome: Outcome) -> None:
+        """Adds one step; one that was broken off because the world changed is no failure of its skill."""
+        reason = outcome.reason if isinstance(outcome, Failure) else ""
+        self._skills[step.skill] = skill
+        self.steps.append(StepReport(step.skill, dict(step.arguments), start, end, reason))
+        if isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
+            target = step.arguments[skill.target]
+            self._failures[step.skill, target] += 1
+            self._reasons[target] = reason
+
+    @property
+    def left_out(self) -> frozenset[str]:
+        """Targets on which a skill failed too often."""
+        return frozenset(target for (_, target), count in self._failures.items() if count >= self.attempts)
+
+    def tries(self, condition: Condition, *, holds: bool) -> int:
+        """Counts the tries it took: each failed step that was for this condition is one, and so is the success."""
+        own = [step for step in self.steps if self._is_for(step, condition)]
+        failed = sum(bool(step.reason) for step in own)
+        return failed + 1 if own and holds else failed
+
+    def why_missing(self, condition: Condition, given_up: Mapping[Condition, str]) -> str:
+        """Says what went wrong last; only where nothing did, why there is no plan."""
+        failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
+        if not failed:
+            return given_up.get(condition, "gave up: plan after plan did not lead there")
+        target, reason = failed[-1]
+        gave_up = f"; gave up on {target} after {self.attempts} failed tries" if target in self.left_out else ""
+        return reason + gave_up
+
+    def _is_for(self, step: StepReport, condition: Condition) -> bool:
+        """Tells whether what a step is done to, or what it moves, is what the condition speaks of."""
+        skill = self._skills[step.skill]
+        if self._names_another_target(condition, step.arguments[skill.target], skill.param(skill.target).type):
+            return False
+        moved = {a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).type)}
+        subjects = {step.arguments[key] for key in moved | {skill.target}}
+        return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
+
+    def _names_another_target(self, condition: Condition, target: str, class_: str) -> bool:
+        """Tells whether the condition is about one element of the kind of target, and not about this one."""
+        named = [a for a in condition.arguments if self._view.has(a)]
+        return target not in named and any(self._is_a(a, class_) for a in named)
+
+    def _is_hardware(self, class_: str) -> bool:
+        return any(self._view.ontology.is_a(class_, own) for own in (ROBOT, DEVICE))
+
+    def _fits(self, element: str, argument: str) -> bool:
+        if argument in self._view.ontology.classes:
+            return self._view.has(element) and self._is_a(element, argument)
+        return element == argument
+
+    def _is_a(self, element: str, class_: str) -> bool:
+        return self._view.ontology.is_a(self._view.element(element).type, class_)
