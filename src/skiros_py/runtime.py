@@ -122,6 +122,7 @@ class Session:
             report=lambda _module, _code, _text: None,
         )
         self.managers = self._start_managers(context)
+        self._watch()
         if _PLANNER not in self.catalogue.planners:
             raise UsageError(f"planner '{_PLANNER}' did not load: skiros skills says why")
         planner = self._stack.enter_context(closing(self.catalogue.planners[_PLANNER]()))
@@ -186,9 +187,12 @@ class Session:
             agent, skills, self.catalogue.primitives, context, self.cycle, self.monitor, driver=self.cell.kind
         )
         manager.register()
-        if not self.options.fake:
-            manager.watch()
         return manager
+
+    def _watch(self) -> None:
+        """Starts what runs in the background; a stop ends it with everything else."""
+        for manager in self.managers.values() if not self.options.fake else ():
+            manager.watch()
 
     # ------------------------------------------------------------------ use
 
@@ -234,6 +238,7 @@ class Session:
         else:
             self.cycle.stop_all()
             self._stop_wanted = False
+            self._watch()
             report = self._stopped_report(wanted, *started)
         report = replace(report, digest=self._digest.hexdigest()[:16])
         return report if self.options.fake else report.with_truth(self._truths(wanted))

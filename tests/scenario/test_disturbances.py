@@ -92,6 +92,20 @@ def test_a_stop_leaves_arm_and_base_standing_still(open_session, when):
     assert session.cycle.board.still
 
 
+def test_after_a_stop_the_next_goal_is_reached_and_a_lost_part_is_still_noticed(open_session, when):
+    session = open_session("kitting_carried", seed=1)
+    moving = lambda: abs(session.cycle.board.snapshot.bases["base_1"].linear) > 0.3  # noqa: E731
+    when(session, moving, session.stop)
+    assert session.run().stopped
+    lifted = lambda: holds(session, "starter_1")  # noqa: E731
+    when(session, lifted, lambda: session.simulation.move_body("starter_1", Pose((2.0, 2.6, 0.0))))
+
+    report = session.run(["Holding(gripper_1, starter_1)"])
+
+    assert not report.reached
+    assert session.world.placement("starter_1").place == "floor"
+
+
 def hood(over: tuple[float, float, float]) -> BodySpec:
     """A box without bottom, 0.16 m high, that hides what is under it from every side."""
     side, wall, height = 0.17, 0.01, 0.16
