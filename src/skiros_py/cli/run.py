@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -75,6 +76,7 @@ def command(
         check_recording(record, fake=fake)
     if gui:
         check_display(os.environ.get("DISPLAY"))
+        _chatter_to_stderr()
     if not fake:
         check_system_libraries()
     from skiros_py.runtime import Options, Session
@@ -84,6 +86,14 @@ def command(
         status = _run(session, record, as_json=as_json)
         ignore_stops()  # closing is quick and must not be torn apart
         return status
+
+
+def _chatter_to_stderr() -> None:
+    """Sends what PyBullet's window prints from C to stderr, so that stdout keeps what we print only."""
+    sys.stdout.flush()
+    ours = os.dup(1)
+    os.dup2(2, 1)
+    sys.stdout = os.fdopen(ours, "w", encoding="utf-8", buffering=1)
 
 
 def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
