@@ -7,10 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
-pytest.importorskip("skiros_skills")
-
 SKIROS = Path(sys.executable).parent / "skiros"
 
 

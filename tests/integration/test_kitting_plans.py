@@ -15,8 +15,6 @@ from skiros_py.errors import UsageError
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.runtime import Options, Session
 
-pytest.importorskip("skiros_skills")
-
 SCENES = ["kitting", "kitting_carried"]
 
 

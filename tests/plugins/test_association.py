@@ -3,15 +3,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from skiros_primitives import association
 from skiros_py.geometry import Pose
 from skiros_py.robot.perception import Detection
 from skiros_py.testing import Bench, tiny_world
-
-association = pytest.importorskip("skiros_primitives.association")
 
 TYPES = ("tiny:Ball", "tiny:RedBall")
 

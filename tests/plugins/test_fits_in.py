@@ -8,8 +8,7 @@ from skiros_py.runtime import open_world
 from skiros_py.skills.conditions import Verdict
 from skiros_py.testing import tiny_world
 from skiros_py.world.world import World
-
-conditions = pytest.importorskip("skiros_skills.conditions")
+from skiros_skills import conditions
 
 RDF_JSON = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"
 

@@ -4,14 +4,13 @@ import math
 
 import pytest
 
+from skiros_primitives import part_models as models
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError
 from skiros_py.runtime import open_world
 from skiros_py.testing import tiny_world
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.world import World
-
-models = pytest.importorskip("skiros_primitives.part_models")
 
 RDF_JSON = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"
 UPRIGHT = '{"kind": "cylinder", "size": [0.03, 0.06], "at": [0, 0, 0.03]}'

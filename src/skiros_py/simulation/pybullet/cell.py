@@ -23,6 +23,8 @@ from skiros_py.workers import Call, Worker
 
 __all__ = ["PyBulletCell"]
 
+_VIEW_DISTANCE = 6.0
+"""From how far the window shows the cell [m]."""
 _PERIOD = 1.0 / 200.0
 _SETTLING = 100  # cycles before cycle 0
 _NOISE_STREAM = 2
@@ -62,6 +64,8 @@ class PyBulletCell:
             self._urdfs = _write_models(spec, Path(self._directory.name))
             self.scene = Scene(self._client, spec, self._urdfs, seed=seed, period=_PERIOD)
             self._settle()
+            if gui:
+                self._client.look_at(_middle(spec), _VIEW_DISTANCE)
             self._snapshot = self._sense(0)
             if self._cameras:
                 self._worker()  # starts while the caller does other things
@@ -212,3 +216,11 @@ class PyBulletCell:
 def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:
     paths = {model: write_robot_urdf(model, directory) for model in {robot.model for robot in spec.robots}}
     return {robot.id: paths[robot.model] for robot in spec.robots}
+
+
+def _middle(spec: CellSpec) -> tuple[float, float, float]:
+    """Returns the middle of everything that stands somewhere, in the map [m]."""
+    poses = [body.pose for body in spec.bodies if body.pose is not None and body.carrier is None]
+    poses += [robot.base.start for robot in spec.robots]
+    x, y = (sum(pose.position[axis] for pose in poses) / len(poses) for axis in (0, 1))
+    return x, y, 0.5

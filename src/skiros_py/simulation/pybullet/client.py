@@ -38,6 +38,12 @@ class Client:
         self._id: int = self._library.connect(mode)
         if self._id < 0:
             raise DeviceError("PyBullet did not start a physics server")
+        if gui:
+            self._library.configureDebugVisualizer(self._library.COV_ENABLE_GUI, 0, physicsClientId=self._id)
+
+    def look_at(self, target: tuple[float, float, float], distance: float) -> None:
+        """Turns the window's view to a point of the map, from a distance above [m]; nothing without a window."""
+        self._library.resetDebugVisualizerCamera(distance, -35.0, -60.0, target, physicsClientId=self._id)
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._library, name)
