@@ -44,7 +44,10 @@ def main() -> int:
 def _digest(seed: int) -> str:
     command = [sys.executable, "-m", "skiros_py.cli", "run", "kitting", "--seed", str(seed), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
-    return str(json.loads(done.stdout)["digest"])
+    run = json.loads(done.stdout)
+    if not run.get("reached"):
+        raise SystemExit(f"seed {seed} did not reach its goal: {run}")
+    return str(run["digest"])
 
 
 def _spin() -> None:

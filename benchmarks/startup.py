@@ -2,7 +2,7 @@
 
     uv run python benchmarks/startup.py
 
-Absolute figures count as best of five; memory is the sum of the peaks of all processes of a run.
+Absolute figures count as best of five; memory is the greatest sum over all processes of a run.
 """
 
 from __future__ import annotations

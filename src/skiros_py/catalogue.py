@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from skiros_py.errors import PlanningError
+from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.plugins import Plugin, PluginFault, load_plugins
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint import problems_of
@@ -41,6 +43,17 @@ def _fault(plugin: Plugin, reason: str) -> PluginFault:
     return PluginFault(plugin.group, plugin.name, plugin.distribution, reason, "")
 
 
+def _clashes(plugins: Sequence[Plugin]) -> Iterator[PluginFault]:
+    """Yields a fault for each entry point that another hides, or whose object is called otherwise."""
+    last = {plugin.name: plugin for plugin in plugins}
+    for plugin in plugins:
+        if last[plugin.name] is not plugin:
+            yield _fault(plugin, f"hidden by the one of the same name from {last[plugin.name].distribution}")
+        own = getattr(plugin.value, "name", plugin.name)
+        if plugin.group == "skiros.primitives" and own != plugin.name:
+            yield _fault(plugin, f"it calls itself '{own}': compositions find it as '{plugin.name}'")
+
+
 def load_catalogue() -> Catalogue:
     """Loads all plug-ins of the groups ``skiros.skills``, ``.primitives``, ``.conditions`` and ``.planners``."""
     found: dict[str, dict[str, Any]] = {}
@@ -48,6 +61,7 @@ def load_catalogue() -> Catalogue:
     faults: list[PluginFault] = []
     for kind in ("skills", "primitives", "conditions", "planners"):
         plugins, broken = load_plugins(f"skiros.{kind}")
+        faults += _clashes(plugins)
         good = [plugin for plugin in plugins if _IS_ONE[kind](plugin.value)]
         found[kind] = {plugin.name: plugin.value for plugin in good}
         sources |= {f"{kind}/{plugin.name}": plugin.distribution for plugin in good}
@@ -59,12 +73,27 @@ def load_catalogue() -> Catalogue:
 
 
 def fitting(catalogue: Catalogue, ontology: Ontology) -> Catalogue:
-    """Leaves out skills that say what no ontology declares; they are reported and hurt nobody else."""
-    found = {name: problems_of(skill, ontology, catalogue.primitives) for name, skill in catalogue.skills.items()}
-    faults = tuple(
-        PluginFault("skiros.skills", name, catalogue.sources.get(f"skills/{name}", "this catalogue"), "; ".join(p), "")
-        for name, p in found.items()
-        if p
-    )
-    good = {name: skill for name, skill in catalogue.skills.items() if not found[name]}
-    return replace(catalogue, skills=good, faults=catalogue.faults + faults)
+    """Leaves out skills that cannot be used here; they are reported and hurt nobody else.
+
+    A skill must use words that the ontology declares and primitives that exist, and it must be possible to plan with it
+    beside those before it.
+    """
+    good: dict[str, Skill] = {}
+    faults: list[PluginFault] = []
+    for name, skill in catalogue.skills.items():
+        problems = problems_of(skill, ontology, catalogue.primitives) or _unplannable([*good.values(), skill], ontology)
+        if problems:
+            source = catalogue.sources.get(f"skills/{name}", "this catalogue")
+            faults.append(PluginFault("skiros.skills", name, source, "; ".join(problems), ""))
+        else:
+            good[name] = skill
+    return replace(catalogue, skills=good, faults=(*catalogue.faults, *faults))
+
+
+def _unplannable(skills: Sequence[Skill], ontology: Ontology) -> tuple[str, ...]:
+    descriptions = {skill.description.name: skill.description for skill in skills}
+    try:
+        maintain_emptiness((a for d in descriptions.values() for a in actions_of(d, ontology)), ontology)
+    except PlanningError as error:
+        return (str(error),)
+    return ()

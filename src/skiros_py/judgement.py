@@ -47,14 +47,14 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
         if place is None:
             real.unplace(part)
         else:
-            real.place(part, _relation(view, place), _floor(view) if place == "floor" else place)
+            real.place(part, _relation(view, place), place if view.has(place) else _floor(view))
     for robot in spec.robots:
         real.place(robot.id, AT, _location(view, truth, robot.base.id))
     return tuple(bool(condition.evaluate(real)) for condition in goal)
 
 
 def _relation(view: WorldView, place: str) -> str:
-    if place == "floor":
+    if place == "floor" or not view.has(place):  # or on something that the robot was not told of
         return ON
     type_ = view.element(place).type
     if view.ontology.is_a(type_, GRIPPER):

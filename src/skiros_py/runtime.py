@@ -25,6 +25,7 @@ from skiros_py.robot.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.system import check_system_libraries
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager
@@ -105,6 +106,8 @@ class Session:
         self.catalogue = fitting(self.catalogue, self.world.ontology)
         self.goal = self._own_goal()
         self.spec = read_cell(self.world, self._robots())
+        if _PLANNER not in self.catalogue.planners:
+            raise UsageError(f"planner '{_PLANNER}' did not load: skiros skills says why")
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
         board = DeviceBoard(self.cell)
@@ -123,8 +126,6 @@ class Session:
         )
         self.managers = self._start_managers(context)
         self._watch()
-        if _PLANNER not in self.catalogue.planners:
-            raise UsageError(f"planner '{_PLANNER}' did not load: skiros skills says why")
         planner = self._stack.enter_context(closing(self.catalogue.planners[_PLANNER]()))
         self.planning = PlanningService(planner, scene_title(scene), lockstep=self.options.pace is None)
         self.tasks = TaskManager(self.world, self.managers, self.planning, self.cycle, on_plan=self._tell_plan)
@@ -156,6 +157,7 @@ class Session:
         from skiros_py.motion.base_paths import ShapelyBasePlanner
         from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
 
+        check_system_libraries()
         if len(self.spec.robots) != 1:
             raise DescriptionError("a physical run takes one robot so far: choose it with --robot")
         perception = self._stack.enter_context(closing(start_perception()))
@@ -229,6 +231,7 @@ class Session:
             UsageError: There is no goal.
         """
         wanted = self._conditions(goal)
+        self._digest = hashlib.sha256() if self.options.fake else hashlib.sha256(self.simulation.state_bytes())
         started = time.perf_counter(), self.cycle.board.snapshot.time
         task = self.cycle.start(self.tasks.pursue(wanted))
         while not task.done and not self._stop_wanted:

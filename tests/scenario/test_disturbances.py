@@ -115,3 +115,23 @@ def hood(over: tuple[float, float, float]) -> BodySpec:
     ]
     lid = Primitive("box", (side, side, wall), Pose((0.0, 0.0, height)))
     return BodySpec("hood", "test:Hood", Solid((*walls, lid)), pose=Pose(over))
+
+
+def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base_drives(open_session, when):
+    session = open_session("kitting_carried", seed=6)
+    home = session.spec.robots[0].arms[0].home
+    away = lambda: max(map(abs, map(float.__sub__, session.cycle.board.snapshot.arms["arm_1"].positions, home)))  # noqa: E731
+    events: list[str] = []
+    session.monitor.subscribe(lambda e: events.append(f"{e.module} {e.text}"))
+    when(session, lambda: "grasp approaching" in events and away() > 0.5, session.stop)
+    assert session.run().stopped
+    assert away() > 0.5
+    driven_with: list[float] = []
+    session.cycle.observe(
+        lambda: driven_with.append(away()) if abs(session.cycle.board.snapshot.bases["base_1"].linear) > 0.05 else None
+    )
+
+    report = session.run(["RobotAtLocation(robot_1, pallet_b)"])
+
+    assert report.reached
+    assert max(driven_with) < 0.06

@@ -6,9 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import ArmSpec, RobotSpec
+from skiros_py.robot.cell import ArmSpec, GripperSpec, RobotSpec
 from skiros_py.robot.devices import Arm
 from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
 from skiros_py.robot.values import ArmTarget
@@ -17,6 +19,10 @@ from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A
 
 __all__ = ["ArmPrimitive", "downward"]
+
+
+_ARRIVED = 0.02
+"""Greatest joint error at the end of a motion [rad]."""
 
 
 def downward(x: float, y: float, z: float, yaw: float) -> Pose:
@@ -53,6 +59,11 @@ class ArmPrimitive(Primitive[Any]):
         owned = self.world.objects(self.params.arm, HAS_A)
         return next(g for g in owned if self.world.ontology.is_a(self.world.element(g).type, GRIPPER))
 
+    @property
+    def gripper_spec(self) -> GripperSpec:
+        """The description of the gripper on the arm."""
+        return next(g for g in self.robot.grippers if g.arm == self.params.arm)
+
     def held(self) -> Held | None:
         """What the arm's gripper is believed to hold."""
         found = held_by(self.context, self.gripper_id)
@@ -77,14 +88,14 @@ class ArmPrimitive(Primitive[Any]):
             routes=tuple(routes),
             obstacles=self.around() if around is None else around,
             held=self.held(),
-            gap=gripper.gap if gripper else 0.08,
+            gap=gripper.gap if gripper else self.gripper_spec.max_gap,
             speed=speed,
             seed=self.seed(),
         )
         return (yield from self.wait(planner.plan(request)))
 
-    def follow(self, trajectory: Trajectory) -> Execution[None]:
-        """Sends a trajectory, one sample per cycle, and waits until the arm stands."""
+    def follow(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
+        """Sends a trajectory, one sample per cycle, until the arm stands; returns why it did not get there."""
         for positions, velocities in zip(trajectory.positions[1:], trajectory.velocities[1:], strict=True):
             self.arm.command(ArmTarget(tuple(positions.tolist()), tuple(velocities.tolist())))
             yield
@@ -93,15 +104,32 @@ class ArmPrimitive(Primitive[Any]):
         while not self.arm.state.still and self.context.now < deadline:
             self.arm.command(ArmTarget(last, (0.0,) * len(last)))
             yield
+        off = max(abs(is_ - wanted) for is_, wanted in zip(self.arm.state.positions, last, strict=True))
+        if off > _ARRIVED:
+            return NoMotion(f"{self.params.arm} stopped {math.degrees(off):.1f} deg short: something is in its way")
+        return None
+
+    def follow_all(self, *trajectories: Trajectory) -> Execution[NoMotion | None]:
+        """Follows one trajectory after the other; the first that does not get there ends it."""
+        for trajectory in trajectories:
+            refusal = yield from self.follow(trajectory)
+            if refusal is not None:
+                return refusal
+        return None
+
+    def follow_from_here(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
+        """Follows the rest of a trajectory, from the sample nearest to where the arm is."""
+        away = np.abs(trajectory.positions - np.asarray(self.arm.state.positions)).max(axis=1)
+        nearest = int(away.argmin())
+        rest = Trajectory(trajectory.positions[nearest:], trajectory.velocities[nearest:])
+        return (yield from self.follow(rest))
 
     def go(self, routes: Sequence[Route], **options: Any) -> Execution[NoMotion | None]:
         """Plans and follows all moves of the best route; returns why not where there is none."""
         planned = yield from self.plan(routes, **options)
         if isinstance(planned, NoMotion):
             return planned
-        for leg in planned.legs:
-            yield from self.follow(leg)
-        return None
+        return (yield from self.follow_all(*planned.legs))
 
     def tool_pose(self) -> Execution[Pose]:
         """Returns where in the map the arm's tip is now."""

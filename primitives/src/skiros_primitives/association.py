@@ -1,6 +1,7 @@
 """Which believed part is which seen one.
 
-Same type and place; nearest believed pose first, else an individual nobody has seen yet, else a new one.
+Same type and place; nearest believed pose first, else an individual nobody has seen yet, else one seen elsewhere in the
+place or missing, else a new one.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from skiros_py.geometry import Pose
 from skiros_py.robot.perception import Detection
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose
-from skiros_py.world.vocabulary import IN
+from skiros_py.world.vocabulary import IN, MISSING
 
 __all__ = ["Association", "associate"]
 
@@ -47,14 +48,22 @@ def associate(context: RunContext, place: str, types: Sequence[str], detections:
     for type_ in types:
         poses = [d.pose for d in detections if d.type == type_]
         known = [e for e in context.world.subjects(IN, place) if context.world.element(e).type == type_]
-        pairs = _pair(known, poses, {e: map_pose(context, e) for e in known})
+        known += [e for e in _missing(context, type_) if e not in known]
+        here = sum(context.world.related(e, IN, place) for e in known)
+        pairs = _pair(known, here, poses, {e: map_pose(context, e) for e in known})
         seen += [(pairs.get(index), type_, pose) for index, pose in enumerate(poses)]
-        unseen += [e for e in known if e not in pairs.values()]
+        unseen += [e for e in known if e not in pairs.values() and context.world.related(e, IN, place)]
     return Association(tuple(seen), tuple(unseen))
 
 
-def _pair(known: Sequence[str], poses: Sequence[Pose], believed: dict[str, Pose | None]) -> dict[int, str]:
-    """Returns element by index of the pose."""
+def _missing(context: RunContext, type_: str) -> list[str]:
+    """Returns parts of a type that nobody knows the place of: one that turns up may be one of them."""
+    view = context.world
+    return [e for e in view.instances(type_) if view.element(e).type == type_ and view.value(e, MISSING) is True]
+
+
+def _pair(known: Sequence[str], here: int, poses: Sequence[Pose], believed: dict[str, Pose | None]) -> dict[int, str]:
+    """Returns element by index of the pose; the first ``here`` of the known are believed in this place."""
     pairs: dict[int, str] = {}
     near = sorted(
         (pose.distance(at), index, element)
@@ -66,9 +75,10 @@ def _pair(known: Sequence[str], poses: Sequence[Pose], believed: dict[str, Pose 
     for _, index, element in near:
         if index not in pairs and element not in pairs.values():
             pairs[index] = element
-    # Whoever has no pose yet, or was believed elsewhere in the place, may be any of the rest.
+    # Whoever has no pose yet may be any of the rest, then whoever was believed elsewhere in the place; the missing,
+    # which come last in ``known``, last.
     unobserved = [e for e in known if e not in pairs.values()]
-    unobserved.sort(key=lambda e: (believed[e] is not None, e))
+    unobserved.sort(key=lambda e: (known.index(e) >= here, believed[e] is not None, e))
     for index in range(len(poses)):
         if index not in pairs and unobserved:
             pairs[index] = unobserved.pop(0)

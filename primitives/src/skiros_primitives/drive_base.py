@@ -23,6 +23,8 @@ __all__ = ["DriveBase"]
 _ARRIVED = 0.03
 """Greatest distance from the driving pose after standstill [m]."""
 _FACING = math.radians(2.0)
+_ASIDE = 0.06
+"""Greatest distance from the line of a leg [m]; the paths keep more than this from everything."""
 _PATIENCE = 60.0
 """Longest time for one leg [s]."""
 
@@ -55,7 +57,8 @@ class DriveBase(Primitive["DriveBase.Params"]):
             self.progress(number, f"leg {number} of {len(path.legs)}")
             if not (yield from self._drive(base, leg)):
                 return Failure(f"stuck on leg {number} of {len(path.legs)} to {self.params.location}")
-        yield from self._turn(base, path.heading)
+        if not (yield from self._turn(base, path.heading)):
+            return Failure(f"stuck while turning at {self.params.location}")
         yield from self._stand(base)
         return self._arrived(base.state.pose, goal)
 
@@ -93,18 +96,20 @@ class DriveBase(Primitive["DriveBase.Params"]):
     def _drive(self, base: Base, leg: BaseLeg) -> Execution[bool]:
         pose = base.state.pose
         heading = math.atan2(leg.y - pose.position[1], leg.x - pose.position[0])
-        yield from self._turn(base, heading + (math.pi if leg.backwards else 0.0))
+        if not (yield from self._turn(base, heading + (math.pi if leg.backwards else 0.0))):
+            return False
         return (yield from self._straight(base, leg))
 
-    def _turn(self, base: Base, heading: float) -> Execution[None]:
+    def _turn(self, base: Base, heading: float) -> Execution[bool]:
         spec, deadline = self._spec(), self.context.now + _PATIENCE
         while self.context.now < deadline:
             error = wrap_angle(heading - base.state.pose.yaw)
             if abs(error) < math.radians(0.3):
-                return
+                return True
             speed = min(spec.max_angular, math.sqrt(2.0 * 0.8 * spec.max_angular_acceleration * abs(error)))
             base.command(BaseTwist(0.0, math.copysign(min(speed, 4.0 * abs(error)), error)))
             yield
+        return False
 
     def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
         """Follows the line from here to the leg's end; steers by heading and by distance from the line."""
@@ -121,8 +126,12 @@ class DriveBase(Primitive["DriveBase.Params"]):
             if left < 0.002:
                 return True
             aside = -(x - x0) * uy + (y - y0) * ux
+            if abs(aside) > _ASIDE:
+                return False
+            turned = wrap_angle(along - base.state.pose.yaw)
             speed = min(spec.max_linear, math.sqrt(2.0 * 0.8 * spec.max_linear_acceleration * left), 4.0 * left)
-            steer = 2.5 * wrap_angle(along - base.state.pose.yaw) - sign * 4.0 * aside * speed
+            speed *= max(0.0, math.cos(turned))
+            steer = 2.5 * turned - sign * 4.0 * aside * speed
             base.command(BaseTwist(sign * speed, max(-spec.max_angular, min(spec.max_angular, steer))))
             yield
         return False

@@ -11,7 +11,7 @@ from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of
 from skiros_py.geometry import Pose
 from skiros_py.robot.devices import Gripper
-from skiros_py.robot.motion import LineMove, MotionPlan, NoMotion, PoseMove, Route
+from skiros_py.robot.motion import LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
 from skiros_py.robot.values import GripperState
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -43,6 +43,8 @@ class Grasp(ArmPrimitive):
         gripper: str = param("sk:Gripper", "The gripper on it.", kind=Kind.HARDWARE)
         part: str = param("sk:Manipulatable", "The part; its pose is known exactly.")
 
+    _retreat: Trajectory | None = None
+
     def execute(self) -> Execution[Outcome]:
         """Approaches, closes, lifts, feels."""
         part_pose = map_pose(self.context, self.params.part)
@@ -70,15 +72,23 @@ class Grasp(ArmPrimitive):
         gripper = Gripper(self.context.board, self.params.gripper)
         approach, down, up = planned.legs
         self.progress(1, "approaching")
-        yield from self.follow(approach)
-        yield from self.follow(down)
+        refusal = yield from self.follow(approach)
+        if refusal is None:
+            self._retreat = up
+            refusal = yield from self.follow(down)
+        if refusal is not None:
+            yield from self.recover()
+            return Failure(refusal.reason)
         self.progress(2, "closing")
         yield from move_fingers(self.context, gripper, 0.0, _FORCE)
         tool = yield from self.tool_pose()
         self.progress(3, "lifting")
-        yield from self.follow(up)
+        refusal = yield from self.follow(up)
+        self._retreat = None
+        if refusal is not None:
+            return Failure(refusal.reason)
         if not self._feels_held(gripper.state, grasp):
-            return (yield from self._let_go(gripper, grasp))
+            return (yield from self._let_go(gripper, grasp, up))
         with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
             tx.place(self.params.part, HELD_BY, self.params.gripper)
             set_pose(tx, self.world, self.params.part, tool.inverse() @ part_pose, self.params.gripper)
@@ -88,12 +98,25 @@ class Grasp(ArmPrimitive):
     def _feels_held(state: GripperState, grasp: GraspData) -> bool:
         return abs(state.gap - grasp.width) <= _GAP_TOLERANCE and state.force >= _FIRM
 
-    def _let_go(self, gripper: Gripper, grasp: GraspData) -> Execution[Outcome]:
-        """Opens again; where the part lies now must be looked for."""
+    def recover(self) -> Execution[None]:
+        """Opens and comes back up on the line that was checked, where it was stopped on its way down."""
+        if self._retreat is None:
+            return
+        gripper = Gripper(self.context.board, self.params.gripper)
+        yield from move_fingers(self.context, gripper, self.gripper_spec.max_gap, _FORCE)
+        yield from self.follow_from_here(self._retreat)
+        self._retreat = None
+
+    def _let_go(self, gripper: Gripper, grasp: GraspData, up: Trajectory) -> Execution[Outcome]:
+        """Puts down whatever is between the fingers and opens; where the part lies now must be looked for."""
         felt = _felt(gripper.state)
         with self.world.transaction(author=self.name, reason=f"grasp failed: {felt}") as tx:
             set_pose(tx, self.world, self.params.part, None)
-        yield from move_fingers(self.context, gripper, 0.08, _FORCE)
+        if gripper.state.force >= _FIRM:  # something is held, only not as it should be: it must not be dropped
+            yield from self.follow(Trajectory(up.positions[::-1], -up.velocities[::-1]))
+            self._retreat = up
+        yield from move_fingers(self.context, gripper, self.gripper_spec.max_gap, _FORCE)
+        yield from self.recover()
         return Failure(
             f"{self.params.part} is not in the gripper after the lift: {felt}, expected {grasp.width * 1e3:.0f}"
         )

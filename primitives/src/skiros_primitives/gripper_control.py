@@ -24,11 +24,16 @@ class GripperControl(Primitive["GripperControl.Params"]):
         """Parameters."""
 
         gripper: str = param("sk:Gripper", "The gripper.", kind=Kind.HARDWARE)
-        gap: float = param("number", "Wanted gap between the pads.", kind=Kind.OFFLINE, default=0.08, unit="m")
+        gap: float | None = param(
+            "number", "Wanted gap between the pads; left out: wide open.", kind=Kind.OPTIONAL, default=None, unit="m"
+        )
         force: float = param("number", "Greatest force per finger.", kind=Kind.OFFLINE, default=30.0, unit="N")
 
     def execute(self) -> Execution[Outcome]:
         """Moves the fingers."""
         gripper = Gripper(self.context.board, self.params.gripper)
-        state = yield from move_fingers(self.context, gripper, self.params.gap, self.params.force)
+        grippers = (g for robot in self.context.cell.robots for g in robot.grippers)
+        widest = next(g.max_gap for g in grippers if g.id == self.params.gripper)
+        gap = widest if self.params.gap is None else self.params.gap
+        state = yield from move_fingers(self.context, gripper, gap, self.params.force)
         return Success(f"gap {state.gap * 1e3:.0f} mm")

@@ -72,8 +72,10 @@ class Locate(LookingPrimitive):
             for element, type_, pose in found.seen:
                 part = element or tx.add(type_, placement=Placement(IN, self.params.place))
                 set_pose(tx, self.world, part, pose)
-                if element and self.world.value(part, MISSED_LOOKS):
+                if element:
+                    tx.place(part, IN, self.params.place)  # one that was missing is found
                     tx.set(part, MISSED_LOOKS, None)
+                    tx.set(part, MISSING, None)
                 seen.add(part)
             if clear:
                 self._count_misses(tx, found, unknown=sum(d.type is None for d in look.detections))

@@ -36,13 +36,25 @@ class LookingPrimitive(ArmPrimitive):
         request = LookRequest(image, pose, region, part_models(self.world), self.seed())
         return (yield from self.wait(detector.detect(request)))
 
-    def look_down(self, camera: CameraSpec, x: float, y: float, surface: float) -> Execution[DepthImage | NoMotion]:
-        """Takes a picture from straight above a point of the map [m]."""
+    def look_down(
+        self, camera: CameraSpec, x: float, y: float, surface: float, *, aside: float = 0.0
+    ) -> Execution[DepthImage | NoMotion]:
+        """Takes a picture from straight above a point of the map.
+
+        Args:
+            camera: The camera.
+            x: Where to look, in the map [m].
+            y: Where to look, in the map [m].
+            surface: Height of what is looked at, in the map [m].
+            aside: How far to draw the tool back [m]: a part in the gripper hides that side of the picture, so that the
+                point should lie on the other.
+        """
         tool_camera = yield from self._camera_in_tool(camera)
         answer: NoMotion | None = NoMotion("no height tried")
         for height in _LOOK_HEIGHTS:
-            poses = [downward(x, y, surface + height, yaw) for yaw in self._yaws()]
-            answer = yield from self.go([(PoseMove(pose @ tool_camera.inverse()),) for pose in poses])
+            poses = [downward(x, y, surface + height, yaw) @ tool_camera.inverse() for yaw in self._yaws()]
+            back = Pose((-aside, 0.0, 0.0))
+            answer = yield from self.go([(PoseMove(pose @ back),) for pose in poses])
             if answer is None:
                 return (yield from self.wait(Camera(self.context.board, camera.id).capture()))
         return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {answer.reason}" if answer else "")

@@ -11,12 +11,12 @@ from skiros_primitives.fingers import move_fingers
 from skiros_primitives.regions import inner_region
 from skiros_py.geometry import Pose
 from skiros_py.robot.devices import Gripper
-from skiros_py.robot.motion import Held, LineMove, MotionPlan, NoMotion, PoseMove, Route
+from skiros_py.robot.motion import Held, LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, owner
-from skiros_py.world.vocabulary import GRASP_WIDTH
+from skiros_py.skills.surroundings import held_by, owner, set_pose
+from skiros_py.world.vocabulary import GRASP_WIDTH, ON, UNKNOWN_LOCATION
 
 __all__ = ["PutDown"]
 
@@ -42,6 +42,8 @@ class PutDown(ArmPrimitive):
         gripper: str = param("sk:Gripper", "The gripper on it.", kind=Kind.HARDWARE)
         part: str = param("sk:Manipulatable", "The part it holds.")
         compartment: str = param("sk:Container", "Where to put it.")
+
+    _retreat: Trajectory | None = None
 
     def execute(self) -> Execution[Outcome]:
         """Approaches, opens, retreats."""
@@ -76,14 +78,35 @@ class PutDown(ArmPrimitive):
         width = self.world.value(self.params.part, GRASP_WIDTH)
         approach, down, up = planned.legs
         self.progress(1, "approaching")
-        yield from self.follow(approach)
-        yield from self.follow(down)
+        refusal = yield from self.follow(approach)
+        if refusal is None:
+            self._retreat = up
+            refusal = yield from self.follow(down)
+        if refusal is not None:
+            yield from self.recover()
+            return Failure(refusal.reason)
         self.progress(2, "releasing")
         before = gripper.state.gap
-        gap = min(0.08, (width if isinstance(width, float) else before) + _OPEN)
+        gap = min(self.gripper_spec.max_gap, (width if isinstance(width, float) else before) + _OPEN)
         state = yield from move_fingers(self.context, gripper, gap, _FORCE)
+        opened = state.gap >= before + 0.5 * _OPEN
+        if opened:
+            self._write_released()
         self.progress(3, "retreating")
-        yield from self.follow(up)
-        if state.gap < before + 0.5 * _OPEN:
+        yield from self.recover()
+        if not opened:
             return Failure(f"the fingers did not open: gap {state.gap * 1e3:.0f} mm")
         return Success(f"released over {self.params.compartment}")
+
+    def _write_released(self) -> None:
+        """It is no longer held; where it is now, a look has to say."""
+        part, compartment = self.params.part, self.params.compartment
+        with self.world.transaction(author=self.name, reason=f"released over {compartment}, not seen yet") as tx:
+            tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
+            set_pose(tx, self.world, part, None)
+
+    def recover(self) -> Execution[None]:
+        """Comes back up on the line that was checked, with what it still holds."""
+        if self._retreat is not None:
+            yield from self.follow_from_here(self._retreat)
+            self._retreat = None

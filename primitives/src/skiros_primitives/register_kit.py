@@ -18,6 +18,9 @@ from skiros_py.world.vocabulary import POSE_FRAME
 
 __all__ = ["RegisterKit"]
 
+_ASIDE = (0.0, 0.06, 0.09)
+"""How far the tool is drawn back for each further look [m]: what it holds may hide the kit."""
+
 
 class RegisterKit(LookingPrimitive):
     """The kit's walls are fitted to what the camera sees; a bad fit is an answer, not a pose."""
@@ -37,21 +40,23 @@ class RegisterKit(LookingPrimitive):
         believed = map_pose(self.context, self.params.kit)
         if believed is None:
             return Failure(f"nobody said where {self.params.kit} is")
-        result = yield from self._look(believed)
-        if isinstance(result, NoMotion):
-            return Failure(result.reason)
-        if result.pose is None:
-            return Failure(f"{self.params.kit} is not recognised where it should be: {result.reason}")
-        self._write(result.pose, result.cost)
-        moved = result.pose.distance(believed) * 1e3
-        return Success(f"{self.params.kit} is {moved:.0f} mm from where it was believed")
+        why = ""
+        for attempt, aside in enumerate(_ASIDE, start=1):
+            self.progress(attempt, f"look {attempt} at {self.params.kit}")
+            result = yield from self._look(believed, aside)
+            if isinstance(result, RegistrationResult) and result.pose is not None:
+                self._write(result.pose, result.cost)
+                moved = result.pose.distance(believed) * 1e3
+                return Success(f"{self.params.kit} is {moved:.0f} mm from where it was believed")
+            why = why or result.reason
+        return Failure(f"{self.params.kit} is not recognised where it should be: {why}")
 
-    def _look(self, believed: Pose) -> Execution[RegistrationResult | NoMotion]:
+    def _look(self, believed: Pose, aside: float) -> Execution[RegistrationResult | NoMotion]:
         registrar, solid = self.context.libraries.registrar, solid_of(self.world, self.params.kit)
         if registrar is None or solid is None:
             raise DeviceError(f"register_kit needs a registrar, and a shape of {self.params.kit}")
         camera = self.camera_spec(self.params.camera)
-        image = yield from self.look_down(camera, *believed.position)
+        image = yield from self.look_down(camera, *believed.position, aside=aside)
         if isinstance(image, NoMotion):
             return image
         pose = yield from self.camera_pose(camera, image)

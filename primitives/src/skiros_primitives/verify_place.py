@@ -59,6 +59,7 @@ class VerifyPlace(LookingPrimitive):
         part, compartment = self.params.part, self.params.compartment
         with self.world.transaction(author=self.name, reason=f"seen in {compartment}") as tx:
             tx.place(part, IN, compartment)
+            tx.set(part, MISSING, None)
             set_pose(tx, self.world, part, seen.pose)
         return Success(f"{part} is in {compartment}")
 

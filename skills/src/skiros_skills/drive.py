@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.skills.composition import AssertEffects, Do, P
+from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_skills.conditions import CAN_BE_WORKED_AT, HAS_PART, ROBOT_AT_LOCATION
@@ -23,5 +23,11 @@ DESCRIPTION = SkillDescription(
     post=(ROBOT_AT_LOCATION("Robot", "Location"),),
 )
 
-DRIVE = Skill(DESCRIPTION, Do.of("drive_base", base=P("Base"), robot=P("Robot"), location=P("Location")))
+DRIVE = Skill(
+    DESCRIPTION,
+    Sequence.of(
+        Do.of("stow_arms", robot=P("Robot")),
+        Do.of("drive_base", base=P("Base"), robot=P("Robot"), location=P("Location")),
+    ),
+)
 DRIVE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

@@ -16,6 +16,7 @@ import click
 
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.stops import STOPS, ignore_stops, raise_interrupt
+from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
     from skiros_py.runtime import Session
@@ -70,15 +71,13 @@ def command(
 ) -> int:
     """Plans and does the goal of SCENE (a name, or a path to a .ttl file)."""
     from skiros_py.recording import check_recording
-    from skiros_py.system import check_display, check_system_libraries
+    from skiros_py.system import check_display
 
     if record is not None:
         check_recording(record, fake=fake)
     if gui:
         check_display(os.environ.get("DISPLAY"))
         _chatter_to_stderr()
-    if not fake:
-        check_system_libraries()
     from skiros_py.runtime import Options, Session
 
     options = Options(seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals)
@@ -104,11 +103,14 @@ def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
     with RunDisplay(session, to_stderr=as_json) as display, _stopping(session):
         report = session.run()
     display.show_report(report)
+    if recorder is not None and record is not None:
+        try:
+            recorder.write(record)
+            display.say(f"recorded to {record}")
+        except UsageError as error:  # the run is what counts: its report must not be lost for a picture
+            display.say(f"warning {error}")
     if as_json:
         click.echo(json.dumps(_as_json(session, report)))
-    if recorder is not None and record is not None:
-        recorder.write(record)
-        display.say(f"recorded to {record}")
     return _status(report)
 
 

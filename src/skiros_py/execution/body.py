@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from skiros_py.errors import UnknownName
+from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Retry, Sequence
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success
 from skiros_py.skills.primitive import Execution, Primitive
 
 __all__ = ["Scope", "run_node"]
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,11 @@ def _do(name: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outc
     primitive = cls(context, cls.Params(**values))
     try:
         outcome = yield from primitive.execute()
+    except SkirosError:
+        raise
+    except Exception as error:  # noqa: BLE001 - an author's mistake ends this primitive, not the platform
+        outcome = Failure(f"{name} broke: {type(error).__name__}: {error}", BROKEN)
+        _log.exception("primitive %s broke", name)
     except GeneratorExit:
         scope.interrupted.append(primitive)
         tell(Status.PREEMPTED, 0, "stopped")

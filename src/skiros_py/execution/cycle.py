@@ -39,8 +39,8 @@ class Task(Generic[T]):
     def stop(self) -> None:
         """Breaks it off now; its ``finally`` blocks run, and nothing more of it afterwards."""
         if not self.done:
-            self._generator.close()
             self.done = self.stopped = True
+            self._generator.close()
 
     @property
     def result(self) -> T:
@@ -103,14 +103,18 @@ class ControlCycle:
 
         Returns:
             True when everything stands.
+
+        Raises:
+            Exception: What the first task raised while it was stopped; all are stopped before.
         """
-        for task in self._tasks:
-            task.stop()
+        faults = [fault for task in self._tasks if (fault := _stop(task)) is not None]
         self._tasks = []
         deadline = self.board.snapshot.time + patience
         self.step()
         while not self.board.still and self.board.snapshot.time < deadline:
             self.step()
+        if faults:
+            raise faults[0]
         return self.board.still
 
     def _keep_pace(self) -> None:
@@ -123,3 +127,12 @@ class ControlCycle:
             time.sleep(delay)
         elif delay < -1.0:  # far behind (a long planning): do not race to catch up
             self._epoch = (time.perf_counter(), self.board.snapshot.time)
+
+
+def _stop(task: Task[object]) -> Exception | None:
+    """Stops a task; what its clean-up raises is returned, so that the others are stopped too."""
+    try:
+        task.stop()
+    except Exception as fault:  # noqa: BLE001 - an author's code: whatever it raises, the robot has to stop
+        return fault
+    return None

@@ -85,14 +85,14 @@ class SkillRun:
         body = run_node(self.skill.body, self._scope)
         checked = -1
         while True:
-            fault = self._broken_off
+            fault = Failure(self._broken_off, BROKEN_OFF) if self._broken_off else None
             if self._context.world.version != checked:
                 checked = self._context.world.version
-                fault = fault or self._hold_fault()
-            if fault:
+                fault = fault or self._check("hold condition", self.skill.description.hold)
+            if fault is not None:
                 body.close()
                 yield from self._recover()
-                return Failure(fault, BROKEN_OFF)
+                return fault
             try:
                 next(body)
             except StopIteration as end:
@@ -110,10 +110,6 @@ class SkillRun:
                     recovery.close()
                     return
                 yield
-
-    def _hold_fault(self) -> str:
-        fault = self._check("hold condition", self.skill.description.hold)
-        return fault.reason if fault else ""
 
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
         for condition in conditions:

@@ -25,6 +25,10 @@ _UPRIGHT = math.cos(math.radians(15.0))
 _SUNK = 0.01  # how far below a surface an origin may be that lies on it, a fallen part's for instance [m]
 
 
+_CARRIERS = frozenset({"base_link"})
+"""Links that may touch what is bolted to the robot: it stands on them."""
+
+
 @dataclass(frozen=True, slots=True)
 class Contact:
     """A robot touches a body.
@@ -82,13 +86,14 @@ class Truth:
         return {body.spec.id: self._placement(body) for body in movable}
 
     def contacts(self) -> tuple[Contact, ...]:
-        """Returns what the robots touch now, except the floor under their base."""
+        """Returns what the robots touch now, except the floor under their base and what stands on it."""
         bodies = {body.index: body for body in self._scene.bodies.values()}
         found: dict[tuple[str, str], Contact] = {}
         for robot in self._scene.robots:
             for point in self._scene.client.getContactPoints(robot.body):
                 body = bodies.get(point[2])
-                if point[2] == robot.body or (body is not None and body.constraint is not None):
+                bolted = body is not None and body.constraint is not None
+                if point[2] == robot.body or (bolted and robot.joints.link_name(point[3]) in _CARRIERS):
                     continue
                 contact = Contact(
                     robot.joints.link_name(point[3]), FLOOR if body is None else body.spec.id, max(0.0, -point[8])

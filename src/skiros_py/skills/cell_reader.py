@@ -27,6 +27,9 @@ def read_cell(view: WorldView, robots: Sequence[str]) -> CellSpec:
     Raises:
         DescriptionError: A robot or body lacks something; the message names the element and the property.
     """
+    for root in (v.FLOOR, v.UNKNOWN_LOCATION):
+        if not view.instances(root):
+            raise DescriptionError(f"the scene has no {root}: things that fall or get lost need a place")
     bodies = [_body(view, e) for e in view.instances(v.SPATIAL_THING) if _is_body(view, e)]
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
     return CellSpec(tuple(bodies), tuple(_robot(view, robot) for robot in robots))
@@ -55,8 +58,8 @@ def _body(view: WorldView, element: str) -> BodySpec:
         carrier=carrier,
         compartment=_is_compartment(view, element),
     )
-    if isinstance(half, tuple) and isinstance(offset, tuple):
-        x, y, z = offset
+    if half is not None and offset is not None:
+        half, (x, y, z) = _vector(view, element, v.SUPPORT_HALF_EXTENTS, 2), _vector(view, element, v.SUPPORT_OFFSET, 3)
         return replace(body, support=(half[0], half[1]), support_centre=(x, y), support_height=z)
     return body
 
@@ -130,6 +133,8 @@ def _base(view: WorldView, base: str) -> BaseSpec:
     if not isinstance(start, Pose):
         raise DescriptionError(f"{base} has no sk:pose: the scene must say where it starts")
     corners = _vector(view, base, v.FOOTPRINT)
+    if len(corners) < 6 or len(corners) % 2:
+        raise DescriptionError(f"{base}: sk:footprint takes x and y of at least three corners")
     return BaseSpec(
         id=base,
         start=start,
@@ -188,8 +193,10 @@ def _text(view: WorldView, element: str, property_: str) -> str:
     return value
 
 
-def _vector(view: WorldView, element: str, property_: str) -> tuple[float, ...]:
+def _vector(view: WorldView, element: str, property_: str, length: int | None = None) -> tuple[float, ...]:
     value = view.value(element, property_)
     if not isinstance(value, tuple):
         raise DescriptionError(f"{element} has no numbers for {property_}")
+    if length is not None and len(value) != length:
+        raise DescriptionError(f"{element}: {property_} takes {length} numbers, not {len(value)}")
     return value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from typing import Any
 
 from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Retry, Sequence
@@ -83,7 +83,9 @@ def _in_call(
 ) -> list[str]:
     if name not in primitives:
         return [f"there is no primitive '{name}'; there is {', '.join(sorted(primitives)) or 'none'}"]
-    own = {field.name for field in fields(primitives[name].Params)}
-    unknown = [f"primitive '{name}' has no parameter {key}" for key in arguments if key not in own]
+    own = {field.name: field for field in fields(primitives[name].Params)}
+    needed = [n for n, f in own.items() if f.default is MISSING and f.default_factory is MISSING and n not in arguments]
+    unknown = [f"primitive '{name}' needs {key}" for key in needed]
+    unknown += [f"primitive '{name}' has no parameter {key}" for key in arguments if key not in own]
     strays = [v.key for v in arguments.values() if isinstance(v, P) and v.key not in keys]
     return unknown + [f"'{name}' asks for {key}, which is no parameter of the skill" for key in strays]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["BROKEN_OFF", "Failure", "Outcome", "Success"]
+__all__ = ["BROKEN", "BROKEN_OFF", "Failure", "Outcome", "Success"]
 
+BROKEN = -3
+"""Code of a failure that is a mistake in somebody's code: the log has the traceback."""
 BROKEN_OFF = -2
 """Code of a failure that is not the skill's own: it was ended because the world changed."""
 

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 
+from skiros_py.errors import PlanningError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.skill_manager import Transport
 from skiros_py.planning.plan import NoPlan, Plan
@@ -72,8 +73,19 @@ class TaskManager:
         return tuple(Capability(d, tuple(agents)) for _, (d, agents) in sorted(found.items()))
 
     def plan(self, goal: Sequence[Condition]) -> Execution[Planned]:
-        """Plans from what is believed now, leaving out targets on which skills failed too often."""
-        return self._planning.plan(self._view(), self.capabilities, goal)
+        """Plans from what is believed now, leaving out targets on which skills failed too often.
+
+        A planner that breaks while a goal is under way is an answer too: what was done so far has to be reported.
+
+        Raises:
+            PlanningError: The planner broke before anything was done.
+        """
+        try:
+            return (yield from self._planning.plan(self._view(), self.capabilities, goal))
+        except PlanningError as error:
+            if not self._history.steps:
+                raise
+            return Planned(NoPlan((str(error),)), None, 0.0)
 
     def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
         """Pursues a goal to its end.

@@ -206,7 +206,7 @@ def test_a_hold_condition_that_ends_breaks_the_skill_off_with_its_reason() -> No
             tx.place("ball_1", "sk:heldBy", "gripper_1")
         outcome = bench.cycle.run(task)
 
-    assert outcome == Failure("hold condition EmptyHanded(gripper_1): ball_1 heldBy gripper_1", BROKEN_OFF)
+    assert outcome == Failure("hold condition EmptyHanded(gripper_1): ball_1 heldBy gripper_1")
 
 
 def test_a_fake_writes_all_effects_in_one_change_by_its_name() -> None:

@@ -1,0 +1,40 @@
+"""Brings all arms of a robot into their travelling posture, unless they are in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.move_arm import MoveArm
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+
+__all__ = ["StowArms"]
+
+_STOWED = 0.05
+"""Greatest joint error of an arm that is in its posture [rad]."""
+
+
+class StowArms(Primitive["StowArms.Params"]):
+    """A base must not drive with an arm stretched out: its paths are planned for its outline alone."""
+
+    name: ClassVar[str] = "stow_arms"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        robot: str = param("sk:Robot", "The robot.", kind=Kind.PLANNING)
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves the arms one after the other."""
+        robot = next(r for r in self.context.cell.robots if r.id == self.params.robot)
+        for arm in robot.arms:
+            now = self.context.board.snapshot.arms[arm.id].positions
+            if max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _STOWED:
+                continue
+            outcome = yield from MoveArm(self.context, MoveArm.Params(arm=arm.id)).execute()
+            if isinstance(outcome, Failure):
+                return outcome
+        return Success("stowed")
