@@ -122,7 +122,8 @@ def test_a_pattern_of_a_foreign_kind_is_named() -> None:
     ("call", "problem"),
     [
         (Do.of("lok"), "there is no primitive 'lok'; there is look"),
-        (Do.of("look", to=P("Location")), "primitive 'look' has no parameter to"),
+        (Do.of("look", at=P("Location"), to=P("Location")), "primitive 'look' has no parameter to"),
+        (Do.of("look"), "primitive 'look' needs at"),
         (Do.of("look", at=P("Place")), "'look' asks for Place, which is no parameter of the skill"),
     ],
 )
@@ -155,7 +156,7 @@ def test_pre_sensing_and_finish_are_read_too() -> None:
 def test_all_problems_are_reported_at_once() -> None:
     drone = replace(DRIVE, params=(Param("Base", "uav:Drone", "Who."), *DRIVE.params[1:]))
 
-    assert len(problems(Skill(drone, Sequence.of(Do.of("lok"), Do.of("look", to=1))))) == 3
+    assert len(problems(Skill(drone, Sequence.of(Do.of("lok"), Do.of("look", at="x", to=1))))) == 3
 
 
 def test_where_there_are_no_primitives_at_all_that_is_said() -> None:
