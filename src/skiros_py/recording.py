@@ -22,6 +22,8 @@ _SHEET, _ANIMATIONS = ".png", (".gif", ".webp")
 _WIDTH, _HEIGHT = 480, 360
 _EVERY = 1.0
 """Time between two pictures of an animation [s]."""
+_WHILE = 1.0
+"""A primitive that took at least so long is worth a picture when it ends [s]."""
 _COLUMNS = 4
 _WORDS = {Status.TERMINATED: "done", Status.ERROR: "failed"}
 
@@ -54,26 +56,36 @@ class _Shot:
 
 
 class Recorder:
-    """Takes a picture whenever a skill or a telling primitive ends, and regularly in between."""
+    """Takes pictures: for a contact sheet when something that took a while ends, for an animation regularly.
 
-    def __init__(self, session: Session) -> None:
+    Args:
+        session: The session, not yet running.
+        path: Where the recording will go; its ending says which of the two is wanted.
+    """
+
+    def __init__(self, session: Session, path: Path) -> None:
         self._session = session
-        self._moments: list[_Shot] = []
-        self._frames: list[_Shot] = []
+        self._path = path
+        self._shots: list[_Shot] = []
         self._next = 0.0
-        session.monitor.subscribe(self._on_event)
-        session.cycle.observe(self._on_cycle)
+        self._started: dict[str, float] = {}
+        if path.suffix == _SHEET:
+            session.monitor.subscribe(self._on_event)
+        else:
+            session.cycle.observe(self._on_cycle)
 
     def _on_event(self, event: ModuleEvent) -> None:
-        telling = event.kind == "skill" or event.module in ("locate", "grasp", "put_down", "register_kit")
-        if telling and event.status in (Status.TERMINATED, Status.ERROR):
-            self._moments.append(self._shoot(f"{event.module} {event.target} {_WORDS[event.status]}"))
+        if event.status is Status.STARTED:
+            self._started[event.module] = event.time
+        telling = event.kind == "skill" or event.time - self._started.get(event.module, event.time) >= _WHILE
+        if telling and event.status in _WORDS:
+            self._shots.append(self._shoot(f"{event.module} {event.target} {_WORDS[event.status]}"))
 
     def _on_cycle(self) -> None:
         now = self._session.cycle.board.snapshot.time
         if now >= self._next:
             self._next = now + _EVERY
-            self._frames.append(self._shoot(""))
+            self._shots.append(self._shoot(""))
 
     def _shoot(self, caption: str) -> _Shot:
         """Looks over the robot's shoulder at where it works."""
@@ -89,20 +101,20 @@ class Recorder:
         )
         return _Shot(board.time, caption, picture)
 
-    def write(self, path: Path) -> None:
+    def write(self) -> None:
         """Writes what was recorded.
 
         Raises:
             UsageError: The file cannot be written any more.
         """
         try:
-            if path.suffix == _SHEET:
-                _contact_sheet([_captioned(shot) for shot in self._moments]).save(path)
+            pictures = [_captioned(shot) for shot in self._shots]
+            if self._path.suffix == _SHEET or not pictures:
+                _contact_sheet(pictures).save(self._path)
             else:
-                frames = [_captioned(shot) for shot in self._frames]
-                frames[0].save(path, save_all=True, append_images=frames[1:], duration=100, loop=0)
+                pictures[0].save(self._path, save_all=True, append_images=pictures[1:], duration=100, loop=0)
         except OSError as error:
-            raise UsageError(f"--record {path} cannot be written: {error.strerror or error}") from error
+            raise UsageError(f"--record {self._path} cannot be written: {error.strerror or error}") from error
 
 
 def _vector(x: float, y: float, z: float) -> Any:

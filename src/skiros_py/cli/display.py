@@ -13,6 +13,8 @@ from rich.text import Text
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import NoPlan, Step
 from skiros_py.planning.service import Planned
+from skiros_py.skills.parameters import Kind
+from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.report import GoalReport
 
 if TYPE_CHECKING:
@@ -24,10 +26,12 @@ _FILE_WIDTH = 200
 """Columns of the table where it is not shown on a terminal."""
 
 
-def short_step(step: Step) -> str:
-    """Returns a step as people say it: the skill and what it is done to, without the robot's own devices."""
-    own = ("Arm", "Base", "Camera", "Gripper", "Robot")
-    return f"{step.skill} {' '.join(value for key, value in step.arguments.items() if key not in own)}"
+def short_step(step: Step, skill: SkillDescription) -> str:
+    """Returns a step as people say it: the skill and what people specify of it, without devices and what follows."""
+    said = [
+        step.arguments[p.key] for p in skill.params if p.is_element and p.kind not in (Kind.HARDWARE, Kind.PLANNING)
+    ]
+    return f"{step.skill} {' '.join(said)}"
 
 
 class RunDisplay:
@@ -79,8 +83,9 @@ class RunDisplay:
                 self.say(f"no plan {reason}")
             return
         self.say(f"plan    {'made' if self._plans == 1 else 'made anew'} in {planned.wall * 1e3:.0f} ms")
+        skills = {c.skill.name: c.skill for c in self._session.tasks.capabilities}
         for number, step in enumerate(planned.outcome.steps, start=1):
-            self.say(f"  {number:2}. {short_step(step)}")
+            self.say(f"  {number:2}. {short_step(step, skills[step.skill])}")
 
     def _on_event(self, event: ModuleEvent) -> None:
         if event.kind == "primitive":

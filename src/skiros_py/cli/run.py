@@ -99,13 +99,13 @@ def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
     from skiros_py.cli.display import RunDisplay
     from skiros_py.recording import Recorder
 
-    recorder = Recorder(session) if record is not None else None
+    recorder = Recorder(session, record) if record is not None else None
     with RunDisplay(session, to_stderr=as_json) as display, _stopping(session):
         report = session.run()
     display.show_report(report)
-    if recorder is not None and record is not None:
+    if recorder is not None:
         try:
-            recorder.write(record)
+            recorder.write()
             display.say(f"recorded to {record}")
         except UsageError as error:  # the run is what counts: its report must not be lost for a picture
             display.say(f"warning {error}")
