@@ -135,3 +135,24 @@ def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base
 
     assert report.reached
     assert max(driven_with) < 0.06
+
+
+def test_a_pick_broken_off_while_lifting_puts_the_part_back_instead_of_dropping_it(open_session):
+    session = open_session("kitting_carried", seed=6)
+    session.run(["RobotAtLocation(robot_1, pallet_a)"])
+    truth, texts, heights = Truth(session.simulation), [], []
+    session.monitor.subscribe(lambda event: texts.append(event.text))
+    devices = {"Arm": "arm_1", "Gripper": "gripper_1", "Camera": "camera_1", "Robot": "robot_1"}
+    running = session.managers["arm_1"].start("pick", {**devices, "Container": "pallet_a", "Object": "starter_1"})
+
+    while not running.done:
+        session.cycle.step()
+        heights.append(truth.pose("starter_1").position[2])
+        if "lifting" in texts and heights[-1] > 0.51:
+            running.break_off("somebody wants it so")
+
+    falls = [(before - after) / session.cell.period for before, after in zip(heights, heights[1:], strict=False)]
+    assert max(heights) > 0.51
+    assert max(falls) < 0.5
+    assert truth.placements()["starter_1"] == "pallet_a"
+    assert session.cycle.board.snapshot.grippers["gripper_1"].gap > 0.075

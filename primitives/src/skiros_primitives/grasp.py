@@ -44,6 +44,7 @@ class Grasp(ArmPrimitive):
         part: str = param("sk:Manipulatable", "The part; its pose is known exactly.")
 
     _retreat: Trajectory | None = None
+    _lifting = False
 
     def execute(self) -> Execution[Outcome]:
         """Approaches, closes, lifts, feels."""
@@ -83,10 +84,12 @@ class Grasp(ArmPrimitive):
         yield from move_fingers(self.context, gripper, 0.0, _FORCE)
         tool = yield from self.tool_pose()
         self.progress(3, "lifting")
+        self._lifting = True
         refusal = yield from self.follow(up)
-        self._retreat = None
         if refusal is not None:
+            yield from self.recover()
             return Failure(refusal.reason)
+        self._retreat = None
         if not self._feels_held(gripper.state, grasp):
             return (yield from self._let_go(gripper, grasp, up))
         with self.world.transaction(author=self.name, reason=_felt(gripper.state)) as tx:
@@ -99,9 +102,12 @@ class Grasp(ArmPrimitive):
         return abs(state.gap - grasp.width) <= _GAP_TOLERANCE and state.force >= _FIRM
 
     def recover(self) -> Execution[None]:
-        """Opens and comes back up on the line that was checked, where it was stopped on its way down."""
+        """Opens at the bottom and comes back up on the checked line; what was being lifted is put back first."""
         if self._retreat is None:
             return
+        if self._lifting:
+            yield from self.follow_from_here(_reversed(self._retreat))
+            self._lifting = False
         gripper = Gripper(self.context.board, self.params.gripper)
         yield from move_fingers(self.context, gripper, self.gripper_spec.max_gap, _FORCE)
         yield from self.follow_from_here(self._retreat)
@@ -113,13 +119,17 @@ class Grasp(ArmPrimitive):
         with self.world.transaction(author=self.name, reason=f"grasp failed: {felt}") as tx:
             set_pose(tx, self.world, self.params.part, None)
         if gripper.state.force >= _FIRM:  # something is held, only not as it should be: it must not be dropped
-            yield from self.follow(Trajectory(up.positions[::-1], -up.velocities[::-1]))
-            self._retreat = up
+            yield from self.follow(_reversed(up))
+            self._retreat, self._lifting = up, False
         yield from move_fingers(self.context, gripper, self.gripper_spec.max_gap, _FORCE)
         yield from self.recover()
         return Failure(
             f"{self.params.part} is not in the gripper after the lift: {felt}, expected {grasp.width * 1e3:.0f}"
         )
+
+
+def _reversed(way: Trajectory) -> Trajectory:
+    return Trajectory(way.positions[::-1], -way.velocities[::-1])
 
 
 def _felt(state: GripperState) -> str:
