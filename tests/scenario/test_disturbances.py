@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -151,7 +152,7 @@ def test_a_pick_broken_off_while_lifting_puts_the_part_back_instead_of_dropping_
         if "lifting" in texts and heights[-1] > 0.51:
             running.break_off("somebody wants it so")
 
-    falls = [(before - after) / session.cell.period for before, after in zip(heights, heights[1:], strict=False)]
+    falls = [(before - after) / session.cell.period for before, after in pairwise(heights)]
     assert max(heights) > 0.51
     assert max(falls) < 0.5
     assert truth.placements()["starter_1"] == "pallet_a"
