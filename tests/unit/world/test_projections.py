@@ -18,7 +18,7 @@ from skiros_py.world.names import SCENE_GRAPH
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.scene import load_scene
-from skiros_py.world.scene_writer import scene_turtle
+from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 

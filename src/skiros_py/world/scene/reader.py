@@ -14,13 +14,13 @@ from skiros_py.world.ids import is_valid_id
 from skiros_py.world.literals import parse_value
 from skiros_py.world.names import SCENE
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.ontology.documents import Document
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.turtle import TurtleFile
 from skiros_py.world.vocabulary import GOAL, LABEL, SCENE_CLASS
 
 __all__ = ["SceneReader"]
 
-_Where = tuple[TurtleFile, ox.Triple]
+_Where = tuple[Document, ox.Triple]
 
 
 @dataclass(slots=True)
@@ -30,7 +30,7 @@ class _Individual:
     types: dict[str, _Where] = field(default_factory=dict)
     values: dict[str, Value] = field(default_factory=dict)
     relations: dict[tuple[str, str], _Where] = field(default_factory=dict)
-    first: TurtleFile | None = None
+    first: Document | None = None
 
 
 class SceneReader:
@@ -42,7 +42,7 @@ class SceneReader:
         self._individuals: dict[str, _Individual] = {}
         self._goals: set[str] = set()
 
-    def take(self, file: TurtleFile) -> None:
+    def take(self, file: Document) -> None:
         """Reads a file's statements about scene individuals.
 
         Raises:
@@ -52,7 +52,7 @@ class SceneReader:
             if isinstance(triple.subject, ox.NamedNode) and triple.subject.value.startswith(SCENE):
                 self._take(file, triple, self._names.name(triple.subject.value))
 
-    def check_subject(self, scene: TurtleFile, triple: ox.Triple) -> None:
+    def check_subject(self, scene: Document, triple: ox.Triple) -> None:
         """Refuses what a scene file says of anything but scene individuals and the file itself.
 
         Raises:
@@ -86,7 +86,7 @@ class SceneReader:
                 self._check_single(name, relation)
                 tx.relate(name, relation, object_)
 
-    def fault(self, scene: TurtleFile, problems: Sequence[tuple[str, str]]) -> FileError:
+    def fault(self, scene: Document, problems: Sequence[tuple[str, str]]) -> FileError:
         """Makes one error of everything that a transaction found wrong, at the line of the first."""
         element = problems[0][0]
         individual = self._individuals.get(element)
@@ -97,7 +97,7 @@ class SceneReader:
 
     # ------------------------------------------------------------ statements
 
-    def _take(self, file: TurtleFile, triple: ox.Triple, name: str) -> None:
+    def _take(self, file: Document, triple: ox.Triple, name: str) -> None:
         if name == "this":
             self._take_goal(file, triple)
             return
@@ -115,7 +115,7 @@ class SceneReader:
         else:
             raise self._at(file, triple, f"{predicate} of {name} needs a named individual of scene:")
 
-    def _take_goal(self, file: TurtleFile, triple: ox.Triple) -> None:
+    def _take_goal(self, file: Document, triple: ox.Triple) -> None:
         predicate = self._names.name(triple.predicate.value)
         if predicate == GOAL and isinstance(triple.object, ox.Literal):
             self._goals.add(triple.object.value)
@@ -124,7 +124,7 @@ class SceneReader:
         elif predicate not in ("rdf:type", LABEL, "rdfs:comment"):
             raise self._at(file, triple, f"scene:this has {GOAL}, rdfs:label and rdfs:comment only, not {predicate}")
 
-    def _take_type(self, file: TurtleFile, triple: ox.Triple, individual: _Individual) -> None:
+    def _take_type(self, file: Document, triple: ox.Triple, individual: _Individual) -> None:
         if not isinstance(triple.object, ox.NamedNode):
             raise self._at(file, triple, "the class of an individual must have a name")
         class_ = self._names.name(triple.object.value)
@@ -132,7 +132,7 @@ class SceneReader:
             individual.types[class_] = (file, triple)
 
     def _take_value(
-        self, file: TurtleFile, triple: ox.Triple, individual: _Individual, predicate: str, literal: ox.Literal
+        self, file: Document, triple: ox.Triple, individual: _Individual, predicate: str, literal: ox.Literal
     ) -> None:
         if predicate != LABEL and predicate not in self._ontology.properties:
             raise self._unknown(file, triple, "property", predicate)
@@ -182,7 +182,7 @@ class SceneReader:
         """Tells whether stating a relation of an individual says where that individual is."""
         return self._ontology.is_placement(relation) and self._ontology.relation(relation).place_end == "object"
 
-    def _unknown(self, file: TurtleFile, triple: ox.Triple, kind: str, name: str) -> FileError:
+    def _unknown(self, file: Document, triple: ox.Triple, kind: str, name: str) -> FileError:
         known = self._ontology.relations if kind == "relation" else self._ontology.properties
         other = self._ontology.properties if kind == "relation" else self._ontology.relations
         if name in other:
@@ -190,7 +190,7 @@ class SceneReader:
             return self._at(file, triple, f"{name} needs {needs}")
         return self._at(file, triple, str(UnknownName(kind, name, known)))
 
-    def _at(self, file: TurtleFile, triple: ox.Triple, reason: str, *, at_object: bool = False) -> FileError:
+    def _at(self, file: Document, triple: ox.Triple, reason: str, *, at_object: bool = False) -> FileError:
         assert isinstance(triple.subject, ox.NamedNode)
         term = triple.object.value if at_object and isinstance(triple.object, ox.NamedNode) else triple.predicate.value
         return file.fault(reason, triple.subject.value, term)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pyoxigraph as ox
 
 from skiros_py.world.names import SCENE, SCENE_GRAPH
-from skiros_py.world.triples import Triples
-from skiros_py.world.turtle import TurtleFile
+from skiros_py.world.ontology.documents import Document
+from skiros_py.world.store.triples import Triples
 
 if TYPE_CHECKING:
     from skiros_py.world.world import World
@@ -59,7 +59,7 @@ class TripleStore:
         return [ox.Quad(t.subject, t.predicate, t.object, self._graph) for t in triples]
 
 
-def _terms(file: TurtleFile) -> list[ox.Quad]:
+def _terms(file: Document) -> list[ox.Quad]:
     """What a file says of the ontology; its scene individuals would be there twice once a scene imports them."""
     graph = ox.NamedNode(file.iri)
     return [

@@ -7,11 +7,11 @@ from pathlib import Path
 from types import MappingProxyType
 
 from skiros_py.errors import FileError, UnknownName, UsageError
-from skiros_py.world.declarations import Declarations, common_names, read_declarations
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
+from skiros_py.world.ontology.declarations import Declarations, common_names, read_declarations
+from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 from skiros_py.world.terms import Class, Family, Property, Relation
-from skiros_py.world.turtle import TurtleFile, read_turtle, turtle_files
 
 __all__ = ["Ontology"]
 
@@ -29,7 +29,7 @@ class Ontology:
         sources: The files it was read from. Scene individuals in them (a robot's) belong to whoever imports them.
     """
 
-    def __init__(self, declarations: Declarations, names: Names, sources: Sequence[TurtleFile]) -> None:
+    def __init__(self, declarations: Declarations, names: Names, sources: Sequence[Document]) -> None:
         self.classes: Mapping[str, Class] = MappingProxyType(dict(declarations.classes))
         self.relations: Mapping[str, Relation] = MappingProxyType(dict(declarations.relations))
         self.properties: Mapping[str, Property] = MappingProxyType(dict(declarations.properties))
@@ -48,8 +48,8 @@ class Ontology:
         Raises:
             FileError: A file is missing or not Turtle, uses a term that no file declares, or two files collide.
         """
-        files = [read_turtle(path) for path in turtle_files(paths)]
-        by_iri: dict[str, TurtleFile] = {}
+        files = [read_document(path) for path in rdf_files(paths)]
+        by_iri: dict[str, Document] = {}
         for file in files:
             if by_iri.setdefault(file.iri, file) is not file:
                 raise FileError(file.path, f"declares ontology <{file.iri}>, as {by_iri[file.iri].path} does")

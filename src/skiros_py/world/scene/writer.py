@@ -11,7 +11,7 @@ import pyoxigraph as ox
 
 from skiros_py.errors import FileError
 from skiros_py.world.names import SCENE, STANDARD_PREFIXES
-from skiros_py.world.triples import Triples
+from skiros_py.world.store.triples import Triples
 from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene_reader import SceneReader
-from skiros_py.world.scene_writer import scene_turtle, write_atomically
-from skiros_py.world.turtle import TurtleFile, read_turtle, turtle_files
+from skiros_py.world.ontology.documents import Document, rdf_files, read_document
+from skiros_py.world.scene.reader import SceneReader
+from skiros_py.world.scene.writer import scene_turtle, write_atomically
 from skiros_py.world.world import World
 
 __all__ = ["load_scene", "save_scene", "scene_goals"]
@@ -28,7 +28,7 @@ def load_scene(ontology: Ontology, path: Path, ontology_paths: Sequence[Path] = 
     Raises:
         FileError: A file is missing, not Turtle, or says what the ontology does not allow; with the line where known.
     """
-    scene = read_turtle(path)
+    scene = read_document(path)
     reader = SceneReader(ontology)
     for file in _with_imports(scene, ontology, ontology_paths):
         reader.take(file)
@@ -59,10 +59,10 @@ def save_scene(world: World, path: Path) -> None:
     write_atomically(path, scene_turtle(world))
 
 
-def _with_imports(scene: TurtleFile, ontology: Ontology, paths: Sequence[Path]) -> list[TurtleFile]:
+def _with_imports(scene: Document, ontology: Ontology, paths: Sequence[Path]) -> list[Document]:
     known = {file.iri: file for file in ontology.sources}
     read = {file.path.resolve() for file in ontology.sources}
-    for file in (read_turtle(path) for path in turtle_files(paths) if path.resolve() not in read):
+    for file in (read_document(path) for path in rdf_files(paths) if path.resolve() not in read):
         known.setdefault(file.iri, file)
     files = [scene]
     for file in files:

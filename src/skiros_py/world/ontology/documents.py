@@ -12,7 +12,7 @@ import pyoxigraph as ox
 from skiros_py.errors import FileError
 from skiros_py.world.names import STANDARD_PREFIXES
 
-__all__ = ["TurtleFile", "read_turtle", "turtle_files"]
+__all__ = ["Document", "rdf_files", "read_document"]
 
 _TYPE = ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type")
 _ONTOLOGY = ox.NamedNode(STANDARD_PREFIXES["owl"] + "Ontology")
@@ -20,7 +20,7 @@ _IMPORTS = ox.NamedNode(STANDARD_PREFIXES["owl"] + "imports")
 
 
 @dataclass(frozen=True, slots=True)
-class TurtleFile:
+class Document:
     """One parsed file.
 
     Attributes:
@@ -70,7 +70,7 @@ class TurtleFile:
                 yield f"{prefix}:{iri.removeprefix(namespace)}"
 
 
-def read_turtle(path: Path) -> TurtleFile:
+def read_document(path: Path) -> Document:
     """Reads one file; nothing is fetched from anywhere.
 
     Raises:
@@ -88,10 +88,10 @@ def read_turtle(path: Path) -> TurtleFile:
     except SyntaxError as error:
         reason = re.sub(r"^Parser error at line \d+.*?: ", "", error.msg)
         raise FileError(path, f"not Turtle at column {error.offset}: {reason}", line=error.lineno) from None
-    return TurtleFile(path, text, _declared_iri(triples) or base, dict(parser.prefixes), triples)
+    return Document(path, text, _declared_iri(triples) or base, dict(parser.prefixes), triples)
 
 
-def turtle_files(paths: Iterable[Path]) -> list[Path]:
+def rdf_files(paths: Iterable[Path]) -> list[Path]:
     """Returns the files named, and for each folder all ``*.ttl`` below it, sorted; each file once."""
     found: dict[Path, Path] = {}
     for path in paths:

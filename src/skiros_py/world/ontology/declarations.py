@@ -11,8 +11,8 @@ from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.element import Value
 from skiros_py.world.literals import DATATYPES, parse_value
 from skiros_py.world.names import SCENE, STANDARD_PREFIXES, Names, local_name
+from skiros_py.world.ontology.documents import Document
 from skiros_py.world.terms import Class, Family, PlaceEnd, Property, Relation
-from skiros_py.world.turtle import TurtleFile
 
 __all__ = ["Declarations", "common_names", "read_declarations"]
 
@@ -46,7 +46,7 @@ class Declarations:
     class_values: Mapping[str, Mapping[str, Value]]
 
 
-def common_names(files: Sequence[TurtleFile]) -> Names:
+def common_names(files: Sequence[Document]) -> Names:
     """Returns the prefix table of all files together; the empty prefix stays private to its file.
 
     Raises:
@@ -62,7 +62,7 @@ def common_names(files: Sequence[TurtleFile]) -> Names:
     return Names(prefixes)
 
 
-def read_declarations(files: Sequence[TurtleFile], names: Names) -> Declarations:
+def read_declarations(files: Sequence[Document], names: Names) -> Declarations:
     """Reads the terms of all files; a term may use those of any other file.
 
     Raises:
@@ -80,15 +80,15 @@ class _Reader:
     def __init__(self, names: Names) -> None:
         self._names = names
         self._about: dict[str, dict[str, list[ox.Triple]]] = {}
-        self._file: dict[str, TurtleFile] = {}
+        self._file: dict[str, Document] = {}
         self._known: dict[str, dict[str, None]] = {kind: {} for kind in (_CLASS, _RELATION, _PROPERTY, _ANNOTATION)}
 
-    def take(self, file: TurtleFile) -> None:
+    def take(self, file: Document) -> None:
         for triple in file.triples:
             if isinstance(triple.subject, ox.NamedNode) and not triple.subject.value.startswith(SCENE):
                 self._take_triple(file, triple, triple.subject.value)
 
-    def _take_triple(self, file: TurtleFile, triple: ox.Triple, subject: str) -> None:
+    def _take_triple(self, file: Document, triple: ox.Triple, subject: str) -> None:
         term = self._names.name(subject)
         predicate = self._names.name(triple.predicate.value)
         self._about.setdefault(term, {}).setdefault(predicate, []).append(triple)
