@@ -8,6 +8,8 @@
     │   └── GoalSyntaxError   ... at this column of the goal
     ├── FileError             a file cannot be read or understood: path, line, reason
     ├── WorldError            a write to the world model was refused
+    │   ├── StaleVersion      ... because the author had not seen the latest change
+    │   └── Locked            ... because somebody else has locked an element
     ├── DescriptionError      a skill, primitive or robot is described wrongly (its author must mend it)
     ├── PlanningError         a planner broke (not: "there is no plan", which is an answer)
     ├── DeviceError           a device or the simulation broke
@@ -27,9 +29,11 @@ __all__ = [
     "DeviceError",
     "FileError",
     "GoalSyntaxError",
+    "Locked",
     "MissingSystemLibrary",
     "PlanningError",
     "SkirosError",
+    "StaleVersion",
     "UnknownName",
     "UsageError",
     "WorldError",
@@ -112,6 +116,14 @@ class FileError(SkirosError):
 
 class WorldError(SkirosError):
     """A write to the world model was refused; the text says what would be allowed."""
+
+
+class StaleVersion(WorldError):
+    """An edit was based on a state that is no longer the latest; look again, then decide."""
+
+
+class Locked(WorldError):
+    """Somebody else has locked an element that an edit is about."""
 
 
 class DescriptionError(SkirosError):

@@ -9,14 +9,15 @@ from collections.abc import Callable, Iterable, Iterator
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Solid
-from skiros_py.world.element import Value
+from skiros_py.world.element import Value, is_abstract, is_learned
+from skiros_py.world.ids import is_valid_id
 from skiros_py.world.index import Index
 from skiros_py.world.literals import DATATYPES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import ELEMENT, LABEL, POSE_FRAME, ROOT, SOLID, SPATIAL_THING
 
-__all__ = ["checked_value", "class_problem", "element_problem", "relation_problem", "state_problems"]
+__all__ = ["checked_value", "class_problem", "element_problem", "id_problem", "relation_problem", "state_problems"]
 
 _UNCHANGED = "the ontology is never changed at run time"
 
@@ -32,9 +33,21 @@ def class_problem(ontology: Ontology, class_: str) -> str | None:
     return None
 
 
+def id_problem(element_id: str) -> str | None:
+    """Says why a text cannot be the id of an element that is added, or None."""
+    if element_id == "this":
+        return "'this' stands for the scene itself and is no id of an element"
+    if not is_valid_id(element_id):
+        shown = element_id if len(element_id) <= 60 else f"{element_id[:60]}…"
+        return f"'{shown}' is no id: use letters, digits and underscores (200 at most), and no digit first"
+    return None
+
+
 def element_problem(view: Index, element_id: str) -> str | None:
-    """Says why an id names no element, or None."""
+    """Says why an id names no element that can be written to, or None."""
     if view.has(element_id):
+        if is_abstract(element_id) and not is_learned(element_id):
+            return f"'{element_id}' is an individual of the ontology, and {_UNCHANGED}"
         return None
     ontology = view.ontology
     if any(element_id in terms for terms in (ontology.classes, ontology.relations, ontology.properties)):
@@ -52,6 +65,11 @@ def relation_problem(view: Index, subject: str, relation: str, object_: str) -> 
     declared = ontology.relations[relation]
     if declared.family is Family.COMPUTED:
         return f"{relation} is computed by a reasoner and never stored"
+    if is_learned(subject) != is_learned(object_):
+        return (
+            f"{subject} {relation} {object_}: what is learned outlives the scene, so neither may refer to the other;"
+            " say by sk:appliesTo which class it is about"
+        )
     faults = [
         f"its {end} must be a {allowed}, and {name} is a {view.element(name).type}"
         for end, name, allowed in (("subject", subject, declared.domain), ("object", object_, declared.range))
@@ -118,7 +136,13 @@ def _allowed(view: Index, subject: str, object_: str) -> str:
 def _place_problem(view: Index, element_id: str) -> str | None:
     type_ = view.element(element_id).type
     placed, owned = view.placement(element_id) is not None, bool(view.owners(element_id))
-    if placed or owned or not view.ontology.is_a(type_, SPATIAL_THING) or view.ontology.is_a(type_, ROOT):
+    if (
+        placed
+        or owned
+        or is_abstract(element_id)
+        or not view.ontology.is_a(type_, SPATIAL_THING)
+        or view.ontology.is_a(type_, ROOT)
+    ):
         return None
     relations = sorted(r for r in view.ontology.relations if view.ontology.is_placement(r))
     leaves = [r for r in relations if len(view.ontology.sub_relations(r)) == 1]

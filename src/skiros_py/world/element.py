@@ -1,4 +1,4 @@
-"""One individual of the scene."""
+"""One individual: of the scene, learned, or of the ontology."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from skiros_py.geometry import Pose
 
-__all__ = ["Element", "Placement", "Value"]
+__all__ = ["Element", "Placement", "Stamp", "Value", "is_abstract", "is_learned"]
 
 Value = str | bool | int | float | Pose | tuple[float, ...]
 """What a property may hold."""
@@ -23,13 +23,27 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True)
+class Stamp:
+    """The last change that touched an element: its properties, its placement or its relations.
+
+    Attributes:
+        change: Number of the change: the element's version, for editors that must not overwrite each other.
+        time: When [s, simulated].
+    """
+
+    change: int
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
 class Element:
     """One individual: a place, a part, a robot or one of its devices.
 
     Relations are not kept here but in the world's index: ask a :class:`~skiros_py.world.view.WorldView`.
 
     Attributes:
-        id: Its name in the scene ("starter_1"); never used again after removal.
+        id: Its name: bare in the scene ("starter_1"), a CURIE for what is abstract ("learned:mug_1"); never used again
+            after removal.
         type: CURIE of its most specific class ("kitting:Starter").
         label: What people call it.
         properties: Own values by CURIE of the property ("sk:pose"); class-level values are found through the view.
@@ -39,3 +53,13 @@ class Element:
     type: str
     label: str
     properties: Mapping[str, Value] = field(default_factory=lambda: MappingProxyType({}))
+
+
+def is_abstract(element_id: str) -> bool:
+    """Tells an element of the ontology or a learned one from one of the scene, which is really there."""
+    return ":" in element_id
+
+
+def is_learned(element_id: str) -> bool:
+    """Tells whether an element is something that a robot was taught."""
+    return element_id.startswith("learned:")

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 from skiros_py.world.names import local_name
 
 __all__ = ["Ids", "is_valid_id"]
 
 
+_ID = re.compile(r"(?:learned:)?[A-Za-z_][A-Za-z0-9_]{0,199}")
+_NUMBERED = re.compile(r"(.+)_(\d{1,15})")
+
+
 def is_valid_id(element_id: str) -> bool:
-    """Returns True for letters, digits and underscores that do not begin with a digit."""
-    return re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", element_id) is not None
+    """Returns True for at most 200 letters, digits and underscores that do not begin with a digit.
+
+    What is learned has the prefix ``learned:`` before that.
+    """
+    return _ID.fullmatch(element_id) is not None
 
 
 class Ids:
@@ -29,13 +37,13 @@ class Ids:
     def claim(self, element_id: str) -> None:
         """Notes that the id is given."""
         self._used.add(element_id)
-        numbered = re.fullmatch(r"(.+)_(\d+)", element_id)
+        numbered = _NUMBERED.fullmatch(element_id)
         if numbered:
             self._raise(numbered[1], int(numbered[2]))
 
-    def next(self, class_: str) -> str:
+    def next(self, class_: str, *, learned: bool = False) -> str:
         """Gives the next id for an element of a class: ``kitting:RelayBox`` -> ``relay_box_1``."""
-        stem = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", local_name(class_)).lower()
+        stem = ("learned:" if learned else "") + _stem(class_)
         element_id = f"{stem}_{self.highest(stem) + 1}"
         self.claim(element_id)
         return element_id
@@ -53,3 +61,10 @@ class Ids:
 
     def _raise(self, stem: str, number: int) -> None:
         self._last[stem] = max(number, self._last.get(stem, 0))
+
+
+@lru_cache(maxsize=4096)
+def _stem(class_: str) -> str:
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", local_name(class_)).lower()
+    plain = re.sub(r"\W+", "_", words, flags=re.ASCII).strip("_")
+    return plain if plain[:1].isalpha() else f"element_{plain}".rstrip("_")

@@ -2,49 +2,58 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from types import MappingProxyType
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+from immutables import Map
 
 from skiros_py.errors import UnknownName
-from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, RelationEdit
-from skiros_py.world.element import Element, Placement, Value
-from skiros_py.world.ontology import Ontology
+from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
+from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstract
+from skiros_py.world.idset import EMPTY, IdSet
+from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import LABEL, STRUCTURE
+
+if TYPE_CHECKING:
+    from skiros_py.world.ontology import Ontology
 
 __all__ = ["Index", "with_value"]
 
-_Ids = tuple[str, ...]
 _Key = TypeVar("_Key")
+_NEVER = Stamp(0, 0.0)
 
 
 class Index:
     """One state of the scene, as a :class:`~skiros_py.world.view.WorldView`.
 
-    A published index is never changed any more: whoever wants another state makes a :meth:`copy` first. That is cheap,
-    since tables are copied flat and share their entries, which are immutable.
+    A published index is never changed any more: whoever wants another state makes a :meth:`copy` first. That costs
+    nothing, since all tables are persistent: two states share all but what differs.
+
+    Attributes:
+        goals: Texts of the goals that go with the scene, sorted.
     """
 
-    def __init__(self, ontology: Ontology) -> None:
+    def __init__(self, ontology: Ontology, reasoners: Reasoners = NO_REASONERS) -> None:
+        self.goals: tuple[str, ...] = ()
         self._ontology = ontology
-        self._elements: dict[str, Element] = {}
-        self._of_class: dict[str, _Ids] = {}
-        self._objects: dict[tuple[str, str], _Ids] = {}
-        self._subjects: dict[tuple[str, str], _Ids] = {}
-        self._placements: dict[str, Placement] = {}
-        self._contents: dict[str, _Ids] = {}
+        self._reasoners = reasoners
+        self._elements: Map[str, Element] = Map()
+        self._of_class: Map[str, IdSet] = Map()
+        self._abstract: Map[str, IdSet] = Map()
+        self._objects: Map[tuple[str, str], IdSet] = Map()
+        self._subjects: Map[tuple[str, str], IdSet] = Map()
+        self._placements: Map[str, Placement] = Map()
+        self._contents: Map[str, IdSet] = Map()
+        self._stamps: Map[str, Stamp] = Map()
 
     def copy(self) -> Index:
         """Returns an index of its own with the same content."""
-        other = Index(self._ontology)
-        other._elements = self._elements.copy()
-        other._of_class = self._of_class.copy()
-        other._objects = self._objects.copy()
-        other._subjects = self._subjects.copy()
-        other._placements = self._placements.copy()
-        other._contents = self._contents.copy()
+        other = Index.__new__(Index)
+        other.__dict__.update(self.__dict__)
         return other
 
     # ------------------------------------------------------------ the world view
@@ -54,27 +63,41 @@ class Index:
         """The classes and relations."""
         return self._ontology
 
+    @property
+    def reasoners(self) -> Reasoners:
+        """What works out computed relations."""
+        return self._reasoners
+
     def element(self, element_id: str) -> Element:
         """Returns one element.
 
         Raises:
             UnknownName: There is none of that id.
         """
-        if element_id not in self._elements:
+        element = self._elements.get(element_id)
+        if element is None:
             raise UnknownName("element", element_id, self._elements)
-        return self._elements[element_id]
+        return element
 
     def has(self, element_id: str) -> bool:
         """Returns True when there is an element of that id."""
         return element_id in self._elements
 
     def instances(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of all elements of a class or of its subclasses, sorted.
+        """Returns the ids of all elements of the scene of a class or of its subclasses, sorted.
 
         Raises:
             UnknownName: It is not a class.
         """
-        return _merged(self._of_class.get(below, ()) for below in self._ontology.subclasses(class_))
+        return _merged(self._of_class.get(below, EMPTY) for below in self._ontology.subclasses(class_))
+
+    def abstracts(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of the abstract elements of a class or of its subclasses, sorted: the ontology's and learned.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return _merged(self._abstract.get(below, EMPTY) for below in self._ontology.subclasses(class_))
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
@@ -92,26 +115,32 @@ class Index:
         """Returns ids of what the subject is related to, sorted; sub-relations count.
 
         Raises:
-            UnknownName: It is not a relation.
+            UnknownName: It is not a relation, or one that no reasoner here computes.
         """
-        return _merged(self._objects.get((subject, below), ()) for below in self._ontology.sub_relations(relation))
+        if self._ontology.family(relation) is Family.COMPUTED:
+            return computed_objects(self, subject, relation)
+        return _merged(self._objects.get((subject, below), EMPTY) for below in self._ontology.sub_relations(relation))
 
     def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
         """Returns ids of what is related to the object, sorted; sub-relations count.
 
         Raises:
-            UnknownName: It is not a relation.
+            UnknownName: It is not a relation, or one that no reasoner here computes.
         """
-        return _merged(self._subjects.get((below, object_), ()) for below in self._ontology.sub_relations(relation))
+        if self._ontology.family(relation) is Family.COMPUTED:
+            return computed_subjects(self, relation, object_)
+        return _merged(self._subjects.get((below, object_), EMPTY) for below in self._ontology.sub_relations(relation))
 
     def related(self, subject: str, relation: str, object_: str) -> bool:
         """Returns True when the relation (or a sub-relation) holds between the two.
 
         Raises:
-            UnknownName: It is not a relation.
+            UnknownName: It is not a relation, or one that no reasoner here computes.
         """
+        if self._ontology.family(relation) is Family.COMPUTED:
+            return self._reasoners.answer(self, subject, relation, object_).holds
         below = self._ontology.sub_relations(relation)
-        return any(object_ in self._objects.get((subject, name), ()) for name in below)
+        return any(object_ in self._objects.get((subject, name), EMPTY) for name in below)
 
     def placement(self, element_id: str) -> Placement | None:
         """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure).
@@ -124,9 +153,18 @@ class Index:
 
     # ------------------------------------------------------------ beyond the world view
 
+    def stamp(self, element_id: str) -> Stamp:
+        """Returns which change last touched an element (its properties, placement or relations), and when.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        self.element(element_id)
+        return self._stamps.get(element_id, _NEVER)
+
     def contents(self, place: str) -> tuple[str, ...]:
         """Returns ids of what is placed directly there, by whatever relation, sorted."""
-        return self._contents.get(place, ())
+        return self._contents.get(place, EMPTY).ids()
 
     def owners(self, element_id: str) -> tuple[str, ...]:
         """Returns ids of what the element is a piece of (one, in a world that was checked)."""
@@ -134,20 +172,24 @@ class Index:
 
     def stated(self, subject: str, relation: str, object_: str) -> bool:
         """Returns True when exactly this is stated, not through a sub-relation."""
-        return object_ in self._objects.get((subject, relation), ())
+        return object_ in self._objects.get((subject, relation), EMPTY)
+
+    def ids(self) -> Iterator[str]:
+        """Yields the id of every element, abstract ones too, in no order."""
+        return iter(self._elements)
 
     def statements(self) -> Iterator[tuple[str, str, str]]:
         """Yields every stated (subject, relation, object), placements too, sorted."""
         for subject, relation in sorted(self._objects):
-            for object_ in self._objects[subject, relation]:
+            for object_ in self._objects[subject, relation].ids():
                 yield subject, relation, object_
 
     def statements_about(self, element_id: str) -> list[tuple[str, str, str]]:
         """Returns every stated (subject, relation, object) with the element at either end, sorted."""
         found = set()
         for relation in self._ontology.relations:
-            found |= {(element_id, relation, o) for o in self._objects.get((element_id, relation), ())}
-            found |= {(s, relation, element_id) for s in self._subjects.get((relation, element_id), ())}
+            found |= {(element_id, relation, o) for o in self._objects.get((element_id, relation), EMPTY).ids()}
+            found |= {(s, relation, element_id) for s in self._subjects.get((relation, element_id), EMPTY).ids()}
         return sorted(found)
 
     # ------------------------------------------------------------ writing: only before publication
@@ -160,34 +202,56 @@ class Index:
             self.put_placement(edit.element, edit.new)
         elif isinstance(edit, RelationEdit):
             self.put_relation(edit.subject, edit.relation, edit.object, holds=edit.new)
+        elif isinstance(edit, GoalsEdit):
+            self.goals = edit.new
         else:
             self.put_element(with_value(self.element(edit.element), edit.property, edit.new))
 
+    def mark(self, ids: Iterable[str], stamp: Stamp) -> None:
+        """Notes that a change touched elements, of which some may be gone."""
+        with self._stamps.mutate() as stamps:
+            for name in ids:
+                if name in self._elements:
+                    stamps[name] = stamp
+                else:
+                    stamps.pop(name, None)
+            self._stamps = stamps.finish()
+
     def put_element(self, element: Element) -> None:
         """Adds an element, or replaces the one of its id, which has the same type."""
-        self._elements[element.id] = element
-        _insert(self._of_class, element.type, element.id)
+        if element.id not in self._elements:
+            if is_abstract(element.id):
+                self._abstract = _insert(self._abstract, element.type, element.id)
+            else:
+                self._of_class = _insert(self._of_class, element.type, element.id)
+        self._elements = self._elements.set(element.id, element)
 
     def remove_element(self, element_id: str) -> None:
         """Takes an element out; it has no placement and no relation any more."""
-        _discard(self._of_class, self._elements.pop(element_id).type, element_id)
+        type_ = self._elements[element_id].type
+        self._elements = self._elements.delete(element_id)
+        if is_abstract(element_id):
+            self._abstract = _discard(self._abstract, type_, element_id)
+        else:
+            self._of_class = _discard(self._of_class, type_, element_id)
 
     def put_placement(self, element_id: str, placement: Placement | None) -> None:
         """Moves an element across the whole placement family."""
-        old = self._placements.pop(element_id, None)
+        old = self._placements.get(element_id)
         if old is not None:
-            _discard(self._contents, old.place, element_id)
+            self._placements = self._placements.delete(element_id)
+            self._contents = _discard(self._contents, old.place, element_id)
             self._put_pair(element_id, old, holds=False)
         if placement is not None:
-            self._placements[element_id] = placement
-            _insert(self._contents, placement.place, element_id)
+            self._placements = self._placements.set(element_id, placement)
+            self._contents = _insert(self._contents, placement.place, element_id)
             self._put_pair(element_id, placement, holds=True)
 
     def put_relation(self, subject: str, relation: str, object_: str, *, holds: bool) -> None:
         """Lets a relation hold or not."""
         change = _insert if holds else _discard
-        change(self._objects, (subject, relation), object_)
-        change(self._subjects, (relation, object_), subject)
+        self._objects = change(self._objects, (subject, relation), object_)
+        self._subjects = change(self._subjects, (relation, object_), subject)
 
     def _put_pair(self, element_id: str, placement: Placement, *, holds: bool) -> None:
         subject, object_ = self._ontology.placement_pair(element_id, placement)
@@ -204,23 +268,20 @@ def with_value(element: Element, property_: str, value: Value | None) -> Element
     return replace(element, properties=MappingProxyType(properties))
 
 
-def _merged(groups: Iterator[_Ids]) -> _Ids:
-    found = [group for group in groups if group]
+def _merged(groups: Iterator[IdSet]) -> tuple[str, ...]:
+    found = [group for group in groups if len(group)]
     if len(found) == 1:
-        return found[0]
-    return tuple(sorted({name for group in found for name in group}))
+        return found[0].ids()
+    return tuple(sorted({name for group in found for name in group.ids()}))
 
 
-def _insert(table: dict[_Key, _Ids], key: _Key, name: str) -> None:
-    old = table.get(key, ())
-    at = bisect_left(old, name)
-    if old[at : at + 1] != (name,):
-        table[key] = (*old[:at], name, *old[at:])
+def _insert(table: Map[_Key, IdSet], key: _Key, name: str) -> Map[_Key, IdSet]:
+    return table.set(key, table.get(key, EMPTY).with_(name))
 
 
-def _discard(table: dict[_Key, _Ids], key: _Key, name: str) -> None:
-    left = tuple(other for other in table.get(key, ()) if other != name)
-    if left:
-        table[key] = left
-    else:
-        table.pop(key, None)
+def _discard(table: Map[_Key, IdSet], key: _Key, name: str) -> Map[_Key, IdSet]:
+    old = table.get(key)
+    if old is None:
+        return table
+    left = old.without(name)
+    return table.set(key, left) if len(left) else table.delete(key)

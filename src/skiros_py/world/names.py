@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from skiros_py.errors import UnknownName
 
-__all__ = ["CORE", "SCENE", "SCENE_GRAPH", "STANDARD_PREFIXES", "Names", "local_name"]
+__all__ = ["CORE", "LEARNED", "LEARNED_GRAPH", "SCENE", "SCENE_GRAPH", "STANDARD_PREFIXES", "Names", "local_name"]
 
 CORE = "https://w3id.org/skiros-py/core#"
 """Namespace of the upper ontology (prefix ``sk:``)."""
@@ -18,6 +18,12 @@ SCENE = "https://w3id.org/skiros-py/scene#"
 SCENE_GRAPH = "https://w3id.org/skiros-py/scene"
 """Name of the graph that holds the scene."""
 
+LEARNED = "https://w3id.org/skiros-py/learned#"
+"""Namespace of what robots were taught (prefix ``learned:``)."""
+
+LEARNED_GRAPH = "https://w3id.org/skiros-py/learned"
+"""Name of the graph that holds it."""
+
 STANDARD_PREFIXES: Mapping[str, str] = MappingProxyType(
     {
         "rdf": "http://www.w3.org/1999/02/22-rdf-syntax-ns#",
@@ -26,6 +32,7 @@ STANDARD_PREFIXES: Mapping[str, str] = MappingProxyType(
         "xsd": "http://www.w3.org/2001/XMLSchema#",
         "sk": CORE,
         "scene": SCENE,
+        "learned": LEARNED,
     }
 )
 """Prefixes that mean the same in every file."""

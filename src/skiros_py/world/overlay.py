@@ -5,6 +5,9 @@ from __future__ import annotations
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import with_value
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
+from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 
 __all__ = ["Overlay"]
@@ -98,6 +101,11 @@ class Overlay:
         """The classes and relations."""
         return self._base.ontology
 
+    @property
+    def reasoners(self) -> Reasoners:
+        """What works out computed relations."""
+        return self._base.reasoners
+
     def element(self, element_id: str) -> Element:
         """Returns one element.
 
@@ -118,6 +126,14 @@ class Overlay:
         """
         return self._base.instances(class_)
 
+    def abstracts(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of the abstract elements of a class or of its subclasses, sorted.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._base.abstracts(class_)
+
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
 
@@ -136,6 +152,8 @@ class Overlay:
         Raises:
             UnknownName: It is not a relation.
         """
+        if self.ontology.family(relation) is Family.COMPUTED:
+            return computed_objects(self, subject, relation)
         below = self.ontology.sub_relations(relation)
         new = {o for s, r, o in self._added if s == subject and r in below}
         old = self._base.objects(subject, relation)
@@ -147,6 +165,8 @@ class Overlay:
         Raises:
             UnknownName: It is not a relation.
         """
+        if self.ontology.family(relation) is Family.COMPUTED:
+            return computed_subjects(self, relation, object_)
         below = self.ontology.sub_relations(relation)
         new = {s for s, r, o in self._added if o == object_ and r in below}
         old = self._base.subjects(relation, object_)
@@ -158,6 +178,8 @@ class Overlay:
         Raises:
             UnknownName: It is not a relation.
         """
+        if self.ontology.family(relation) is Family.COMPUTED:
+            return self.reasoners.answer(self, subject, relation, object_).holds
         if any((subject, below, object_) in self._added for below in self.ontology.sub_relations(relation)):
             return True
         return self._base.related(subject, relation, object_) and self._still(subject, relation, object_)

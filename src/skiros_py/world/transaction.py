@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from skiros_py.errors import WorldError
-from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, PropertyEdit, RelationEdit
-from skiros_py.world.checks import checked_value, class_problem, element_problem, relation_problem, state_problems
+from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
+from skiros_py.world.checks import (
+    checked_value,
+    class_problem,
+    element_problem,
+    id_problem,
+    relation_problem,
+    state_problems,
+)
 from skiros_py.world.element import Element, Placement, Value
-from skiros_py.world.ids import Ids, is_valid_id
+from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index, with_value
 from skiros_py.world.names import local_name
+from skiros_py.world.removal import remove
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import COMPUTED, LABEL, PLACEMENT, POSE, POSE_FRAME, STRUCTURE
+from skiros_py.world.vocabulary import COMPUTED, PLACEMENT, STRUCTURE
+from skiros_py.world.workspace import Workspace
 
 __all__ = ["Transaction"]
 
@@ -22,11 +31,9 @@ class Transaction:
     """Made by :meth:`World.transaction`; its methods never raise for a wrong write, the end of the block does."""
 
     def __init__(self, base: Index, ids: Ids) -> None:
-        self._base = base
-        self._work = base.copy()
+        self._work = Workspace(base)
+        self._view = self._work.view
         self._ids = Ids(ids)
-        self._touched: set[str] = set()
-        self._pairs: set[tuple[str, str, str]] = set()
         self._problems: list[tuple[str, str]] = []
         self._refused: set[str] = set()
         self._open = True
@@ -34,7 +41,7 @@ class Transaction:
     @property
     def view(self) -> WorldView:
         """The world as this transaction would leave it."""
-        return self._work
+        return self._view
 
     def add(
         self,
@@ -43,18 +50,30 @@ class Transaction:
         id: str | None = None,  # noqa: A002  the word that everybody uses for it
         properties: Mapping[str, Value] | None = None,
         placement: Placement | None = None,
+        *,
+        learned: bool = False,
     ) -> str:
-        """Adds an element and returns its id: the one given, else the next for its class ("relay_box_3")."""
+        """Adds an element and returns its id: the one given, else the next for its class ("relay_box_3").
+
+        Args:
+            class_: CURIE of its class.
+            label: What people call it; the class's name where left out.
+            id: Its id.
+            properties: Own values by CURIE of the property.
+            placement: Where it is.
+            learned: True for something that the robot was taught and keeps beyond this scene ("learned:mug_1").
+        """
         self._check_open()
-        element_id = id if id is not None else self._ids.next(class_)
-        problem = class_problem(self._work.ontology, class_) or (self._id_problem(id) if id is not None else None)
+        element_id = id if id is not None else self._ids.next(class_, learned=learned)
+        problem = class_problem(self._view.ontology, class_)
+        if problem is None and id is not None:
+            problem = id_problem(id) or (self._used_problem(id) if self._ids.used(id) else None)
         if problem:
             self._refuse(element_id, problem)
             self._refused.add(element_id)
             return element_id
         self._ids.claim(element_id)
-        self._touched.add(element_id)
-        self._work.put_element(Element(element_id, class_, label or local_name(class_)))
+        self._work.put(Element(element_id, class_, label or local_name(class_)))
         for name, value in (properties or {}).items():
             self.set(element_id, name, value)
         if placement is not None:
@@ -64,74 +83,80 @@ class Transaction:
     def place(self, element: str, relation: str, place: str) -> None:
         """Moves an element: its one placement, of whatever relation, becomes this one."""
         self._check_open()
-        ontology = self._work.ontology
+        ontology = self._view.ontology
         if relation not in ontology.relations or not ontology.is_placement(relation) or relation == PLACEMENT:
             leaves = ", ".join(ontology.sub_relations(PLACEMENT)[1:])
             self._refuse(element, f"'{relation}' does not place {element}: use one of {leaves}")
             return
-        subject, object_ = ontology.placement_pair(element, Placement(relation, place))
-        if self._may_relate(subject, relation, object_):
-            self._touched.add(element)
-            self._work.put_placement(element, Placement(relation, place))
+        placement = Placement(relation, place)
+        if self._may_relate(*_triple(self._view, element, placement)):
+            self._work.place(element, placement)
 
     def relate(self, subject: str, relation: str, object_: str) -> None:
         """States a relation; a placement moves its element, a functional relation replaces its object."""
         self._check_open()
-        ontology = self._work.ontology
+        ontology = self._view.ontology
         if relation in ontology.relations and ontology.is_placement(relation):
             element, placement = ontology.placed(subject, relation, object_)
             self.place(element, relation, placement.place)
         elif relation in (STRUCTURE, COMPUTED):
-            self._refuse(subject, f"{relation} is a whole family: use one of {_below(self._work, relation)}")
+            below = ", ".join(ontology.sub_relations(relation)[1:])
+            self._refuse(subject, f"{relation} is a whole family: use one of {below}")
         elif self._may_relate(subject, relation, object_):
             if ontology.relation(relation).functional:
-                for old in self._work.objects(subject, relation):
-                    self._put_relation(subject, relation, old, holds=False)
-            self._put_relation(subject, relation, object_, holds=True)
+                for old in self._view.objects(subject, relation):
+                    self._work.relate(subject, relation, old, holds=False)
+            self._work.relate(subject, relation, object_, holds=True)
 
     def unrelate(self, subject: str, relation: str, object_: str) -> None:
         """Takes back a stated relation; not a placement, for everything is somewhere."""
         self._check_open()
         if not self._may_relate(subject, relation, object_):
             return
-        if self._work.ontology.family(relation) is Family.PLACEMENT:
+        if self._view.ontology.family(relation) is Family.PLACEMENT:
             self._refuse(subject, f"{subject} {relation} {object_} cannot be taken away: place it elsewhere instead")
-        elif not self._work.stated(subject, relation, object_):
+        elif not self._view.stated(subject, relation, object_):
             self._refuse(subject, f"{subject} {relation} {object_} is not stated, so it cannot be taken back")
         else:
-            self._put_relation(subject, relation, object_, holds=False)
+            self._work.relate(subject, relation, object_, holds=False)
 
     def set(self, element: str, property_: str, value: Value | None) -> None:
         """Sets an element's own value of a property, or its ``rdfs:label``; None takes the own value away."""
         self._check_open()
-        if not self._exists(element):
+        if not self._writable(element):
             return
         try:
-            checked = checked_value(self._work, element, property_, value)
+            checked = checked_value(self._view, element, property_, value)
         except ValueError as error:
             self._refuse(element, str(error))
             return
-        self._touched.add(element)
-        self._work.put_element(with_value(self._work.element(element), property_, checked))
+        self._work.put(with_value(self._view.element(element), property_, checked))
 
     def remove(self, element: str) -> None:
         """Removes an element with its pieces; what was placed in any of them moves to where the element was."""
         self._check_open()
-        if not self._exists(element):
-            return
-        refuge = self._refuge(element)
-        doomed = self._with_pieces(element)
-        guests = [guest for name in doomed for guest in self._work.contents(name) if guest not in doomed]
-        moved = [self._move_out(guest, refuge) for guest in guests]
-        if all(moved):
-            for name in doomed:
-                self._erase(name)
+        if self._writable(element):
+            self._problems += remove(self._work, element)
+
+    def set_goals(self, goals: Iterable[str]) -> None:
+        """Replaces the texts of the goals that go with the scene."""
+        self._check_open()
+        self._work.set_goals(tuple(sorted(set(goals))))
+
+    def apply(self, edits: Iterable[Edit]) -> None:
+        """Does edits that were made elsewhere (to undo, to load a scene over another): an id may come back with them.
+
+        Each is checked like any other write; where the world is no longer as an edit's ``old`` says, ``new`` counts.
+        """
+        self._check_open()
+        for edit in edits:
+            self._apply(edit)
 
     # ------------------------------------------------------------ the end of the block
 
     def problems(self) -> list[tuple[str, str]]:
         """Returns everything wrong with the transaction so far, as (element, sentence)."""
-        return [*self._problems, *state_problems(self._work, self._touched)]
+        return [*self._problems, *state_problems(self._view, self._work.touched)]
 
     def finish(self) -> tuple[Index, Ids, tuple[Edit, ...]]:
         """Ends the transaction and returns the new state, the ids given and the net edits.
@@ -145,108 +170,66 @@ class Transaction:
             raise WorldError(
                 "\n  - ".join(["refused:", *problems]) if len(problems) > 1 else f"refused: {next(iter(problems))}"
             )
-        return self._work, self._ids, tuple(self._edits())
+        return self._view, self._ids, self._work.edits()
 
     def close(self) -> None:
         """Lets nothing more be written."""
         self._open = False
 
-    def _edits(self) -> list[Edit]:
-        """The net difference, in an order in which it can be done again on the old state."""
-        was, is_ = self._base, self._work
-        names = sorted(self._touched)
-        added = [ElementEdit(n, None, is_.element(n)) for n in names if not was.has(n) and is_.has(n)]
-        removed = [ElementEdit(n, was.element(n), None) for n in names if was.has(n) and not is_.has(n)]
-        changed = [
-            edit for n in names if was.has(n) and is_.has(n) for edit in _property_edits(was.element(n), is_.element(n))
-        ]
-        moved = [PlacementEdit(n, *places) for n in names if (places := _moved(was, is_, n))]
-        related = [
-            RelationEdit(*pair, old=old, new=new)
-            for pair in sorted(self._pairs)
-            if (old := was.stated(*pair)) != (new := is_.stated(*pair))
-        ]
-        return [*added, *changed, *moved, *related, *removed]
-
     # ------------------------------------------------------------ pieces
 
-    def _id_problem(self, element_id: str) -> str | None:
-        if element_id == "this":
-            return "'this' stands for the scene itself and is no id of an element"
-        if not is_valid_id(element_id):
-            return f"'{element_id}' is no id: use letters, digits and underscores, and no digit first"
-        if self._ids.used(element_id):
-            return f"id '{element_id}' was given before, and ids are never used again"
-        return None
+    def _apply(self, edit: Edit) -> None:
+        if isinstance(edit, ElementEdit):
+            self._apply_element(edit)
+        elif isinstance(edit, PlacementEdit):
+            if edit.new is not None:
+                self.place(edit.element, edit.new.relation, edit.new.place)
+            elif self._writable(edit.element):
+                self._work.place(edit.element, None)
+        elif isinstance(edit, PropertyEdit):
+            self.set(edit.element, edit.property, edit.new)
+        elif isinstance(edit, GoalsEdit):
+            self.set_goals(edit.new)
+        elif edit.new:
+            self.relate(edit.subject, edit.relation, edit.object)
+        elif self._view.stated(edit.subject, edit.relation, edit.object):
+            self.unrelate(edit.subject, edit.relation, edit.object)
+
+    def _apply_element(self, edit: ElementEdit) -> None:
+        if edit.new is None:
+            if self._writable(edit.element):
+                self._work.erase(edit.element)
+            return
+        problem = class_problem(self._view.ontology, edit.new.type) or id_problem(edit.element)
+        if problem is None and self._view.has(edit.element):
+            problem = f"id '{edit.element}' is in use"
+        if problem:
+            self._refuse(edit.element, problem)
+            self._refused.add(edit.element)
+            return
+        self._ids.claim(edit.element)
+        self._work.put(Element(edit.element, edit.new.type, edit.new.label))
+        for name, value in edit.new.properties.items():
+            self.set(edit.element, name, value)
+
+    def _used_problem(self, element_id: str) -> str:
+        return f"id '{element_id}' was given before, and ids are never used again"
 
     def _may_relate(self, subject: str, relation: str, object_: str) -> bool:
-        if not all([self._exists(subject), self._exists(object_)]):
+        if not all([self._writable(subject), self._writable(object_)]):
             return False
-        problem = relation_problem(self._work, subject, relation, object_)
+        problem = relation_problem(self._view, subject, relation, object_)
         if problem:
             self._refuse(subject, problem)
         return problem is None
 
-    def _exists(self, element_id: str) -> bool:
+    def _writable(self, element_id: str) -> bool:
         if element_id in self._refused:
             return False  # what is wrong with it was said when it was added
-        problem = element_problem(self._work, element_id)
+        problem = element_problem(self._view, element_id)
         if problem:
             self._refuse(element_id, problem)
         return problem is None
-
-    def _put_relation(self, subject: str, relation: str, object_: str, *, holds: bool) -> None:
-        self._touched |= {subject, object_}
-        self._pairs.add((subject, relation, object_))
-        self._work.put_relation(subject, relation, object_, holds=holds)
-
-    def _with_pieces(self, element: str) -> list[str]:
-        pieces = [element]
-        for name in pieces:
-            pieces.extend(piece for piece in self._work.objects(name, STRUCTURE) if piece not in pieces)
-        return pieces
-
-    def _refuge(self, element: str) -> Placement | None:
-        """Where the element is, or for a piece, where what it is a piece of is."""
-        for name in self._with_owners(element):
-            placement = self._work.placement(name)
-            if placement is not None:
-                return placement
-        return None
-
-    def _with_owners(self, element: str) -> list[str]:
-        owners = [element]
-        for name in owners:
-            owners.extend(owner for owner in self._work.owners(name) if owner not in owners)
-        return owners
-
-    def _move_out(self, guest: str, refuge: Placement | None) -> bool:
-        """Places a guest in the refuge, by the first relation that fits: the refuge's own, its old one, any."""
-        if refuge is None:
-            self._refuse(guest, f"{guest} would be nowhere: place it elsewhere first")
-            return False
-        old = self._work.placement(guest)
-        candidates = [
-            refuge.relation,
-            *([old.relation] if old else []),
-            *self._work.ontology.sub_relations(PLACEMENT)[1:],
-        ]
-        for relation in candidates:
-            pair = self._work.ontology.placement_pair(guest, Placement(relation, refuge.place))
-            if relation_problem(self._work, pair[0], relation, pair[1]) is None:
-                self.place(guest, relation, refuge.place)
-                return True
-        self._refuse(guest, f"{guest} cannot be placed at {refuge.place}: place it elsewhere first")
-        return False
-
-    def _erase(self, element: str) -> None:
-        self._touched.add(element)
-        self._work.put_placement(element, None)
-        for subject, relation, object_ in self._work.statements_about(element):
-            if relation == POSE_FRAME and self._work.has(subject):
-                self.set(subject, POSE, None)  # without its frame the pose would mean another place
-            self._put_relation(subject, relation, object_, holds=False)
-        self._work.remove_element(element)
 
     def _refuse(self, element: str, sentence: str) -> None:
         self._problems.append((element, sentence))
@@ -256,20 +239,6 @@ class Transaction:
             raise WorldError("the transaction is over: write inside its 'with' block")
 
 
-def _below(view: Index, relation: str) -> str:
-    return ", ".join(view.ontology.sub_relations(relation)[1:])
-
-
-def _moved(was: Index, is_: Index, name: str) -> tuple[Placement | None, Placement | None] | None:
-    old = was.placement(name) if was.has(name) else None
-    new = is_.placement(name) if is_.has(name) else None
-    return None if old == new else (old, new)
-
-
-def _property_edits(old: Element, new: Element) -> list[Edit]:
-    edits: list[Edit] = [PropertyEdit(old.id, LABEL, old.label, new.label)] if old.label != new.label else []
-    for name in sorted({*old.properties, *new.properties}):
-        before, after = old.properties.get(name), new.properties.get(name)
-        if before != after or type(before) is not type(after):
-            edits.append(PropertyEdit(old.id, name, before, after))
-    return edits
+def _triple(view: Index, element: str, placement: Placement) -> tuple[str, str, str]:
+    subject, object_ = view.ontology.placement_pair(element, placement)
+    return subject, placement.relation, object_

@@ -8,6 +8,7 @@ from skiros_py.world.element import Element, Placement, Value
 
 if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
+    from skiros_py.world.reasoners.registry import Reasoners
 
 __all__ = ["WorldView"]
 
@@ -18,6 +19,11 @@ class WorldView(Protocol):
     @property
     def ontology(self) -> Ontology:
         """The classes and relations."""
+        ...
+
+    @property
+    def reasoners(self) -> Reasoners:
+        """What works out computed relations; :meth:`related`, :meth:`objects` and :meth:`subjects` ask it."""
         ...
 
     def element(self, element_id: str) -> Element:
@@ -33,7 +39,11 @@ class WorldView(Protocol):
         ...
 
     def instances(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of all elements of a class or of its subclasses."""
+        """Returns the ids of all elements of the scene of a class or of its subclasses."""
+        ...
+
+    def abstracts(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of the abstract elements of a class or of its subclasses: the ontology's and learned ones."""
         ...
 
     def value(self, element_id: str, property_: str) -> Value | None:

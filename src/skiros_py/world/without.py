@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.view import WorldView
 
 __all__ = ["Without"]
@@ -24,6 +25,11 @@ class Without(WorldView):
         """The classes and relations."""
         return self._base.ontology
 
+    @property
+    def reasoners(self) -> Reasoners:
+        """What works out computed relations."""
+        return self._base.reasoners
+
     def element(self, element_id: str) -> Element:
         """Returns one element, left out or not."""
         return self._base.element(element_id)
@@ -35,6 +41,10 @@ class Without(WorldView):
     def instances(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of all elements of a class that take part."""
         return tuple(i for i in self._base.instances(class_) if i not in self._ids)
+
+    def abstracts(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of the abstract elements of a class."""
+        return self._base.abstracts(class_)
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns a property's value."""

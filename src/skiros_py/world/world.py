@@ -5,16 +5,21 @@ from __future__ import annotations
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from skiros_py.errors import WorldError
-from skiros_py.world.change import Change
-from skiros_py.world.element import Element, Placement, Value
-from skiros_py.world.ids import Ids
+from skiros_py.errors import Locked, StaleVersion, WorldError
+from skiros_py.world.abstract import abstract_individuals
+from skiros_py.world.change import Change, Edit, Writer
+from skiros_py.world.element import Element, Placement, Stamp, Value
 from skiros_py.world.index import Index
+from skiros_py.world.locks import Locks
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.past import Past
+from skiros_py.world.reasoners.reasoner import Proposal
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.transaction import Transaction
 
 if TYPE_CHECKING:
@@ -25,22 +30,46 @@ __all__ = ["World"]
 _log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True, slots=True)
+class Write:
+    """Who writes and why; see :meth:`World.transaction`."""
+
+    author: str
+    reason: str
+    writer: Writer
+    undoes: int | None
+
+
 class World:
     """What is, as believed now; a :class:`~skiros_py.world.view.WorldView` that changes by transactions only.
 
     Attributes:
         clock: Gives the time [s, simulated] that changes are stamped with; may be replaced.
-        goals: Texts of the goals that go with the scene.
+        locks: Which elements only one person or job may edit.
     """
 
     def __init__(
-        self, ontology: Ontology, *, clock: Callable[[], float] = lambda: 0.0, goals: Sequence[str] = ()
+        self,
+        ontology: Ontology,
+        *,
+        reasoners: Reasoners = NO_REASONERS,
+        clock: Callable[[], float] = lambda: 0.0,
+        past: Past | None = None,
     ) -> None:
+        """Opens a world.
+
+        Args:
+            ontology: What may be.
+            reasoners: What works out computed relations and may object to changes.
+            clock: Gives the time [s, simulated].
+            past: What was before, read from a journal; changes are written there before they take effect.
+        """
         self.clock = clock
-        self.goals = tuple(goals)
-        self._index = Index(ontology)
-        self._ids = Ids()
-        self._changes: list[Change] = []
+        self.locks = Locks()
+        past = past or Past(abstract_individuals(ontology, reasoners))
+        self._index = past.index
+        self._ids = past.ids
+        self._log = past.log
         self._writing = threading.Lock()
         self._writer: tuple[int, str] | None = None
         self._subscribers: dict[int, Callable[[Change], None]] = {}
@@ -53,7 +82,15 @@ class World:
     # ------------------------------------------------------------ writing
 
     @contextmanager
-    def transaction(self, author: str, reason: str) -> Iterator[Transaction]:
+    def transaction(
+        self,
+        author: str,
+        reason: str,
+        *,
+        writer: Writer = Writer.SKILL,
+        expects: Mapping[str, int] | None = None,
+        undoes: int | None = None,
+    ) -> Iterator[Transaction]:
         """Opens a write: ``with world.transaction("pick", "the fingers hold it") as tx: tx.place(...)``.
 
         Nothing is visible before the block ends; if it raises, nothing happens. Another thread's transaction is waited
@@ -62,19 +99,26 @@ class World:
         Args:
             author: Who writes.
             reason: Why, in words for people.
+            writer: What kind of author that is; locks of others keep people and jobs out.
+            expects: For elements by id, the version (:meth:`stamp`) that the author has seen; for "" that of the world.
+            undoes: Number of the change that this one takes back.
 
         Raises:
-            WorldError: The ontology does not allow what was written (the text names everything wrong and what would
-                be right), or this thread has a transaction open already.
+            WorldError: The ontology or a reasoner does not allow what was written (the text names everything wrong and
+                what would be right), or this thread has a transaction open already.
+            StaleVersion: An element was changed since the author saw it.
+            Locked: Somebody else has locked one of the elements.
         """
+        write = Write(author, reason, writer, undoes)
         self._begin(author)
         try:
+            self._check_versions(expects or {})
             tx = Transaction(self._index, self._ids)
             try:
                 yield tx
             finally:
                 tx.close()
-            self._publish(tx, author, reason)
+            self._publish(tx, write)
         finally:
             self._writer = None
             self._writing.release()
@@ -83,16 +127,20 @@ class World:
     @property
     def version(self) -> int:
         """Number of the last change; 0 for a world that is still empty."""
-        return len(self._changes)
+        return self._log.version
 
     @property
     def changes(self) -> Sequence[Change]:
-        """Every change so far, in order: ``changes[n - 1]`` has number n."""
-        return tuple(self._changes)
+        """Every change that is remembered, in order; see :meth:`changes_since`."""
+        return self._log.since(self._log.first - 1)
 
     def changes_since(self, version: int) -> Sequence[Change]:
-        """Returns the changes after a version, in order."""
-        return tuple(self._changes[version:])
+        """Returns the changes after a version, in order.
+
+        Raises:
+            WorldError: They are remembered no longer: the journal was compacted since.
+        """
+        return self._log.since(version)
 
     def subscribe(self, callback: Callable[[Change], None]) -> Callable[[], None]:
         """Has each later change told to ``callback``, in order, after it is visible; returns what ends that.
@@ -111,6 +159,16 @@ class World:
         """Returns the present state, which will never change; this costs nothing."""
         return self._index
 
+    def state(self) -> tuple[int, Index]:
+        """Returns the present version and the state that belongs to it."""
+        with self._writing:
+            return self._log.version, self._index
+
+    @property
+    def goals(self) -> tuple[str, ...]:
+        """Texts of the goals that go with the scene, sorted."""
+        return self._index.goals
+
     @property
     def store(self) -> TripleStore:
         """The same content as RDF triples; made when first asked for, brought up to date whenever it is queried."""
@@ -126,6 +184,19 @@ class World:
     def ontology(self) -> Ontology:
         """The classes and relations."""
         return self._index.ontology
+
+    @property
+    def reasoners(self) -> Reasoners:
+        """What works out computed relations."""
+        return self._index.reasoners
+
+    def stamp(self, element_id: str) -> Stamp:
+        """Returns which change last touched an element, and when.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        return self._index.stamp(element_id)
 
     def element(self, element_id: str) -> Element:
         """Returns one element.
@@ -146,6 +217,14 @@ class World:
             UnknownName: It is not a class.
         """
         return self._index.instances(class_)
+
+    def abstracts(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of the abstract elements of a class or of its subclasses, sorted.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._index.abstracts(class_)
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
@@ -195,17 +274,41 @@ class World:
         self._writing.acquire()
         self._writer = (threading.get_ident(), author)
 
-    def _publish(self, tx: Transaction, author: str, reason: str) -> None:
+    def _check_versions(self, expects: Mapping[str, int]) -> None:
+        for name, seen in expects.items():
+            now = self.version if name == "" else self._index.stamp(name).change
+            if now != seen:
+                what = name or "the world"
+                raise StaleVersion(f"{what} is at version {now}, and {seen} was expected: it was changed since")
+
+    def _publish(self, tx: Transaction, write: Write) -> None:
+        before = self._index
         try:
             index, ids, edits = tx.finish()
+            if edits:
+                self._check_outside(before, index, edits, write)
         except WorldError as error:
-            raise WorldError(f"transaction of {author} ({reason}) {error}") from None
-        self._ids.absorb(ids)
+            raise type(error)(f"transaction of {write.author} ({write.reason}) {error}") from None
         if edits:
+            change = Change(
+                self.version + 1, write.author, write.reason, self.clock(), edits, write.writer, write.undoes
+            )
+            index.mark(change.marks(), Stamp(change.number, change.time))
+            self._log.append(change)  # a journal that cannot write raises here, and nothing has happened
             self._index = index
-            change = Change(self.version + 1, author, reason, self.clock(), edits)
-            self._changes.append(change)
             self._untold.append(change)
+        self._ids.absorb(ids)
+
+    def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: Write) -> None:
+        """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""
+        if write.writer in (Writer.PERSON, Writer.JOB):
+            locked = self.locks.problems((name for edit in edits for name in edit.concerns()), write.author)
+            if locked:
+                raise Locked(f"refused: {'; '.join(locked)}")
+        if self.reasoners.may_veto:
+            vetoes = self.reasoners.vetoes(Proposal(before, after, edits, write.author, write.writer))
+            if vetoes:
+                raise WorldError(f"refused: {'; '.join(vetoes)}")
 
     def _tell(self) -> None:
         with self._telling:

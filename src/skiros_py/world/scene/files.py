@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from skiros_py.world.change import Writer
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.scene.reader import SceneReader
 from skiros_py.world.scene.writer import scene_turtle, write_atomically
 from skiros_py.world.world import World
@@ -14,7 +16,9 @@ from skiros_py.world.world import World
 __all__ = ["load_scene", "save_scene", "scene_goals"]
 
 
-def load_scene(ontology: Ontology, path: Path, ontology_paths: Sequence[Path] = ()) -> World:
+def load_scene(
+    ontology: Ontology, path: Path, ontology_paths: Sequence[Path] = (), *, reasoners: Reasoners = NO_REASONERS
+) -> World:
     """Reads a scene into a new world, as its first change, by author "scene".
 
     What the scene imports is looked up by IRI among the ontology's files and ``ontology_paths``, never fetched; the
@@ -24,6 +28,7 @@ def load_scene(ontology: Ontology, path: Path, ontology_paths: Sequence[Path] = 
         ontology: What may be.
         path: The Turtle file.
         ontology_paths: More files or folders in which imports are looked up.
+        reasoners: What works out computed relations in this world.
 
     Raises:
         FileError: A file is missing, not Turtle, or says what the ontology does not allow; with the line where known.
@@ -34,9 +39,10 @@ def load_scene(ontology: Ontology, path: Path, ontology_paths: Sequence[Path] = 
         reader.take(file)
     for triple in scene.triples:
         reader.check_subject(scene, triple)
-    world = World(ontology, goals=reader.goals())
-    with world.transaction("scene", f"read from {path.name}") as tx:
+    world = World(ontology, reasoners=reasoners)
+    with world.transaction("scene", f"read from {path.name}", writer=Writer.SYSTEM) as tx:
         reader.write(tx)
+        tx.set_goals(reader.goals())
         problems = tx.problems()
         if problems:
             raise reader.fault(scene, problems)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pyoxigraph as ox
 
-from skiros_py.world.change import Edit, ElementEdit, PlacementEdit, PropertyEdit
+from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.literals import format_value
 from skiros_py.world.names import SCENE
@@ -63,6 +63,8 @@ class Triples:
         if isinstance(edit, PropertyEdit):
             value = edit.new if new else edit.old
             return [] if value is None else [self.value(edit.element, edit.property, value)]
+        if isinstance(edit, GoalsEdit):
+            return list(self.goals(edit.new if new else edit.old))
         holds = edit.new if new else edit.old
         return [self.relation(edit.subject, edit.relation, edit.object)] if holds else []
 

@@ -1,0 +1,103 @@
+"""Locks on named elements: they keep other people and jobs from editing, never a skill from saying what it sensed."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from skiros_py.errors import Locked, UsageError
+
+__all__ = ["Lock", "Locks"]
+
+_LONGEST = 24 * 3600.0
+"""No lock outlives a day [s]: its owner may have gone home."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """Somebody's right to be the only person or job that edits an element.
+
+    Attributes:
+        element: Id of the element.
+        owner: Who has it: the author of the edits that it allows.
+        until: When it ends by itself [s, the locks' clock].
+    """
+
+    element: str
+    owner: str
+    until: float
+
+
+class Locks:
+    """All locks of a world (the paper's lock service, §3.2). They live as long as the process.
+
+    Args:
+        clock: Gives the time [s]; must never go back.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._guard = threading.Lock()
+        self._locks: dict[str, Lock] = {}
+
+    def acquire(self, elements: Iterable[str], owner: str, seconds: float) -> tuple[Lock, ...]:
+        """Locks all of the elements or none; who has a lock already makes it last longer.
+
+        Args:
+            elements: Their ids.
+            owner: Who wants them.
+            seconds: After how long the lock ends by itself [s].
+
+        Raises:
+            Locked: Somebody else has one of them.
+            UsageError: The time is none, or too long.
+        """
+        if not 0.0 < seconds <= _LONGEST:
+            raise UsageError(f"a lock lasts more than 0 s and at most {_LONGEST:.0f} s, not {seconds!r}")
+        names = sorted(set(elements))
+        with self._guard:
+            problems = self._problems(names, owner)
+            if problems:
+                raise Locked("; ".join(problems))
+            until = self._clock() + seconds
+            taken = tuple(Lock(name, owner, until) for name in names)
+            self._locks.update((lock.element, lock) for lock in taken)
+        return taken
+
+    def release(self, owner: str, elements: Iterable[str] | None = None) -> None:
+        """Ends locks of an owner: on the given elements, or all; what is not locked by them stays as it is."""
+        with self._guard:
+            wanted = set(self._locks) if elements is None else set(elements)
+            for name in wanted & set(self._locks):
+                if self._locks[name].owner == owner:
+                    del self._locks[name]
+
+    def held(self) -> tuple[Lock, ...]:
+        """Returns the locks in force, by element."""
+        with self._guard:
+            self._expire()
+            return tuple(self._locks[name] for name in sorted(self._locks))
+
+    def problems(self, elements: Iterable[str], author: str) -> Sequence[str]:
+        """Returns a sentence for each element that somebody else than the author has locked."""
+        if not self._locks:
+            return ()
+        with self._guard:
+            return self._problems(sorted(set(elements)), author)
+
+    def _problems(self, elements: Sequence[str], author: str) -> list[str]:
+        self._expire()
+        found = [self._locks[name] for name in elements if name in self._locks]
+        now = self._clock()
+        return [
+            f"{lock.element} is locked by {lock.owner} for {lock.until - now:.0f} s more"
+            for lock in found
+            if lock.owner != author
+        ]
+
+    def _expire(self) -> None:
+        now = self._clock()
+        for name in [name for name, lock in self._locks.items() if lock.until <= now]:
+            del self._locks[name]

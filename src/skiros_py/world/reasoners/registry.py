@@ -1,0 +1,104 @@
+"""The reasoners of a world, found by what they compute."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.world.reasoners.reasoner import Answer, ComputedRelation, Proposal, Reasoner
+
+if TYPE_CHECKING:
+    from skiros_py.world.ontology import Ontology
+    from skiros_py.world.view import WorldView
+
+__all__ = ["NO_REASONERS", "Reasoners"]
+
+
+class Reasoners(Sequence[Reasoner]):
+    """Some reasoners, of which no two compute the same relation.
+
+    Raises:
+        UsageError: Two do.
+    """
+
+    def __init__(self, reasoners: Sequence[Reasoner] = ()) -> None:
+        self._all = tuple(reasoners)
+        self._by_relation: dict[str, Reasoner] = {}
+        for reasoner in self._all:
+            for relation in sorted(reasoner.relations):
+                other = self._by_relation.setdefault(relation, reasoner)
+                if other is not reasoner:
+                    raise UsageError(f"reasoners {other.name} and {reasoner.name} both compute {relation}")
+        self._vetoing = tuple(r for r in self._all if type(r).veto is not Reasoner.veto)
+
+    def __getitem__(self, at: int) -> Reasoner:  # type: ignore[override]  # slices are not needed
+        return self._all[at]
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def named(self, name: str) -> Reasoner:
+        """Returns the reasoner of a name.
+
+        Raises:
+            UnknownName: There is none.
+        """
+        for reasoner in self._all:
+            if reasoner.name == name:
+                return reasoner
+        raise UnknownName("reasoner", name, [reasoner.name for reasoner in self._all])
+
+    def of(self, relation: str) -> Reasoner:
+        """Returns the reasoner that computes a relation.
+
+        Raises:
+            UnknownName: None does.
+        """
+        if relation not in self._by_relation:
+            raise UnknownName("computed relation", relation, self._by_relation, where="(no reasoner computes it)")
+        return self._by_relation[relation]
+
+    def computes(self, relation: str) -> bool:
+        """Returns True when one of them computes the relation."""
+        return relation in self._by_relation
+
+    def narrowest(self, ontology: Ontology, relation: str) -> tuple[str, ...]:
+        """Returns the computed relation, or those below it that a reasoner computes.
+
+        Raises:
+            UnknownName: There is none.
+        """
+        found = tuple(below for below in ontology.sub_relations(relation) if below in self._by_relation)
+        if not found:
+            self.of(relation)
+        return found
+
+    def answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
+        """Says whether a computed relation, or a narrower one, holds, and why.
+
+        Raises:
+            UnknownName: There is no such element, or no reasoner computes the relation.
+        """
+        view.element(subject)
+        view.element(object_)
+        answers = [self.of(r).answer(view, subject, r, object_) for r in self.narrowest(view.ontology, relation)]
+        return next((answer for answer in answers if answer.holds), answers[0])
+
+    def between(self, view: WorldView, subject: str, object_: str) -> tuple[ComputedRelation, ...]:
+        """Returns all computed relations that hold from one element to another, reasoner by reasoner."""
+        return tuple(found for reasoner in self._all for found in reasoner.between(view, subject, object_))
+
+    def vetoes(self, proposal: Proposal) -> tuple[str, ...]:
+        """Returns why the change must not take effect, in the words of each reasoner that objects."""
+        found = ((reasoner.name, reasoner.veto(proposal)) for reasoner in self._vetoing)
+        return tuple(f"{name}: {text}" for name, text in found if text)
+
+    @property
+    def may_veto(self) -> bool:
+        """True when any of them ever objects to a change."""
+        return bool(self._vetoing)
+
+
+NO_REASONERS = Reasoners()
+"""Of worlds in which nothing is computed."""
