@@ -9,10 +9,11 @@ from collections.abc import Callable, Iterable, Iterator
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Solid
+from skiros_py.world.datatype import LONGEST_TEXT
 from skiros_py.world.element import Value, is_abstract, is_learned
 from skiros_py.world.ids import is_valid_id
 from skiros_py.world.index import Index
-from skiros_py.world.literals import DATATYPES
+from skiros_py.world.literals import DATATYPES, shown
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import ELEMENT, LABEL, POSE_FRAME, ROOT, SOLID, SPATIAL_THING
@@ -71,9 +72,9 @@ def relation_problem(view: Index, subject: str, relation: str, object_: str) -> 
             " say by sk:appliesTo which class it is about"
         )
     faults = [
-        f"its {end} must be a {allowed}, and {name} is a {view.element(name).type}"
-        for end, name, allowed in (("subject", subject, declared.domain), ("object", object_, declared.range))
-        if allowed is not None and not ontology.is_a(view.element(name).type, allowed)
+        f"its {end} must be a {' or '.join(missed)}, and {name} is a {view.element(name).type}"
+        for end, name, allowed in (("subject", subject, declared.domains), ("object", object_, declared.ranges))
+        if (missed := ontology.missed_end(view.element(name).type, allowed))
     ]
     if not faults:
         return None
@@ -87,8 +88,10 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
         ValueError: The element cannot bear it; the text says why.
     """
     if property_ == LABEL:
-        if not isinstance(value, str) or not value:
-            raise ValueError(f"{LABEL} of {element_id} needs a text, got {value!r}")
+        if not isinstance(value, str) or not value or len(value) > LONGEST_TEXT:
+            raise ValueError(
+                f"{LABEL} of {element_id} needs a text of at most {LONGEST_TEXT} characters, got {shown(value)}"
+            )
         return value
     declared = view.ontology.properties.get(property_)
     if declared is None:
@@ -96,8 +99,9 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
     if value is None:
         return None
     type_ = view.element(element_id).type
-    if declared.domain is not None and not view.ontology.is_a(type_, declared.domain):
-        raise ValueError(f"{property_} is borne by a {declared.domain}, and {element_id} is a {type_}")
+    missed = view.ontology.missed_end(type_, declared.domains)
+    if missed:
+        raise ValueError(f"{property_} is borne by a {' or '.join(missed)}, and {element_id} is a {type_}")
     try:
         checked = DATATYPES[declared.range].check(value)
         if property_ == SOLID:
@@ -105,7 +109,7 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
     except ValueError as error:
         hint = f" ({error})" if str(error) else ""
         says = DATATYPES[declared.range].says
-        raise ValueError(f"{property_} of {element_id} needs {says}, got {value!r}{hint}") from None
+        raise ValueError(f"{property_} of {element_id} needs {says}, got {shown(value)}{hint}") from None
     return checked
 
 
@@ -128,7 +132,7 @@ def _allowed(view: Index, subject: str, object_: str) -> str:
         for r in sorted(ontology.relations.values(), key=lambda r: r.curie)
         if r.family is not Family.COMPUTED
         and len(ontology.sub_relations(r.curie)) == 1
-        and all(end is None or ontology.is_a(t, end) for t, end in zip(types, (r.domain, r.range), strict=True))
+        and not any(ontology.missed_end(t, end) for t, end in zip(types, (r.domains, r.ranges), strict=True))
     ]
     return f"From a {types[0]} to a {types[1]} there may be: {', '.join(fitting) or 'nothing'}"
 

@@ -4,34 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from decimal import Decimal
+from collections.abc import Mapping
 from types import MappingProxyType
 
 from skiros_py.geometry import Pose
+from skiros_py.world.datatype import Datatype, check_length
 from skiros_py.world.element import Value
+from skiros_py.world.xsd import XSD_DATATYPES, check_number, check_string
 
-__all__ = ["DATATYPES", "Datatype", "format_value", "parse_value"]
+__all__ = ["ANY_LITERAL", "DATATYPES", "any_value", "format_value", "literal_type", "parse_value", "shown"]
 
-
-@dataclass(frozen=True, slots=True)
-class Datatype:
-    """One kind of value that a property may have.
-
-    Attributes:
-        says: What a value looks like, for messages.
-        accepts: CURIEs of the literal types that it is read from.
-        check: Returns the value in its own form, or raises ValueError where it is none.
-        parse: Reads the text of a literal.
-        format: Writes it; numbers are the same after reading again, poses to 1e-9.
-    """
-
-    says: str
-    accepts: frozenset[str]
-    check: Callable[[object], Value]
-    parse: Callable[[str], Value]
-    format: Callable[[Value], str]
+ANY_LITERAL = "rdfs:Literal"
+"""Range of a property whose values may be of any type."""
 
 
 def parse_value(text: str, literal_type: str, range_: str) -> Value:
@@ -41,54 +25,79 @@ def parse_value(text: str, literal_type: str, range_: str) -> Value:
         ValueError: It does not fit; the message says what would.
     """
     datatype = DATATYPES[range_]
+    if range_ == ANY_LITERAL:
+        return any_value(check_length(text), literal_type)
     if literal_type not in datatype.accepts:
-        raise ValueError(f"needs {datatype.says} typed {range_}, got '{text}' typed {literal_type}")
+        raise ValueError(f"needs {datatype.says} typed {range_}, got {shown(text)} typed {literal_type}")
     try:
-        return datatype.check(datatype.parse(text))
+        return datatype.check(datatype.parse(check_length(text)))
     except ValueError as error:
-        raise ValueError(
-            f"needs {datatype.says}, got '{text}'" + (f": {error}" if range_ == "rdf:JSON" else "")
-        ) from None
+        hint = f": {error}" if datatype.parse is str and str(error) else ""
+        raise ValueError(f"needs {datatype.says}, got {shown(text)}{hint}") from None
+
+
+def any_value(text: str, literal_type: str) -> Value:
+    """Reads a literal that nobody has checked: the text itself where it is no value of its type."""
+    if literal_type not in DATATYPES or literal_type == ANY_LITERAL:
+        return text
+    try:
+        return parse_value(text, literal_type, literal_type)
+    except ValueError:
+        return text
 
 
 def format_value(value: Value, range_: str) -> str:
     """Returns the text of the literal for a value that was checked before."""
-    return DATATYPES[range_].format(value)
+    return DATATYPES[literal_type(value, range_)].format(value)
 
 
-def _check_string(value: object) -> str:
-    if not isinstance(value, str):
-        raise ValueError
-    return value
+def literal_type(value: Value, range_: str) -> str:
+    """Returns the CURIE of the type of the literal for a value of a property of range ``range_``.
+
+    It is the range itself but where that stands for several types.
+    """
+    if range_ in ("rdf:langString", "rdf:PlainLiteral"):
+        return "xsd:string"
+    return _type_of(value) if range_ == ANY_LITERAL else range_
+
+
+def shown(value: object) -> str:
+    """Returns a value as messages show it: in quotes, and cut where it is long."""
+    text = value if isinstance(value, str) else repr(value)
+    cut = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
+    return f"'{cut}'" if isinstance(value, str) else cut
+
+
+def _type_of(value: object) -> str:
+    for type_, curie in _TYPES.items():
+        if isinstance(value, type_):
+            return curie
+    raise ValueError
+
+
+def _check_any(value: object) -> Value:
+    return DATATYPES[_type_of(value)].check(value)
+
+
+def _format_any(value: Value) -> str:
+    return DATATYPES[_type_of(value)].format(value)
 
 
 def _check_json(value: object) -> str:
-    json.loads(_check_string(value))
-    return _check_string(value)
-
-
-def _check_boolean(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError
-    return value
-
-
-def _check_integer(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError
-    return value
-
-
-def _check_number(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError
-    return float(value)
+    text = check_string(value)
+    try:
+        json.loads(text)
+    except RecursionError:
+        raise ValueError("it is nested too deep") from None
+    return text
 
 
 def _check_vector(value: object) -> tuple[float, ...]:
     if not isinstance(value, tuple | list):
         raise ValueError
-    return tuple(_check_number(number) for number in value)
+    if len(value) > _LONGEST_VECTOR:
+        raise ValueError(f"a vector may have {_LONGEST_VECTOR} numbers, and this has {len(value)}")
+    return tuple(check_number(number) for number in value)
 
 
 def _check_pose(value: object) -> Pose:
@@ -101,12 +110,6 @@ def _check_pose(value: object) -> Pose:
     return value
 
 
-def _parse_boolean(text: str) -> bool:
-    if text not in ("true", "1", "false", "0"):
-        raise ValueError
-    return text in ("true", "1")
-
-
 def _parse_vector(text: str) -> tuple[float, ...]:
     return tuple(float(word) for word in text.split())
 
@@ -114,15 +117,6 @@ def _parse_vector(text: str) -> tuple[float, ...]:
 def _parse_pose(text: str) -> Pose:
     x, y, z, roll, pitch, yaw = _check_vector(_parse_vector(text))
     return Pose.of(x, y, z, roll=roll, pitch=pitch, yaw=yaw)
-
-
-def _format_boolean(value: Value) -> str:
-    return "true" if value else "false"
-
-
-def _format_number(value: Value) -> str:
-    assert isinstance(value, float)
-    return format(Decimal(repr(float(value))), "f")
 
 
 def _format_vector(value: Value) -> str:
@@ -148,18 +142,21 @@ def _roll_pitch_yaw(pose: Pose) -> tuple[float, float, float]:
 
 
 _HALF_TURN = 3.141592653
-_NUMBERS = frozenset({"xsd:decimal", "xsd:integer", "xsd:double", "xsd:float"})
-_NUMBER = Datatype("a finite number", _NUMBERS, _check_number, float, _format_number)
+_LONGEST_VECTOR = 2048  # as text it is shorter than a literal may be
+_LONGEST_SHOWN = 100
+
+_TYPES: Mapping[type, str] = {
+    str: "xsd:string",
+    bool: "xsd:boolean",  # before int, of which it is a subclass
+    int: "xsd:integer",
+    float: "xsd:double",
+    Pose: "sk:poseLiteral",
+    tuple: "sk:vectorLiteral",
+}
 
 DATATYPES: Mapping[str, Datatype] = MappingProxyType(
     {
-        "xsd:string": Datatype("a text", frozenset({"xsd:string", "rdf:langString"}), _check_string, str, str),
-        "xsd:boolean": Datatype(
-            "true or false", frozenset({"xsd:boolean"}), _check_boolean, _parse_boolean, _format_boolean
-        ),
-        "xsd:integer": Datatype("a whole number", frozenset({"xsd:integer"}), _check_integer, int, str),
-        "xsd:decimal": _NUMBER,
-        "xsd:double": _NUMBER,
+        **XSD_DATATYPES,
         "sk:poseLiteral": Datatype(
             'a pose "x y z roll pitch yaw" of finite numbers [m, rad]',
             frozenset({"sk:poseLiteral"}),
@@ -175,6 +172,7 @@ DATATYPES: Mapping[str, Datatype] = MappingProxyType(
             _format_vector,
         ),
         "rdf:JSON": Datatype("a JSON text", frozenset({"rdf:JSON"}), _check_json, str, str),
+        ANY_LITERAL: Datatype("a text, a number or true or false", frozenset(), _check_any, str, _format_any),
     }
 )
 """What may be the range of a property, by CURIE."""

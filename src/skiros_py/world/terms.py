@@ -6,9 +6,12 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
-__all__ = ["Class", "Family", "PlaceEnd", "Property", "Relation"]
+__all__ = ["Cardinality", "Class", "End", "Family", "PlaceEnd", "Property", "Relation"]
 
 PlaceEnd = Literal["subject", "object"]
+
+End = tuple[tuple[str, ...], ...]
+"""What may be at one end of a relation: of each group one class at least; nothing said allows anything."""
 
 
 class Family(StrEnum):
@@ -25,6 +28,23 @@ class Family(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Cardinality:
+    """How many things an individual of a class has by one relation or property.
+
+    Attributes:
+        relation: CURIE of the relation or property.
+        least: The fewest.
+        most: The most, or None for any number.
+        of: CURIE of the class (for a property, data type) that is counted, or None for all.
+    """
+
+    relation: str
+    least: int
+    most: int | None
+    of: str | None
+
+
+@dataclass(frozen=True, slots=True)
 class Class:
     """One class.
 
@@ -33,12 +53,16 @@ class Class:
         label: What people call it.
         comment: What it means.
         parents: Its direct superclasses, the primary one first.
+        equivalents: Other classes of the same individuals, sorted.
+        cardinalities: What it says itself of numbers; see :meth:`~skiros_py.world.ontology.Ontology.cardinalities`.
     """
 
     curie: str
     label: str
     comment: str
     parents: tuple[str, ...]
+    equivalents: tuple[str, ...] = ()
+    cardinalities: tuple[Cardinality, ...] = ()
 
     @property
     def primary_parent(self) -> str | None:
@@ -55,21 +79,38 @@ class Relation:
         label: What people call it.
         comment: What it means.
         parents: Its direct super-relations, sorted.
-        domain, range: Class that the subject and the object must be of, or None for anything.
+        domains, ranges: What the subject and the object must be.
         family: What it is for.
         place_end: For a placement, the end that is the place; None for the others.
         functional: True when a subject has at most one object; relating it anew replaces the old one.
+        inverse: The relation that says the same from the other end, or None.
+        inverse_functional: True when an object has at most one subject.
+        symmetric, transitive: As OWL means them; computed by reasoners only.
     """
 
     curie: str
     label: str
     comment: str
     parents: tuple[str, ...]
-    domain: str | None
-    range: str | None
+    domains: End
+    ranges: End
     family: Family
     place_end: PlaceEnd | None
     functional: bool
+    inverse: str | None = None
+    inverse_functional: bool = False
+    symmetric: bool = False
+    transitive: bool = False
+
+    @property
+    def domain(self) -> str | None:
+        """The one class that the subject must be of, or None where there is none or it is not that simple."""
+        return _only(self.domains)
+
+    @property
+    def range(self) -> str | None:
+        """The one class that the object must be of, or None where there is none or it is not that simple."""
+        return _only(self.ranges)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,12 +121,21 @@ class Property:
         curie: Its name ("sk:mass").
         label: What people call it.
         comment: What it means, with its unit.
-        domain: Class that bears it, or None for any.
+        domains: What bears it.
         range: CURIE of its data type, one of :data:`~skiros_py.world.literals.DATATYPES`.
     """
 
     curie: str
     label: str
     comment: str
-    domain: str | None
+    domains: End
     range: str
+
+    @property
+    def domain(self) -> str | None:
+        """The one class that bears it, or None where there is none or it is not that simple."""
+        return _only(self.domains)
+
+
+def _only(end: End) -> str | None:
+    return end[0][0] if len(end) == 1 and len(end[0]) == 1 else None

@@ -74,6 +74,10 @@ def read_declarations(files: Sequence[Document], names: Names) -> Declarations:
     return reader.declarations()
 
 
+def _group(name: str | None) -> tuple[tuple[str, ...], ...]:
+    return () if name is None else ((name,),)
+
+
 class _Reader:
     """Statements grouped by subject, and what can be made of them."""
 
@@ -104,7 +108,7 @@ class _Reader:
     def declarations(self) -> Declarations:
         properties = {term: self._property(term) for term in self._known[_PROPERTY]}
         properties["rdfs:comment"] = Property(
-            "rdfs:comment", "comment", "What people note about it.", None, "xsd:string"
+            "rdfs:comment", "comment", "What people note about it.", (), "xsd:string"
         )
         return Declarations(
             classes={term: self._class(term) for term in self._known[_CLASS]},
@@ -133,8 +137,8 @@ class _Reader:
             label=self._label(term),
             comment=self._text(term, "rdfs:comment"),
             parents=tuple(self._references(term, "rdfs:subPropertyOf", _RELATION)),
-            domain=self._end(term, "rdfs:domain"),
-            range=self._end(term, "rdfs:range"),
+            domains=_group(self._end(term, "rdfs:domain")),
+            ranges=_group(self._end(term, "rdfs:range")),
             family=family,
             place_end=self._place_end(term) if family is Family.PLACEMENT else None,
             functional="owl:FunctionalProperty" in types,
@@ -147,7 +151,7 @@ class _Reader:
                 term, f"{term} needs one rdfs:range, one of {', '.join(DATATYPES)}; got {', '.join(ranges) or 'none'}"
             )
         comment = self._text(term, "rdfs:comment")
-        return Property(term, self._label(term), comment, self._end(term, "rdfs:domain"), ranges[0])
+        return Property(term, self._label(term), comment, _group(self._end(term, "rdfs:domain")), ranges[0])
 
     def _class_values(self, class_: str, properties: Mapping[str, Property]) -> dict[str, Value]:
         values: dict[str, Value] = {}

@@ -11,7 +11,7 @@ from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.declarations import Declarations, common_names, read_declarations
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
-from skiros_py.world.terms import Class, Family, Property, Relation
+from skiros_py.world.terms import Class, End, Family, Property, Relation
 
 __all__ = ["Ontology"]
 
@@ -95,6 +95,15 @@ class Ontology:
             if property_ in self._class_values[above]:
                 return self._class_values[above][property_]
         return None
+
+    def missed_end(self, class_: str, end: End) -> tuple[str, ...]:
+        """Returns the first group of classes of which a class is none, though an end asks for one; nothing if it fits.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        above = self.ancestors(class_)
+        return next((group for group in end if not any(name in above for name in group)), ())
 
     # ------------------------------------------------------------ relations
 

@@ -8,7 +8,7 @@ import pyoxigraph as ox
 
 from skiros_py.errors import UsageError
 from skiros_py.world.element import Value
-from skiros_py.world.literals import DATATYPES, parse_value
+from skiros_py.world.literals import any_value
 from skiros_py.world.names import Names
 from skiros_py.world.world import World
 
@@ -111,5 +111,4 @@ def _value(names: Names, term: object) -> Value | None:
         return names.name(term.value)
     if not isinstance(term, ox.Literal):
         return None if term is None else str(term)
-    datatype = names.name(term.datatype.value)
-    return parse_value(term.value, datatype, datatype) if datatype in DATATYPES else term.value
+    return any_value(term.value, names.name(term.datatype.value))

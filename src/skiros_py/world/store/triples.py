@@ -8,7 +8,7 @@ import pyoxigraph as ox
 
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
 from skiros_py.world.element import Element, Placement, Value
-from skiros_py.world.literals import format_value
+from skiros_py.world.literals import format_value, literal_type
 from skiros_py.world.names import SCENE
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.vocabulary import GOAL, LABEL, SCENE_CLASS
@@ -43,7 +43,7 @@ class Triples:
     def value(self, element: str, property_: str, value: Value) -> ox.Triple:
         """Returns one property value."""
         range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
-        literal = ox.Literal(format_value(value, range_), datatype=self._node(range_))
+        literal = ox.Literal(format_value(value, range_), datatype=self._node(literal_type(value, range_)))
         return ox.Triple(self._node(element), self._node(property_), literal)
 
     def before(self, edit: Edit) -> list[ox.Triple]:

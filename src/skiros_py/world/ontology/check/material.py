@@ -1,0 +1,216 @@
+"""What the check looks at: all files read together, indexed, and nothing of them refused."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import pyoxigraph as ox
+
+from skiros_py.errors import FileError
+from skiros_py.world.names import Names
+from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
+from skiros_py.world.ontology.check.owl import DECLARES, Kind, owl, rdf, rdfs
+from skiros_py.world.ontology.declarations import common_names
+from skiros_py.world.ontology.documents import Document, rdf_files, read_document
+
+__all__ = ["Material", "Statement", "iri_of", "read_material"]
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """One triple and the file that says it."""
+
+    document: Document
+    triple: ox.Triple
+
+    @property
+    def subject(self) -> str | None:
+        """IRI of the subject, or None where it is anonymous."""
+        return iri_of(self.triple.subject)
+
+    @property
+    def predicate(self) -> str:
+        """IRI of the predicate."""
+        return str(self.triple.predicate.value)
+
+    @property
+    def object(self) -> str | None:
+        """IRI of the object, or None where it is anonymous or a literal."""
+        return iri_of(self.triple.object)
+
+    def fault(self, reason: str, at: str | None = None) -> FileError:
+        """Makes the fault of this statement, at an IRI in it (else at its predicate)."""
+        return self.document.fault(reason, self.subject or at, at or self.predicate)
+
+
+@dataclass(frozen=True)
+class Material:
+    """The files of one check.
+
+    Attributes:
+        documents: Those that could be read.
+        names: Their prefixes.
+    """
+
+    documents: Sequence[Document]
+    names: Names
+    _members: dict[tuple[int, object], tuple[object, ...]] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def statements(self) -> tuple[Statement, ...]:
+        """Every statement, in file order."""
+        return tuple(Statement(document, triple) for document in self.documents for triple in document.triples)
+
+    @cached_property
+    def by_predicate(self) -> Mapping[str, Sequence[Statement]]:
+        """The statements of a predicate (IRI), in file order."""
+        found: dict[str, list[Statement]] = defaultdict(list)
+        for statement in self.statements:
+            found[statement.predicate].append(statement)
+        return found
+
+    @cached_property
+    def declared(self) -> Mapping[Kind, Mapping[str, Document]]:
+        """Terms (IRIs) of each kind, with the file that declares each first."""
+        found: dict[Kind, dict[str, Document]] = {kind: {} for kind in Kind}
+        for statement in self.about(rdf("type")):
+            kind = DECLARES.get(statement.object or "")
+            if kind is not None and statement.subject is not None:
+                found[kind].setdefault(statement.subject, statement.document)
+        return found
+
+    @cached_property
+    def parents(self) -> Mapping[str, Sequence[str]]:
+        """The named classes directly above each class: superclasses and equivalents."""
+        found: dict[str, list[str]] = defaultdict(list)
+        for below, above in self.pairs(rdfs("subClassOf")):
+            found[below].append(above)
+        for one, other in self.pairs(owl("equivalentClass")):
+            found[one].append(other)
+            found[other].append(one)
+        return found
+
+    @cached_property
+    def types(self) -> Mapping[str, Sequence[str]]:
+        """The declared classes of each named individual."""
+        found: dict[str, list[str]] = defaultdict(list)
+        for one, type_ in self.pairs(rdf("type")):
+            if type_ in self.declared[Kind.CLASS]:
+                found[one].append(type_)
+        return found
+
+    def about(self, predicate: str) -> Sequence[Statement]:
+        """Returns the statements of a predicate (IRI)."""
+        return self.by_predicate.get(predicate, ())
+
+    def pairs(self, predicate: str) -> Iterator[tuple[str, str]]:
+        """Yields subject and object of a predicate where both have names."""
+        for statement in self.about(predicate):
+            if statement.subject is not None and statement.object is not None:
+                yield statement.subject, statement.object
+
+    def kinds_of(self, iri: str) -> tuple[Kind, ...]:
+        """Returns all that a term is declared as."""
+        return tuple(kind for kind in Kind if iri in self.declared[kind])
+
+    def is_term(self, iri: str) -> bool:
+        """Returns True for what is declared as a class, relation, property or data type."""
+        return any(iri in terms for terms in self.declared.values())
+
+    def ancestors(self, class_: str) -> frozenset[str]:
+        """Returns a class and all named classes above it."""
+        return closure([class_], self.parents)
+
+    def members(self, document: Document, node: object) -> tuple[object, ...]:
+        """Returns what an RDF list of a file holds."""
+        return tuple(_list(self._links(document), node))
+
+    def _links(self, document: Document) -> Mapping[object, tuple[object, object]]:
+        known = self._cells.get(id(document))
+        return known if known is not None else {}
+
+    @cached_property
+    def _cells(self) -> Mapping[int, Mapping[object, tuple[object, object]]]:
+        first: dict[tuple[int, object], object] = {}
+        for statement in self.about(rdf("first")):
+            first[id(statement.document), statement.triple.subject] = statement.triple.object
+        cells: dict[int, dict[object, tuple[object, object]]] = defaultdict(dict)
+        for statement in self.about(rdf("rest")):
+            key = id(statement.document), statement.triple.subject
+            if key in first:
+                cells[key[0]][key[1]] = (first[key], statement.triple.object)
+        return cells
+
+
+def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
+    """Reads all files (of a folder: all below it) and says which could not be read."""
+    documents: list[Document] = []
+    findings: list[Finding] = []
+    for path in rdf_files(paths):
+        try:
+            documents.append(read_document(path))
+        except FileError as fault:
+            findings.append(finding_of(fault, FindingKind.UNREADABLE, path.name))
+    try:
+        names = common_names(documents)
+    except FileError as fault:
+        findings.append(finding_of(fault, FindingKind.UNREADABLE, fault.path.name))
+        names = _first_wins(documents)
+    return Material(documents, names), [*findings, *_twins(documents), *_absent_imports(documents)]
+
+
+def iri_of(node: object) -> str | None:
+    """Returns the IRI of a named node, else None."""
+    return node.value if isinstance(node, ox.NamedNode) else None
+
+
+def closure(start: Iterable[str], above: Mapping[str, Sequence[str]]) -> frozenset[str]:
+    """Returns the start and all that is reached from it."""
+    reached: set[str] = set()
+    waiting = list(start)
+    while waiting:
+        current = waiting.pop()
+        if current not in reached:
+            reached.add(current)
+            waiting.extend(above.get(current, ()))
+    return frozenset(reached)
+
+
+def _list(cells: Mapping[object, tuple[object, object]], node: object) -> Iterator[object]:
+    seen = set()
+    while node in cells and node not in seen:
+        seen.add(node)
+        first, node = cells[node]
+        yield first
+
+
+def _first_wins(documents: Sequence[Document]) -> Names:
+    prefixes: dict[str, str] = {}
+    for document in documents:
+        for prefix, iri in document.prefixes.items():
+            if prefix:
+                prefixes.setdefault(prefix, iri)
+    return Names(prefixes)
+
+
+def _twins(documents: Sequence[Document]) -> Iterator[Finding]:
+    by_iri: dict[str, Document] = {}
+    for document in documents:
+        first = by_iri.setdefault(document.iri, document)
+        if first is not document:
+            fault = document.fault(f"declares ontology <{document.iri}>, as {first.path} does", document.iri)
+            yield finding_of(fault, FindingKind.UNREADABLE, document.iri)
+
+
+def _absent_imports(documents: Sequence[Document]) -> Iterator[Finding]:
+    at_hand = {document.iri for document in documents}
+    for document in documents:
+        for iri in document.imports():
+            if iri not in at_hand:
+                reason = f"imports <{iri}>, which none of the files at hand is; nothing is fetched from the network"
+                fault = document.fault(reason, document.iri, iri)
+                yield finding_of(fault, FindingKind.IMPORT, document.iri, severity=Severity.WARNING)
