@@ -117,9 +117,8 @@ def state_problems(view: Index, touched: Iterable[str]) -> Iterator[tuple[str, s
     """Yields (element, what is wrong with it) for the elements of a state that a transaction touched."""
     present = sorted(name for name in touched if view.has(name))
     for element_id in present:
-        for problem in (_place_problem(view, element_id), *_owner_problems(view, element_id)):
-            if problem:
-                yield element_id, problem
+        for problem in _tie_problems(view, element_id):
+            yield element_id, problem
     yield from _cycles(present, lambda name: _parents(view, name), "is inside itself")
     yield from _cycles(present, lambda name: view.objects(name, POSE_FRAME), f"has its own frame as {POSE_FRAME}")
 
@@ -137,55 +136,62 @@ def _allowed(view: Index, subject: str, object_: str) -> str:
     return f"From a {types[0]} to a {types[1]} there may be: {', '.join(fitting) or 'nothing'}"
 
 
-def _place_problem(view: Index, element_id: str) -> str | None:
-    type_ = view.element(element_id).type
-    placed, owned = view.placement(element_id) is not None, bool(view.owners(element_id))
-    if (
-        placed
-        or owned
-        or is_abstract(element_id)
-        or not view.ontology.is_a(type_, SPATIAL_THING)
-        or view.ontology.is_a(type_, ROOT)
-    ):
-        return None
-    relations = sorted(r for r in view.ontology.relations if view.ontology.is_placement(r))
-    leaves = [r for r in relations if len(view.ontology.sub_relations(r)) == 1]
-    return f"{element_id} ({type_}) is nowhere: give it a placement ({', '.join(leaves)}) or an owner"
-
-
-def _owner_problems(view: Index, element_id: str) -> Iterator[str]:
-    owners = view.owners(element_id)
+def _tie_problems(view: Index, element_id: str) -> Iterator[str]:
+    """Everything is in one place, or a piece of one thing and goes with it."""
+    owners, placement = view.owners(element_id), view.placement(element_id)
     if len(owners) > 1:
         yield f"{element_id} is a piece of {' and '.join(owners)}: a piece has one owner"
-    if owners and view.placement(element_id) is not None:
+    if owners and placement is not None:
         yield f"{element_id} is a piece of {owners[0]} and goes with it: it can have no placement of its own"
+    if not owners and placement is None and _needs_place(view, element_id):
+        relations = sorted(r for r in view.ontology.relations if view.ontology.is_placement(r))
+        leaves = ", ".join(r for r in relations if len(view.ontology.sub_relations(r)) == 1)
+        type_ = view.element(element_id).type
+        yield f"{element_id} ({type_}) is nowhere: give it a placement ({leaves}) or an owner"
+
+
+def _needs_place(view: Index, element_id: str) -> bool:
+    if is_abstract(element_id):
+        return False
+    type_ = view.element(element_id).type
+    return view.ontology.is_a(type_, SPATIAL_THING) and not view.ontology.is_a(type_, ROOT)
 
 
 def _parents(view: Index, element_id: str) -> tuple[str, ...]:
     placement = view.placement(element_id)
-    return (*view.owners(element_id), *((placement.place,) if placement else ()))
+    owners = view.owners(element_id)
+    return owners if placement is None else (*owners, placement.place)
 
 
 def _cycles(names: list[str], parents: Callable[[str], tuple[str, ...]], says: str) -> Iterator[tuple[str, str]]:
-    """Yields each cycle once, at its first element."""
-    reported: set[str] = set()
+    """Yields cycles that can be reached from the names, each at the first name in it."""
+    safe: set[str] = set()
     for name in names:
-        path = _way_back(name, parents)
-        if path and not reported & set(path):
-            reported |= set(path)
-            yield name, f"{name} {says}: {' -> '.join((*path, name))}"
+        cycle = _climb(name, parents, safe)
+        if cycle:
+            first = cycle.index(name) if name in cycle else 0
+            path = cycle[first:] + cycle[:first]
+            yield path[0], f"{path[0]} {says}: {' -> '.join((*path, path[0]))}"
 
 
-def _way_back(start: str, parents: Callable[[str], tuple[str, ...]]) -> list[str]:
-    """The way from an element up to itself, or nothing."""
-    waiting: list[list[str]] = [[start]]
-    seen: set[str] = set()
-    while waiting:
-        path = waiting.pop()
-        for parent in parents(path[-1]):
-            if parent == start:
-                return path
-            if parent not in seen:
-                seen.add(parent)
-                waiting.append([*path, parent])
+def _climb(start: str, parents: Callable[[str], tuple[str, ...]], safe: set[str]) -> list[str]:
+    """The first cycle met on the ways up from an element, or nothing; what was climbed is safe afterwards."""
+    path: dict[str, Iterator[str]] = {}
+    name: str | None = start
+    while name is not None or path:
+        if name is None:
+            last = next(reversed(path))
+            name = next(path[last], None)
+            if name is None:
+                del path[last]
+        elif name in path:
+            climbed = list(path)
+            safe.update(climbed)
+            return climbed[climbed.index(name) :]
+        elif name in safe:
+            name = None
+        else:
+            safe.add(name)
+            above = path[name] = iter(parents(name))
+            name = next(above, None)
     return []

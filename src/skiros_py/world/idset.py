@@ -38,7 +38,7 @@ class IdSet:
         return self._sorted is not None and name in self._sorted
 
     def __len__(self) -> int:
-        return len(self._tree) if self._tree is not None else len(self.ids())
+        return len(self.ids() if self._tree is None else self._tree)
 
     def with_(self, name: str) -> IdSet:
         """Returns the set with one id more."""

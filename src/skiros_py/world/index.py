@@ -15,8 +15,8 @@ from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstrac
 from skiros_py.world.idset import EMPTY, IdSet
 from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
-from skiros_py.world.terms import Family
-from skiros_py.world.vocabulary import LABEL, STRUCTURE
+from skiros_py.world.terms import Family, PlaceEnd
+from skiros_py.world.vocabulary import LABEL, PLACEMENT, STRUCTURE
 
 if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
@@ -47,7 +47,7 @@ class Index:
         self._objects: Map[tuple[str, str], IdSet] = Map()
         self._subjects: Map[tuple[str, str], IdSet] = Map()
         self._placements: Map[str, Placement] = Map()
-        self._contents: Map[str, IdSet] = Map()
+        self._guests: Map[tuple[str, str], IdSet] = Map()
         self._stamps: Map[str, Stamp] = Map()
 
     def copy(self) -> Index:
@@ -89,7 +89,7 @@ class Index:
         Raises:
             UnknownName: It is not a class.
         """
-        return _merged(self._of_class.get(below, EMPTY) for below in self._ontology.subclasses(class_))
+        return _merged(self._of_class, self._ontology.subclasses(class_))
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of the abstract elements of a class or of its subclasses, sorted: the ontology's and learned.
@@ -97,7 +97,7 @@ class Index:
         Raises:
             UnknownName: It is not a class.
         """
-        return _merged(self._abstract.get(below, EMPTY) for below in self._ontology.subclasses(class_))
+        return _merged(self._abstract, self._ontology.subclasses(class_))
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
@@ -117,9 +117,12 @@ class Index:
         Raises:
             UnknownName: It is not a relation, or one that no reasoner here computes.
         """
-        if self._ontology.family(relation) is Family.COMPUTED:
+        family = self._ontology.family(relation)
+        if family is Family.COMPUTED:
             return computed_objects(self, subject, relation)
-        return _merged(self._objects.get((subject, below), EMPTY) for below in self._ontology.sub_relations(relation))
+        if family is Family.PLACEMENT:
+            return self._placed(subject, relation, "object")
+        return _merged(self._objects, [(subject, below) for below in self._ontology.sub_relations(relation)])
 
     def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
         """Returns ids of what is related to the object, sorted; sub-relations count.
@@ -127,9 +130,12 @@ class Index:
         Raises:
             UnknownName: It is not a relation, or one that no reasoner here computes.
         """
-        if self._ontology.family(relation) is Family.COMPUTED:
+        family = self._ontology.family(relation)
+        if family is Family.COMPUTED:
             return computed_subjects(self, relation, object_)
-        return _merged(self._subjects.get((below, object_), EMPTY) for below in self._ontology.sub_relations(relation))
+        if family is Family.PLACEMENT:
+            return self._placed(object_, relation, "subject")
+        return _merged(self._subjects, [(below, object_) for below in self._ontology.sub_relations(relation)])
 
     def related(self, subject: str, relation: str, object_: str) -> bool:
         """Returns True when the relation (or a sub-relation) holds between the two.
@@ -139,8 +145,7 @@ class Index:
         """
         if self._ontology.family(relation) is Family.COMPUTED:
             return self._reasoners.answer(self, subject, relation, object_).holds
-        below = self._ontology.sub_relations(relation)
-        return any(object_ in self._objects.get((subject, name), EMPTY) for name in below)
+        return any(self.stated(subject, below, object_) for below in self._ontology.sub_relations(relation))
 
     def placement(self, element_id: str) -> Placement | None:
         """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure).
@@ -164,14 +169,17 @@ class Index:
 
     def contents(self, place: str) -> tuple[str, ...]:
         """Returns ids of what is placed directly there, by whatever relation, sorted."""
-        return self._contents.get(place, EMPTY).ids()
+        return _merged(self._guests, [(below, place) for below in self._ontology.sub_relations(PLACEMENT)])
 
     def owners(self, element_id: str) -> tuple[str, ...]:
         """Returns ids of what the element is a piece of (one, in a world that was checked)."""
-        return self.subjects(STRUCTURE, element_id)
+        return _merged(self._subjects, [(below, element_id) for below in self._ontology.sub_relations(STRUCTURE)])
 
     def stated(self, subject: str, relation: str, object_: str) -> bool:
         """Returns True when exactly this is stated, not through a sub-relation."""
+        if self._ontology.is_placement(relation):
+            element, placement = self._ontology.placed(subject, relation, object_)
+            return self._placements.get(element) == placement
         return object_ in self._objects.get((subject, relation), EMPTY)
 
     def ids(self) -> Iterator[str]:
@@ -180,16 +188,20 @@ class Index:
 
     def statements(self) -> Iterator[tuple[str, str, str]]:
         """Yields every stated (subject, relation, object), placements too, sorted."""
-        for subject, relation in sorted(self._objects):
-            for object_ in self._objects[subject, relation].ids():
-                yield subject, relation, object_
+        placed = (self._placement_statement(name, placement) for name, placement in self._placements.items())
+        related = ((s, r, o) for (s, r), objects in self._objects.items() for o in objects.ids())
+        yield from sorted((*placed, *related))
 
     def statements_about(self, element_id: str) -> list[tuple[str, str, str]]:
         """Returns every stated (subject, relation, object) with the element at either end, sorted."""
         found = set()
-        for relation in self._ontology.relations:
-            found |= {(element_id, relation, o) for o in self._objects.get((element_id, relation), EMPTY).ids()}
-            found |= {(s, relation, element_id) for s in self._subjects.get((relation, element_id), EMPTY).ids()}
+        for relation, declared in self._ontology.relations.items():
+            if declared.family is not Family.PLACEMENT:
+                found |= {(element_id, relation, o) for o in self._objects.get((element_id, relation), EMPTY).ids()}
+                found |= {(s, relation, element_id) for s in self._subjects.get((relation, element_id), EMPTY).ids()}
+        for name in (element_id, *self.contents(element_id)):
+            if name in self._placements:
+                found.add(self._placement_statement(name, self._placements[name]))
         return sorted(found)
 
     # ------------------------------------------------------------ writing: only before publication
@@ -239,23 +251,37 @@ class Index:
         """Moves an element across the whole placement family."""
         old = self._placements.get(element_id)
         if old is not None:
-            self._placements = self._placements.delete(element_id)
-            self._contents = _discard(self._contents, old.place, element_id)
-            self._put_pair(element_id, old, holds=False)
+            self._guests = _discard(self._guests, (old.relation, old.place), element_id)
         if placement is not None:
             self._placements = self._placements.set(element_id, placement)
-            self._contents = _insert(self._contents, placement.place, element_id)
-            self._put_pair(element_id, placement, holds=True)
+            self._guests = _insert(self._guests, (placement.relation, placement.place), element_id)
+        elif old is not None:
+            self._placements = self._placements.delete(element_id)
 
     def put_relation(self, subject: str, relation: str, object_: str, *, holds: bool) -> None:
-        """Lets a relation hold or not."""
+        """Lets a relation, no placement, hold or not."""
         change = _insert if holds else _discard
         self._objects = change(self._objects, (subject, relation), object_)
         self._subjects = change(self._subjects, (relation, object_), subject)
 
-    def _put_pair(self, element_id: str, placement: Placement, *, holds: bool) -> None:
+    # ------------------------------------------------------------ placements as statements
+
+    def _placed(self, element_id: str, relation: str, asked: PlaceEnd) -> tuple[str, ...]:
+        """What stands at the asked end of placement statements that have the element at the other."""
+        own = self._placements.get(element_id)
+        places: list[str] = []
+        keys: list[tuple[str, str]] = []
+        for below in self._ontology.sub_relations(relation):
+            if self._ontology.relations[below].place_end != asked:
+                keys.append((below, element_id))
+            elif own is not None and own.relation == below:
+                places.append(own.place)
+        guests = _merged(self._guests, keys)
+        return tuple(sorted({*places, *guests})) if places else guests
+
+    def _placement_statement(self, element_id: str, placement: Placement) -> tuple[str, str, str]:
         subject, object_ = self._ontology.placement_pair(element_id, placement)
-        self.put_relation(subject, placement.relation, object_, holds=holds)
+        return subject, placement.relation, object_
 
 
 def with_value(element: Element, property_: str, value: Value | None) -> Element:
@@ -268,8 +294,11 @@ def with_value(element: Element, property_: str, value: Value | None) -> Element
     return replace(element, properties=MappingProxyType(properties))
 
 
-def _merged(groups: Iterator[IdSet]) -> tuple[str, ...]:
-    found = [group for group in groups if len(group)]
+def _merged(table: Map[_Key, IdSet], keys: Iterable[_Key]) -> tuple[str, ...]:
+    """What the table has under all the keys together, sorted; a table never holds an empty set."""
+    found = [group for key in keys if (group := table.get(key)) is not None]
+    if not found:
+        return ()
     if len(found) == 1:
         return found[0].ids()
     return tuple(sorted({name for group in found for name in group.ids()}))

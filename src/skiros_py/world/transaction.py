@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 from skiros_py.errors import WorldError
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
@@ -21,7 +22,7 @@ from skiros_py.world.names import local_name
 from skiros_py.world.removal import remove
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import COMPUTED, PLACEMENT, STRUCTURE
+from skiros_py.world.vocabulary import COMPUTED, LABEL, PLACEMENT, STRUCTURE
 from skiros_py.world.workspace import Workspace
 
 __all__ = ["Transaction"]
@@ -72,10 +73,7 @@ class Transaction:
             self._refuse(element_id, problem)
             self._refused.add(element_id)
             return element_id
-        self._ids.claim(element_id)
-        self._work.put(Element(element_id, class_, label or local_name(class_)))
-        for name, value in (properties or {}).items():
-            self.set(element_id, name, value)
+        self._put_new(element_id, class_, {**(properties or {}), LABEL: label or local_name(class_)})
         if placement is not None:
             self.place(element_id, placement.relation, placement.place)
         return element_id
@@ -207,10 +205,20 @@ class Transaction:
             self._refuse(edit.element, problem)
             self._refused.add(edit.element)
             return
-        self._ids.claim(edit.element)
-        self._work.put(Element(edit.element, edit.new.type, edit.new.label))
-        for name, value in edit.new.properties.items():
-            self.set(edit.element, name, value)
+        self._put_new(edit.element, edit.new.type, {**edit.new.properties, LABEL: edit.new.label})
+
+    def _put_new(self, element_id: str, class_: str, values: Mapping[str, Value]) -> None:
+        self._ids.claim(element_id)
+        self._work.put(Element(element_id, class_, element_id))
+        checked = {}
+        for name, value in values.items():
+            try:
+                checked[name] = checked_value(self._view, element_id, name, value)
+            except ValueError as error:
+                self._refuse(element_id, str(error))
+        label = str(checked.pop(LABEL, element_id))
+        own = {name: value for name, value in checked.items() if value is not None}
+        self._work.put(Element(element_id, class_, label, MappingProxyType(own)))
 
     def _used_problem(self, element_id: str) -> str:
         return f"id '{element_id}' was given before, and ids are never used again"
