@@ -6,14 +6,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from skiros_py.errors import PlanningError
+from skiros_py.config import ontology_paths
+from skiros_py.errors import FileError, PlanningError
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.plugins import Plugin, PluginFault, load_plugins
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint import problems_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
-from skiros_py.world.ontology import Ontology
+from skiros_py.world.ontology import Ontology, load_installed
+from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 __all__ = ["Catalogue", "fitting", "load_catalogue"]
 
@@ -28,6 +31,7 @@ class Catalogue:
     planners: Mapping[str, Any]
     sources: Mapping[str, str]
     faults: tuple[PluginFault, ...]
+    reasoners: Reasoners = NO_REASONERS
 
 
 _IS_ONE: Mapping[str, Callable[[Any], bool]] = {
@@ -55,7 +59,11 @@ def _clashes(plugins: Sequence[Plugin]) -> Iterator[PluginFault]:
 
 
 def load_catalogue() -> Catalogue:
-    """Loads all plug-ins of the groups ``skiros.skills``, ``.primitives``, ``.conditions`` and ``.planners``."""
+    """Loads all plug-ins of the groups ``skiros.skills``, ``.primitives``, ``.conditions`` and ``.planners``.
+
+    The reasoners are those that worlds are opened with; the faults of the plug-ins of ``skiros.reasoners`` and
+    ``skiros.ontologies`` are among the faults.
+    """
     found: dict[str, dict[str, Any]] = {}
     sources: dict[str, str] = {}
     faults: list[PluginFault] = []
@@ -67,21 +75,31 @@ def load_catalogue() -> Catalogue:
         sources |= {f"{kind}/{plugin.name}": plugin.distribution for plugin in good}
         faults += broken
         faults += [_fault(p, f"it is a {type(p.value).__name__}, nothing for {kind}") for p in plugins if p not in good]
+    reasoners, unusable = load_reasoners()
+    faults += [*unusable, *_ontology_faults()]
     return Catalogue(
-        found["skills"], found["primitives"], found["conditions"], found["planners"], sources, tuple(faults)
+        found["skills"], found["primitives"], found["conditions"], found["planners"], sources, tuple(faults), reasoners
     )
 
 
-def fitting(catalogue: Catalogue, ontology: Ontology) -> Catalogue:
+def _ontology_faults() -> tuple[PluginFault, ...]:
+    try:
+        return load_installed(ontology_paths())[1]
+    except FileError:
+        return ()  # no plug-in's fault, and said to whoever opens a scene
+
+
+def fitting(catalogue: Catalogue, ontology: Ontology, reasoners: Reasoners = NO_REASONERS) -> Catalogue:
     """Leaves out skills that cannot be used here; they are reported and hurt nobody else.
 
-    A skill must use words that the ontology declares and primitives that exist, and it must be possible to plan with it
-    beside those before it.
+    A skill must use words that the ontology declares, relations that a reasoner computes and primitives that exist, and
+    it must be possible to plan with it beside those before it.
     """
     good: dict[str, Skill] = {}
     faults: list[PluginFault] = []
     for name, skill in catalogue.skills.items():
-        problems = problems_of(skill, ontology, catalogue.primitives) or _unplannable([*good.values(), skill], ontology)
+        problems = problems_of(skill, ontology, catalogue.primitives, reasoners)
+        problems = problems or _unplannable([*good.values(), skill], ontology)
         if problems:
             source = catalogue.sources.get(f"skills/{name}", "this catalogue")
             faults.append(PluginFault("skiros.skills", name, source, "; ".join(problems), ""))

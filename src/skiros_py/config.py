@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
-from skiros_py.errors import FileError, UnknownName
+from skiros_py.errors import FileError, UnknownName, UsageError
 
-__all__ = ["find_scene", "ontology_paths", "scene_names"]
+__all__ = ["SCENE_SUFFIXES", "find_scene", "named_scene", "ontology_paths", "scene_names"]
+
+SCENE_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
+"""How the names of scene files end; of two files of one name the first kind counts."""
 
 _PACKAGE = Path(__file__).parent
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
+_LONGEST_SHOWN = 80
 
 
 def ontology_paths() -> tuple[Path, ...]:
-    """Returns the folders whose Turtle files make the ontology; ``SKIROS_ONTOLOGIES`` adds more, separated by ':'."""
+    """Returns the folders whose files make the ontology; ``SKIROS_ONTOLOGIES`` adds more, separated by ':'.
+
+    Plug-ins bring more: :func:`~skiros_py.world.ontology.load_installed` adds them.
+    """
     return (_folder("ontologies"), *_from_environment("SKIROS_ONTOLOGIES"))
 
 
@@ -24,25 +33,64 @@ def scene_paths() -> tuple[Path, ...]:
 
 def scene_names() -> tuple[str, ...]:
     """Returns the names of all scenes."""
-    return tuple(sorted({file.stem for folder in scene_paths() for file in folder.glob("*.ttl")}))
+    files = (file for folder in scene_paths() for suffix in SCENE_SUFFIXES for file in folder.glob(f"*{suffix}"))
+    return tuple(sorted({file.stem for file in files if _NAME.fullmatch(file.stem) and _is_within(file)}))
 
 
-def find_scene(name: str) -> Path:
-    """Returns the file of a scene, given by name or by path.
+def find_scene(scene: str) -> Path:
+    """Returns the file of a scene, given by name or by path: what ends in one of :data:`SCENE_SUFFIXES` is a path.
 
     Raises:
         UnknownName: There is no scene of that name.
+        UsageError: It can be neither a name nor a path.
         FileError: There is no such file.
     """
-    if name.endswith(".ttl"):
-        if Path(name).is_file():
-            return Path(name)
-        what = "is a folder" if Path(name).is_dir() else "does not exist"
-        raise FileError(Path(name), f"the scene file {what}; scenes known by name: {', '.join(scene_names())}")
+    return _scene_file(scene) if scene.endswith(SCENE_SUFFIXES) else named_scene(scene)
+
+
+def named_scene(name: str) -> Path:
+    """Returns the file of a scene given by name: one in the scene folders, never one elsewhere.
+
+    Raises:
+        UnknownName: There is no scene of that name.
+        UsageError: It cannot be a name.
+        FileError: Its file is a symbolic link out of the scene folders.
+    """
+    if not _NAME.fullmatch(name):
+        raise UsageError(
+            f"{_shown(name)} is no name of a scene: a name is made of letters, digits, '_' and '-' (64 at most, the"
+            f" first a letter or digit); the path of a file must end in {' or '.join(SCENE_SUFFIXES)}"
+        )
     for folder in scene_paths():
-        if (folder / f"{name}.ttl").is_file():
-            return folder / f"{name}.ttl"
+        for file in (folder / f"{name}{suffix}" for suffix in SCENE_SUFFIXES):
+            if _is_file(file):
+                if not _is_within(file):
+                    raise FileError(file, f"is a symbolic link out of {folder}; give the path of the file it leads to")
+                return file
     raise UnknownName("scene", name, scene_names())
+
+
+def _scene_file(path: str) -> Path:
+    if not path.isprintable():
+        raise UsageError(f"{_shown(path)} is no path of a scene: it has characters that cannot be printed")
+    file = Path(path)
+    if _is_file(file):
+        return file
+    what = "is a folder" if os.path.isdir(path) else "does not exist"  # noqa: PTH112  never raises for long names
+    known = ", ".join(scene_names())
+    raise FileError(Path(path[-_LONGEST_SHOWN:]), f"the scene file {what}; scenes known by name: {known}")
+
+
+def _is_file(path: Path) -> bool:
+    return os.path.isfile(path)  # noqa: PTH113  Path.is_file() raises for long names
+
+
+def _is_within(file: Path) -> bool:
+    return file.resolve().is_relative_to(file.parent.resolve())
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…")
 
 
 def _folder(name: str) -> Path:

@@ -21,6 +21,7 @@ Expected outcomes ("no plan", "part not found", "condition does not hold") are v
 from __future__ import annotations
 
 import difflib
+from bisect import bisect_left
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -64,21 +65,42 @@ class UnknownName(UsageError):
     Attributes:
         kind: What was looked for, in the user's words ("scene", "condition", ...).
         name: The name given.
-        known: The names that exist, sorted.
+        known: The names that exist, sorted; of very many, some that are like the given one.
         nearest: The known name most like the given one, or None.
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], *, where: str = "") -> None:
         self.kind = kind
         self.name = name
-        self.known = tuple(sorted(known))
-        folded = {candidate.casefold(): candidate for candidate in self.known}
-        close = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.4)
-        self.nearest = folded[close[0]] if close else None
+        given = str(name)[:_LONGEST_SHOWN]
+        place = f" {where[:_LONGEST_SHOWN]}" if where else ""
+        names = sorted(known)
+        many = len(names) > _MANY
+        self.known = tuple(_around(given, names) if many else names)
+        self.nearest = _nearest(given, self.known)
         hint = f" Did you mean '{self.nearest}'?" if self.nearest else ""
-        shown = ", ".join(self.known[:20]) + (", …" if len(self.known) > 20 else "")
+        shown = ", ".join(self.known[:20]) + (", …" if many or len(self.known) > 20 else "")
         there_is = f" Known: {shown}." if self.known else " There is none."
-        super().__init__(f"unknown {kind} '{name}'{' ' + where if where else ''}.{hint}{there_is}")
+        cut = "…" if len(str(name)) > len(given) else ""
+        super().__init__(f"unknown {kind} '{given}{cut}'{place}.{hint}{there_is}")
+
+
+_MANY = 1000
+"""Of more names than these, only so many are compared with the given one: that takes 10 ms, and all seconds."""
+_LONGEST_SHOWN = 100
+
+
+def _nearest(name: str, known: Iterable[str]) -> str | None:
+    folded = {candidate.casefold(): candidate for candidate in known}
+    close = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.4)
+    return folded[close[0]] if close else None
+
+
+def _around(name: str, names: list[str]) -> list[str]:
+    """Picks those names that stand next to the given one in the order: they begin alike."""
+    places = {bisect_left(names, spelling) for spelling in (name, name.casefold(), name[:-1])}
+    reach = _MANY // (2 * len(places))
+    return sorted({other for at in places for other in names[max(0, at - reach) : at + reach]})
 
 
 class GoalSyntaxError(UsageError):

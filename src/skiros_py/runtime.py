@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -30,15 +31,17 @@ from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.change import Change
-from skiros_py.world.ontology import Ontology
+from skiros_py.world.ontology import load_installed
+from skiros_py.world.reasoners.plugins import load_reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.vocabulary import AGENT, HAS_A, ROBOT
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.cell import PyBulletCell
+    from skiros_py.world.journal import DataDirectory
 
-__all__ = ["Options", "Session", "open_world", "scene_title"]
+__all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
 
 _PLANNER = "fast-downward"
 _HASH_EVERY = 20
@@ -103,7 +106,7 @@ class Session:
 
     def _open(self, scene: str) -> None:
         self.world = open_world(scene)
-        self.catalogue = fitting(self.catalogue, self.world.ontology)
+        self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners)
         self.goal = self._own_goal()
         self.spec = read_cell(self.world, self._robots())
         if _PLANNER not in self.catalogue.planners:
@@ -313,14 +316,36 @@ class Session:
 
 
 def open_world(scene: str) -> World:
-    """Loads the ontology and a scene, without robots, plug-ins or physics.
+    """Loads the ontology and a scene, with what plug-ins bring of ontologies and reasoners; no robots, no physics.
 
     Raises:
         UnknownName: No such scene.
         FileError: A file cannot be read or understood.
     """
     path = find_scene(scene)
-    return load_scene(Ontology.load(ontology_paths()), path, ontology_paths())
+    ontology, _ = load_installed(ontology_paths())
+    reasoners, _ = load_reasoners()
+    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners)
+
+
+def open_data(path: str | Path, scene: str | None = None, *, create: bool = True) -> DataDirectory:
+    """Opens a data directory: a world that is still there when the process is gone. Close it, or use it in a ``with``.
+
+    Args:
+        path: The folder; made where it is missing.
+        scene: Name or path of the scene that is the first content of a new one; later it counts no more.
+        create: False where a folder without a world is a mistake.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: Another process uses the folder, it cannot be read or written, or a file is broken.
+    """
+    from skiros_py.world.journal import DataDirectory  # most runs keep nothing
+
+    file = None if scene is None else find_scene(scene)
+    ontology, _ = load_installed(ontology_paths())
+    reasoners, _ = load_reasoners()
+    return DataDirectory.open(Path(path), ontology, reasoners, file, imports=ontology_paths(), create=create)
 
 
 def scene_title(scene: str) -> str:

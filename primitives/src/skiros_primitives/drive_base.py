@@ -16,7 +16,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import map_pose, obstacles
-from skiros_py.world.vocabulary import AT, DRIVING_POSE, FLOOR
+from skiros_py.world.vocabulary import AT, BASE, DRIVING_POSE, FLOOR, LOCATION, POSE_FRAME, ROBOT
 
 __all__ = ["DriveBase"]
 
@@ -38,9 +38,9 @@ class DriveBase(Primitive["DriveBase.Params"]):
     class Params:
         """Parameters."""
 
-        base: str = param("sk:Base", "The base that drives.", kind=Kind.HARDWARE)
-        robot: str = param("sk:Robot", "The robot it carries along.", kind=Kind.PLANNING)
-        location: str = param("sk:Location", "Where to go; it has a driving pose.")
+        base: str = param(BASE, "The base that drives.", kind=Kind.HARDWARE)
+        robot: str = param(ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
+        location: str = param(LOCATION, "Where to go; it has a driving pose.")
 
     def execute(self) -> Execution[Outcome]:
         """Plans, drives, and says where the robot is when it stands."""
@@ -79,7 +79,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
         return (yield from self.wait(planner.plan(request)))
 
     def _rides(self, element: str) -> bool:
-        frames = self.world.objects(element, "sk:poseFrame")
+        frames = self.world.objects(element, POSE_FRAME)
         return any(f == self.params.base or self._rides(f) for f in frames)
 
     def _spec(self) -> BaseSpec:

@@ -17,7 +17,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, set_pose
-from skiros_py.world.vocabulary import HELD_BY
+from skiros_py.world.vocabulary import ARM, GRIPPER, HELD_BY, MANIPULATABLE
 
 __all__ = ["Grasp"]
 
@@ -39,9 +39,9 @@ class Grasp(ArmPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
-        gripper: str = param("sk:Gripper", "The gripper on it.", kind=Kind.HARDWARE)
-        part: str = param("sk:Manipulatable", "The part; its pose is known exactly.")
+        arm: str = param(ARM, "The arm.", kind=Kind.HARDWARE)
+        gripper: str = param(GRIPPER, "The gripper on it.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part; its pose is known exactly.")
 
     _retreat: Trajectory | None = None
     _lifting = False

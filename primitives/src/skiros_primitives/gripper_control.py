@@ -10,6 +10,7 @@ from skiros_py.robot.devices import Gripper
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.world.vocabulary import GRIPPER
 
 __all__ = ["GripperControl"]
 
@@ -23,7 +24,7 @@ class GripperControl(Primitive["GripperControl.Params"]):
     class Params:
         """Parameters."""
 
-        gripper: str = param("sk:Gripper", "The gripper.", kind=Kind.HARDWARE)
+        gripper: str = param(GRIPPER, "The gripper.", kind=Kind.HARDWARE)
         gap: float | None = param(
             "number", "Wanted gap between the pads; left out: wide open.", kind=Kind.OPTIONAL, default=None, unit="m"
         )

@@ -17,7 +17,17 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import set_pose
 from skiros_py.world.element import Placement
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.vocabulary import IN, MISSED_LOOKS, MISSING, ON, UNKNOWN_LOCATION
+from skiros_py.world.vocabulary import (
+    ARM,
+    CAMERA,
+    CONTAINER,
+    IN,
+    MANIPULATABLE,
+    MISSED_LOOKS,
+    MISSING,
+    ON,
+    UNKNOWN_LOCATION,
+)
 
 __all__ = ["Locate"]
 
@@ -36,10 +46,10 @@ class Locate(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param("sk:Arm", "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param("sk:Camera", "The camera to look with.", kind=Kind.HARDWARE)
-        place: str = param("sk:Container", "Where to look.")
-        part: str = param("sk:Manipulatable", "The part that is wanted.")
+        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        place: str = param(CONTAINER, "Where to look.")
+        part: str = param(MANIPULATABLE, "The part that is wanted.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks until the wanted part is seen, or two clear looks do not show it."""

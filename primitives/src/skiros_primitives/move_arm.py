@@ -10,6 +10,7 @@ from skiros_py.robot.motion import JointMove
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
+from skiros_py.world.vocabulary import ARM
 
 __all__ = ["MoveArm"]
 
@@ -23,7 +24,7 @@ class MoveArm(ArmPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param("sk:Arm", "The arm that moves.", kind=Kind.HARDWARE)
+        arm: str = param(ARM, "The arm that moves.", kind=Kind.HARDWARE)
 
     def execute(self) -> Execution[Outcome]:
         """Plans and moves."""

@@ -16,7 +16,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, owner, set_pose
-from skiros_py.world.vocabulary import GRASP_WIDTH, ON, UNKNOWN_LOCATION
+from skiros_py.world.vocabulary import ARM, CONTAINER, GRASP_WIDTH, GRIPPER, HAS_A, MANIPULATABLE, ON, UNKNOWN_LOCATION
 
 __all__ = ["PutDown"]
 
@@ -38,10 +38,10 @@ class PutDown(ArmPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
-        gripper: str = param("sk:Gripper", "The gripper on it.", kind=Kind.HARDWARE)
-        part: str = param("sk:Manipulatable", "The part it holds.")
-        compartment: str = param("sk:Container", "Where to put it.")
+        arm: str = param(ARM, "The arm.", kind=Kind.HARDWARE)
+        gripper: str = param(GRIPPER, "The gripper on it.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part it holds.")
+        compartment: str = param(CONTAINER, "Where to put it.")
 
     _retreat: Trajectory | None = None
 
@@ -60,8 +60,8 @@ class PutDown(ArmPrimitive):
 
     def _routes(self, floor: Pose, held: Held) -> list[Route]:
         """Four headings: the part's sides along the compartment's."""
-        kit = owner(self.world, self.params.compartment, "sk:Container")
-        inside = {self.params.part, self.params.compartment, kit or ""} | set(self.world.subjects("sk:hasA", kit or ""))
+        kit = owner(self.world, self.params.compartment, CONTAINER)
+        inside = {self.params.part, self.params.compartment, kit or ""} | set(self.world.subjects(HAS_A, kit or ""))
         above = Pose((0.0, 0.0, _LIFT))
         routes: list[Route] = []
         for quarter in range(4):

@@ -14,7 +14,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, set_pose, solid_of
-from skiros_py.world.vocabulary import POSE_FRAME
+from skiros_py.world.vocabulary import ARM, CAMERA, CONTAINER, POSE_FRAME
 
 __all__ = ["RegisterKit"]
 
@@ -31,9 +31,9 @@ class RegisterKit(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param("sk:Arm", "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param("sk:Camera", "The camera to look with.", kind=Kind.HARDWARE)
-        kit: str = param("sk:Container", "The kit.")
+        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        kit: str = param(CONTAINER, "The kit.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks, and corrects the belief."""

@@ -13,6 +13,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, set_pose
+from skiros_py.world.vocabulary import ARM, CAMERA, MANIPULATABLE
 
 __all__ = ["RegisterPart"]
 
@@ -31,9 +32,9 @@ class RegisterPart(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param("sk:Arm", "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param("sk:Camera", "The camera to look with.", kind=Kind.HARDWARE)
-        part: str = param("sk:Manipulatable", "The part; a first look has seen it.")
+        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part; a first look has seen it.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks, and corrects the belief."""

@@ -9,6 +9,7 @@ from skiros_primitives.move_arm import MoveArm
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.world.vocabulary import ROBOT
 
 __all__ = ["StowArms"]
 
@@ -25,7 +26,7 @@ class StowArms(Primitive["StowArms.Params"]):
     class Params:
         """Parameters."""
 
-        robot: str = param("sk:Robot", "The robot.", kind=Kind.PLANNING)
+        robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
 
     def execute(self) -> Execution[Outcome]:
         """Moves the arms one after the other."""

@@ -13,7 +13,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import set_pose
-from skiros_py.world.vocabulary import IN, MISSING, ON, UNKNOWN_LOCATION
+from skiros_py.world.vocabulary import ARM, CAMERA, CONTAINER, IN, MANIPULATABLE, MISSING, ON, UNKNOWN_LOCATION
 
 __all__ = ["VerifyPlace"]
 
@@ -29,10 +29,10 @@ class VerifyPlace(LookingPrimitive):
     class Params:
         """Parameters."""
 
-        arm: str = param("sk:Arm", "The arm that carries the camera.", kind=Kind.HARDWARE)
-        camera: str = param("sk:Camera", "The camera to look with.", kind=Kind.HARDWARE)
-        part: str = param("sk:Manipulatable", "The part that was put down.")
-        compartment: str = param("sk:Container", "Where it should be.")
+        arm: str = param(ARM, "The arm that carries the camera.", kind=Kind.HARDWARE)
+        camera: str = param(CAMERA, "The camera to look with.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part that was put down.")
+        compartment: str = param(CONTAINER, "Where it should be.")
 
     def execute(self) -> Execution[Outcome]:
         """Looks, at most twice."""

@@ -10,7 +10,7 @@ from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import set_pose
-from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, HELD_BY, ON
+from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
 
 __all__ = ["WatchGrasp"]
 
@@ -24,13 +24,13 @@ class WatchGrasp(Primitive["WatchGrasp.Params"]):
     """Never ends by itself: the arm's skill manager runs it whenever the gripper is there."""
 
     name: ClassVar[str] = "watch_grasp"
-    watches: ClassVar[str | None] = "sk:Gripper"
+    watches: ClassVar[str | None] = GRIPPER
 
     @dataclass(frozen=True, slots=True)
     class Params:
         """Parameters."""
 
-        device: str = param("sk:Gripper", "The gripper to watch.", kind=Kind.HARDWARE)
+        device: str = param(GRIPPER, "The gripper to watch.", kind=Kind.HARDWARE)
 
     def execute(self) -> Execution[Outcome]:
         """Reads the gap in every cycle; a part that slipped out is on the floor, as far as anybody can feel."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.vocabulary import BASE, LOCATION, ROBOT
 from skiros_skills.conditions import CAN_BE_WORKED_AT, HAS_PART, ROBOT_AT_LOCATION
 
 __all__ = ["DESCRIPTION", "DRIVE", "DRIVE_FAKE"]
@@ -15,9 +16,9 @@ DESCRIPTION = SkillDescription(
     agent="Base",
     target="Location",
     params=(
-        Param("Base", "sk:Base", "The base that drives.", Kind.HARDWARE),
-        Param("Robot", "sk:Robot", "The robot it carries.", Kind.PLANNING),
-        Param("Location", "sk:Location", "Where to go."),
+        Param("Base", BASE, "The base that drives.", Kind.HARDWARE),
+        Param("Robot", ROBOT, "The robot it carries.", Kind.PLANNING),
+        Param("Location", LOCATION, "Where to go."),
     ),
     pre=(HAS_PART("Robot", "Base"), CAN_BE_WORKED_AT("Location")),
     post=(ROBOT_AT_LOCATION("Robot", "Location"),),

@@ -5,6 +5,8 @@ from __future__ import annotations
 from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, MANIPULATABLE, ROBOT
+from skiros_skills import kitting
 from skiros_skills.conditions import EMPTY_HANDED, GRASPABLE, HAS_PART, HOLDING, OBJECT_AT_LOCATION, ROBOT_AT_LOCATION
 
 __all__ = ["DESCRIPTION", "PICK", "PICK_FAKE"]
@@ -15,12 +17,12 @@ DESCRIPTION = SkillDescription(
     agent="Arm",
     target="Object",
     params=(
-        Param("Arm", "sk:Arm", "The arm that picks.", Kind.HARDWARE),
-        Param("Gripper", "sk:Gripper", "The gripper on the arm.", Kind.HARDWARE),
-        Param("Camera", "sk:Camera", "The camera to look with.", Kind.HARDWARE),
-        Param("Robot", "sk:Robot", "The robot that has the arm.", Kind.PLANNING),
-        Param("Container", "kitting:StoragePlace", "Where the part lies."),
-        Param("Object", "sk:Manipulatable", "The part."),
+        Param("Arm", ARM, "The arm that picks.", Kind.HARDWARE),
+        Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
+        Param("Camera", CAMERA, "The camera to look with.", Kind.HARDWARE),
+        Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
+        Param("Container", kitting.STORAGE_PLACE, "Where the part lies."),
+        Param("Object", MANIPULATABLE, "The part."),
     ),
     pre=(
         HAS_PART("Robot", "Arm"),

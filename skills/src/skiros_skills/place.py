@@ -6,6 +6,8 @@ from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
 from skiros_py.skills.conditions import any_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, MANIPULATABLE, ROBOT
+from skiros_skills import kitting
 from skiros_skills.conditions import (
     CARRYING,
     EMPTY_HANDED,
@@ -25,13 +27,13 @@ DESCRIPTION = SkillDescription(
     agent="Arm",
     target="Compartment",
     params=(
-        Param("Arm", "sk:Arm", "The arm that places.", Kind.HARDWARE),
-        Param("Gripper", "sk:Gripper", "The gripper on the arm.", Kind.HARDWARE),
-        Param("Camera", "sk:Camera", "The camera to look with.", Kind.HARDWARE),
-        Param("Robot", "sk:Robot", "The robot that has the arm.", Kind.PLANNING),
-        Param("Object", "sk:Manipulatable", "The part."),
-        Param("Compartment", "kitting:Compartment", "Where the part goes."),
-        Param("Kit", "kitting:Kit", "The kit that has the compartment.", Kind.PLANNING),
+        Param("Arm", ARM, "The arm that places.", Kind.HARDWARE),
+        Param("Gripper", GRIPPER, "The gripper on the arm.", Kind.HARDWARE),
+        Param("Camera", CAMERA, "The camera to look with.", Kind.HARDWARE),
+        Param("Robot", ROBOT, "The robot that has the arm.", Kind.PLANNING),
+        Param("Object", MANIPULATABLE, "The part."),
+        Param("Compartment", kitting.COMPARTMENT, "Where the part goes."),
+        Param("Kit", kitting.KIT, "The kit that has the compartment.", Kind.PLANNING),
     ),
     pre=(
         HAS_PART("Robot", "Arm"),

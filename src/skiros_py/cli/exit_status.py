@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-__all__ = ["NOT_REACHED", "NO_PLAN", "REACHED", "STOPPED", "USAGE"]
+__all__ = ["DIFFERENT", "NOT_REACHED", "NO_PLAN", "REACHED", "STOPPED", "USAGE"]
 
 REACHED = 0
 """The goal holds: by the simulator's truth, or by belief where a fake ran."""
 NOT_REACHED = 1
 """It does not, or something broke on the way."""
+DIFFERENT = 1
+"""Two things that were compared are not equal, or a copy is not current."""
 USAGE = 2
 """Wrong usage, or a file that cannot be understood; nothing was started."""
 NO_PLAN = 3

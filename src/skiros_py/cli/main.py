@@ -21,6 +21,8 @@ _COMMANDS = {
     "plan": ("skiros_py.cli.plan", "Show domain, problem and plan without doing anything."),
     "skills": ("skiros_py.cli.skills", "List the skills, primitives and conditions that were found."),
     "scene": ("skiros_py.cli.scene", "Look at scenes."),
+    "world": ("skiros_py.cli.world", "Look at a world that lives in a data directory, take back edits, ask questions."),
+    "ontology": ("skiros_py.cli.ontology", "Check ontologies, write their words as Python constants."),
 }
 
 

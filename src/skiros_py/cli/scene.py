@@ -1,61 +1,161 @@
-"""``skiros scene``: look at scenes."""
+"""``skiros scene``: look at scenes, check, compare and save them."""
 
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from skiros_py.cli.exit_status import DIFFERENT, REACHED
+from skiros_py.errors import FileError, UsageError
+
 if TYPE_CHECKING:
-    from skiros_py.world.tree import TreeNode
+    from skiros_py.world.branches import Branch
+    from skiros_py.world.index import Index
 
 __all__ = ["command"]
+
+_JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 
 
 @click.group("scene")
 def command() -> None:
-    """Looks at scenes."""
+    """Looks at scenes, checks, compares and saves them.
+
+    SCENE is a name as `skiros scene list` shows it, or the path of a file that ends in .ttl, .owl, .rdf, .owx or .xml.
+    """
 
 
-@command.command("list")
-def list_scenes() -> int:
+@command.command("list", epilog="Example: skiros scene list --json")
+@_JSON
+def list_scenes(as_json: bool) -> int:
     """Lists the scenes that can be given by name."""
-    from skiros_py.config import scene_names
+    from skiros_py.config import named_scene, scene_names
 
-    for name in scene_names():
+    names = scene_names()
+    if as_json:
+        click.echo(json.dumps({"scenes": {name: str(named_scene(name)) for name in names}}))
+        return REACHED
+    for name in names:
         click.echo(name)
-    return 0
+    return REACHED
 
 
 @command.command("show", epilog="Example: skiros scene show kitting")
 @click.argument("scene")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@_JSON
 def show(scene: str, as_json: bool) -> int:
     """Shows SCENE as a tree over what is placed where and what is built of what, and its goal."""
     from skiros_py.runtime import open_world
-    from skiros_py.world.tree import tree
+    from skiros_py.world.branches import tree
 
     world = open_world(scene)
     roots = tree(world)
     if as_json:
         click.echo(json.dumps({"scene": scene, "goals": list(world.goals), "tree": [_as_json(r) for r in roots]}))
-        return 0
+        return REACHED
     for root in roots:
         _print(root, "")
     for goal in world.goals:
         click.echo(f"goal: {goal}")
-    return 0
+    return REACHED
 
 
-def _print(node: TreeNode, indent: str) -> None:
+@command.command("check", epilog="Example: skiros scene check my_cell.ttl")
+@click.argument("scene")
+@_JSON
+def check(scene: str, as_json: bool) -> int:
+    """Checks SCENE against the ontologies, and its goal against the conditions of the plug-ins.
+
+    Exit status: 0 nothing is wrong, 2 something is; the message says where and what would be right.
+    """
+    from skiros_py.catalogue import load_catalogue
+    from skiros_py.config import find_scene
+    from skiros_py.runtime import open_world
+    from skiros_py.tasks.goals import parse_goal
+    from skiros_py.world.vocabulary import ELEMENT
+
+    world = open_world(scene)
+    try:
+        parse_goal(world.goals, world, load_catalogue().conditions)
+    except UsageError as error:
+        raise FileError(find_scene(scene), f"sk:goal: {error}") from error
+    elements = len(world.instances(ELEMENT))
+    if as_json:
+        click.echo(json.dumps({"scene": scene, "elements": elements, "goals": list(world.goals)}))
+    else:
+        click.echo(f"{scene}: {elements} elements, {len(world.goals)} goals, nothing wrong")
+    return REACHED
+
+
+@command.command("diff", epilog="Example: skiros scene diff kitting my_cell.ttl")
+@click.argument("old")
+@click.argument("new")
+@_JSON
+def diff(old: str, new: str, as_json: bool) -> int:
+    """Shows what makes the scene NEW of the scene OLD, edit by edit.
+
+    Exit status: 0 they are equal, 1 they are different, 2 one of them is broken.
+    """
+    from skiros_py.runtime import open_world
+    from skiros_py.world.scene import describe
+    from skiros_py.world.scene import diff as compare
+
+    before, after = open_world(old).snapshot(), open_world(new).snapshot()
+    edits = compare(before, after)
+    if as_json:
+        click.echo(json.dumps({"old": old, "new": new, "edits": [edit.as_json() for edit in edits]}))
+    else:
+        for line in describe(after.ontology, edits):
+            click.echo(line)
+    return DIFFERENT if edits else REACHED
+
+
+@command.command("save", epilog="Examples: skiros scene save kitting copy.ttl; skiros scene save --data DIR now.ttl")
+@click.argument("scene_and_file", nargs=-1, required=True, metavar="[SCENE] FILE")
+@click.option(
+    "--data",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Save the present world of a data directory instead of a scene.",
+)
+def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
+    """Writes SCENE with all that it imports as one Turtle file FILE, in an order that depends on the content alone."""
+    from skiros_py.world.scene.atomic import write_atomically
+    from skiros_py.world.scene.writer import scene_turtle
+
+    *scenes, file = scene_and_file
+    if len(scenes) != (0 if data else 1):
+        raise UsageError("with --data give the FILE only" if data else "give SCENE and FILE, or --data DIR and FILE")
+    if not file.endswith(".ttl"):
+        raise UsageError(f"'{file[:80]}' must end in .ttl: scenes are written as Turtle")
+    write_atomically(Path(file), scene_turtle(_present(data) if data else _loaded(scenes[0])))
+    return REACHED
+
+
+def _loaded(scene: str) -> Index:
+    from skiros_py.runtime import open_world
+
+    return open_world(scene).snapshot()
+
+
+def _present(folder: Path) -> Index:
+    from skiros_py.runtime import open_data
+
+    with open_data(folder, create=False) as data:
+        return data.world.snapshot()
+
+
+def _print(node: Branch, indent: str) -> None:
     relation = f"{node.relation.partition(':')[2]}: " if node.relation else ""
     click.echo(f"{indent}{relation}{node.element.id} ({node.element.type.partition(':')[2]})")
     for child in node.children:
         _print(child, indent + "  ")
 
 
-def _as_json(node: TreeNode) -> dict[str, Any]:
+def _as_json(node: Branch) -> dict[str, Any]:
     element = node.element
     own = {"id": element.id, "type": element.type, "label": element.label, "relation": node.relation}
     return {**own, "children": [_as_json(child) for child in node.children]}

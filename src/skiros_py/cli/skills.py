@@ -16,7 +16,7 @@ __all__ = ["command"]
 @click.command("skills", epilog="Example: skiros skills --json")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(as_json: bool) -> int:
-    """Lists skills with their conditions, primitives, conditions, and plug-ins that did not load."""
+    """Lists skills with their conditions, primitives, conditions, reasoners, and plug-ins that did not load."""
     from skiros_py.catalogue import load_catalogue
 
     catalogue = load_catalogue()
@@ -43,7 +43,13 @@ def _as_json(catalogue: Catalogue) -> dict[str, object]:
     }
     conditions = {name: type_.help for name, type_ in catalogue.conditions.items()}
     faults = [{"name": f.name, "from": f.distribution, "reason": f.reason} for f in catalogue.faults]
-    return {"skills": skills, "primitives": sorted(catalogue.primitives), "conditions": conditions, "faults": faults}
+    return {
+        "skills": skills,
+        "primitives": sorted(catalogue.primitives),
+        "conditions": conditions,
+        "reasoners": {reasoner.name: sorted(reasoner.relations) for reasoner in catalogue.reasoners},
+        "faults": faults,
+    }
 
 
 def _print(catalogue: Catalogue) -> None:
@@ -62,5 +68,7 @@ def _print(catalogue: Catalogue) -> None:
     for name, type_ in catalogue.conditions.items():
         roles = ", ".join(f"{role.name}: {role.class_.partition(':')[2]}" for role in type_.roles)
         click.echo(f"condition {name}({roles}): {type_.help}")
+    for reasoner in catalogue.reasoners:
+        click.echo(f"reasoner {reasoner.name} computes {', '.join(sorted(reasoner.relations)) or 'no relation'}")
     for fault in catalogue.faults:
         click.echo(f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}", err=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.planning.classes import IS, common_class, primary_line, with_class_predicates
@@ -127,9 +126,7 @@ def _facts(
 ) -> Iterable[Atom]:
     fitting = [[o for o, t in objects.items() if _is_a(t, type_, view.ontology)] for type_ in types]
     if name in computed:
-        pattern = computed[name]
-        pairs = product(fitting[0], fitting[1])
-        return [Atom(name, pair) for pair in pairs if pattern.function(view, *pair)]
+        return [Atom(name, pair) for pair in computed[name].pairs(view, fitting[0], fitting[1])]
     if name.startswith(NOTHING):
         relation = name.removeprefix(NOTHING)
         return [Atom(name, (place,)) for place in fitting[0] if not view.subjects(relation, place)]

@@ -170,8 +170,8 @@ def _camera(view: WorldView, camera: str) -> CameraSpec:
         width=int(_number(view, camera, v.WIDTH)),
         height=int(_number(view, camera, v.HEIGHT)),
         vertical_fov=_number(view, camera, v.VERTICAL_FOV),
-        near=_number(view, camera, v.NEAR),
-        far=_number(view, camera, v.FAR),
+        near=_number(view, camera, v.MIN_DEPTH),
+        far=_number(view, camera, v.MAX_DEPTH),
         noise=_number(view, camera, v.DEPTH_NOISE),
         latency=_number(view, camera, v.LATENCY),
     )

@@ -11,17 +11,24 @@ from skiros_py.skills.conditions import AllOf, AnyOf, Computed, Exists, Has, Not
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 __all__ = ["problems_of"]
 
 
-def problems_of(skill: Skill, ontology: Ontology, primitives: Mapping[str, type[Primitive[Any]]]) -> tuple[str, ...]:
-    """Returns what is wrong with a skill: words that no ontology declares, calls that no primitive answers."""
+def problems_of(
+    skill: Skill,
+    ontology: Ontology,
+    primitives: Mapping[str, type[Primitive[Any]]],
+    reasoners: Reasoners = NO_REASONERS,
+) -> tuple[str, ...]:
+    """Returns what is wrong with a skill: words that no ontology declares, questions and calls that nobody answers."""
     description = skill.description
     classes = [(f"parameter {p.key}", p.type) for p in description.params if p.is_element]
     found = [f"{where}: no ontology declares the class {c}" for where, c in classes if c not in ontology.classes]
     for condition in (*description.pre, *description.hold, *description.post):
-        found += [f"condition {condition}: {problem}" for problem in _undeclared(condition.pattern, ontology)]
+        problems = (*_undeclared(condition.pattern, ontology), *_uncomputed(condition.pattern, reasoners))
+        found += [f"condition {condition}: {problem}" for problem in problems]
     found += _unplaced(skill, ontology)
     keys = [p.key for p in description.params]
     for node in (skill.pre_sense, skill.body, skill.finish):
@@ -59,6 +66,19 @@ def _undeclared(pattern: Pattern, ontology: Ontology) -> Iterator[str]:
                 yield from _undeclared(part, ontology)
         case _:
             yield f"its pattern {type(pattern).__name__} is not known"
+
+
+def _uncomputed(pattern: Pattern, reasoners: Reasoners) -> Iterator[str]:
+    match pattern:
+        case Computed(relation, _, _, None) if not reasoners.computes(relation):
+            yield f"no reasoner computes {relation}, and no function is given for it"
+        case Exists(_, _, inner) | Not(inner):
+            yield from _uncomputed(inner, reasoners)
+        case AllOf(patterns) | AnyOf(patterns):
+            for part in patterns:
+                yield from _uncomputed(part, reasoners)
+        case _:
+            pass
 
 
 def _missing(kind: str, word: str, declared: Collection[str]) -> Iterator[str]:

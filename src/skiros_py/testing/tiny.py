@@ -8,6 +8,9 @@ from pathlib import Path
 
 from skiros_py.config import ontology_paths
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.sizes import SizeReasoner
+from skiros_py.world.reasoners.spatial import SpatialReasoner
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 
@@ -71,6 +74,7 @@ def tiny_scene(folder: Path, *facts: str, robots: int = 1, goals: tuple[str, ...
 
 
 def tiny_world(*facts: str, robots: int = 1) -> World:
-    """Returns the tiny scene as a live world; see :func:`tiny_scene`."""
+    """Returns the tiny scene as a live world with the built-in reasoners; see :func:`tiny_scene`."""
+    reasoners = Reasoners((SizeReasoner(), SpatialReasoner()))
     with tempfile.TemporaryDirectory(prefix="skiros-tiny-") as folder:
-        return load_scene(tiny_ontology(), tiny_scene(Path(folder), *facts, robots=robots))
+        return load_scene(tiny_ontology(), tiny_scene(Path(folder), *facts, robots=robots), reasoners=reasoners)

@@ -9,16 +9,26 @@ from collections.abc import Callable, Iterable, Iterator
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Solid
+from skiros_py.world.cardinality import guest_problems, number_problems
 from skiros_py.world.datatype import LONGEST_TEXT
 from skiros_py.world.element import Value, is_abstract, is_learned
 from skiros_py.world.ids import is_valid_id
 from skiros_py.world.index import Index
-from skiros_py.world.literals import DATATYPES, shown
+from skiros_py.world.literals import CLASS_NAME, DATATYPES, shown
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import ELEMENT, LABEL, POSE_FRAME, ROOT, SOLID, SPATIAL_THING
+from skiros_py.world.xsd import check_string
 
-__all__ = ["checked_value", "class_problem", "element_problem", "id_problem", "relation_problem", "state_problems"]
+__all__ = [
+    "checked_value",
+    "class_problem",
+    "element_problem",
+    "goal_problem",
+    "id_problem",
+    "relation_problem",
+    "state_problems",
+]
 
 _UNCHANGED = "the ontology is never changed at run time"
 
@@ -44,6 +54,15 @@ def id_problem(element_id: str) -> str | None:
     return None
 
 
+def goal_problem(goal: object) -> str | None:
+    """Says why something cannot be the text of a goal, or None."""
+    try:
+        fits = check_string(goal).strip() != ""
+    except ValueError:
+        fits = False
+    return None if fits else f"a goal is a text of at most {LONGEST_TEXT} characters, got {shown(goal)}"
+
+
 def element_problem(view: Index, element_id: str) -> str | None:
     """Says why an id names no element that can be written to, or None."""
     if view.has(element_id):
@@ -53,7 +72,8 @@ def element_problem(view: Index, element_id: str) -> str | None:
     ontology = view.ontology
     if any(element_id in terms for terms in (ontology.classes, ontology.relations, ontology.properties)):
         return f"'{element_id}' is a term of the ontology, and {_UNCHANGED}"
-    return str(UnknownName("element", element_id, view.instances(ELEMENT)))
+    writable = (name for name in view.ids() if not is_abstract(name) or is_learned(name))
+    return str(UnknownName("element", element_id, writable))
 
 
 def relation_problem(view: Index, subject: str, relation: str, object_: str) -> str | None:
@@ -88,11 +108,7 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
         ValueError: The element cannot bear it; the text says why.
     """
     if property_ == LABEL:
-        if not isinstance(value, str) or not value or len(value) > LONGEST_TEXT:
-            raise ValueError(
-                f"{LABEL} of {element_id} needs a text of at most {LONGEST_TEXT} characters, got {shown(value)}"
-            )
-        return value
+        return _checked_label(element_id, value)
     declared = view.ontology.properties.get(property_)
     if declared is None:
         raise ValueError(str(UnknownName("property", property_, view.ontology.properties)))
@@ -106,6 +122,8 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
         checked = DATATYPES[declared.range].check(value)
         if property_ == SOLID:
             Solid.from_json(str(checked))
+        if declared.range == CLASS_NAME and checked not in view.ontology.classes:
+            raise ValueError(UnknownName("class", str(checked), view.ontology.classes))
     except ValueError as error:
         hint = f" ({error})" if str(error) else ""
         says = DATATYPES[declared.range].says
@@ -113,14 +131,37 @@ def checked_value(view: Index, element_id: str, property_: str, value: Value | N
     return checked
 
 
-def state_problems(view: Index, touched: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """Yields (element, what is wrong with it) for the elements of a state that a transaction touched."""
+def state_problems(view: Index, touched: Iterable[str], places: Iterable[str] = ()) -> Iterator[tuple[str, str]]:
+    """Yields (element, what is wrong with it) for what a transaction touched.
+
+    Args:
+        view: The state that the transaction leads to.
+        touched: Elements that were written to, there or not.
+        places: Elements that something came to or went from.
+    """
     present = sorted(name for name in touched if view.has(name))
     for element_id in present:
-        for problem in _tie_problems(view, element_id):
+        for problem in (*_tie_problems(view, element_id), *number_problems(view, element_id)):
             yield element_id, problem
+    for place in sorted(name for name in places if view.has(name)):
+        for problem in guest_problems(view, place):
+            yield place, problem
     yield from _cycles(present, lambda name: _parents(view, name), "is inside itself")
     yield from _cycles(present, lambda name: view.objects(name, POSE_FRAME), f"has its own frame as {POSE_FRAME}")
+
+
+def _checked_label(element_id: str, value: Value | None) -> str:
+    try:
+        text = check_string(value)
+    except ValueError as error:
+        text, hint = "", f" ({error})" if str(error) else ""
+    else:
+        hint = ""
+    if not text:
+        raise ValueError(
+            f"{LABEL} of {element_id} needs a text of at most {LONGEST_TEXT} characters, got {shown(value)}{hint}"
+        )
+    return text
 
 
 def _allowed(view: Index, subject: str, object_: str) -> str:

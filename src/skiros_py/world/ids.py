@@ -12,6 +12,7 @@ __all__ = ["Ids", "is_valid_id"]
 
 _ID = re.compile(r"(?:learned:)?[A-Za-z_][A-Za-z0-9_]{0,199}")
 _NUMBERED = re.compile(r"(.+)_(\d{1,15})")
+_LONGEST_STEM = 160
 
 
 def is_valid_id(element_id: str) -> bool:
@@ -19,7 +20,7 @@ def is_valid_id(element_id: str) -> bool:
 
     What is learned has the prefix ``learned:`` before that.
     """
-    return _ID.fullmatch(element_id) is not None
+    return isinstance(element_id, str) and _ID.fullmatch(element_id) is not None
 
 
 class Ids:
@@ -44,9 +45,11 @@ class Ids:
     def next(self, class_: str, *, learned: bool = False) -> str:
         """Gives the next id for an element of a class: ``kitting:RelayBox`` -> ``relay_box_1``."""
         stem = ("learned:" if learned else "") + _stem(class_)
-        element_id = f"{stem}_{self.highest(stem) + 1}"
-        self.claim(element_id)
-        return element_id
+        number = self.highest(stem) + 1
+        while self.used(f"{stem}_{number}"):  # given by somebody's hand beyond what is counted
+            number += 1
+        self.claim(f"{stem}_{number}")
+        return f"{stem}_{number}"
 
     def highest(self, stem: str) -> int:
         """Returns the highest number ever given after a stem ("relay_box"), or 0."""
@@ -67,4 +70,4 @@ class Ids:
 def _stem(class_: str) -> str:
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", local_name(class_)).lower()
     plain = re.sub(r"\W+", "_", words, flags=re.ASCII).strip("_")
-    return plain if plain[:1].isalpha() else f"element_{plain}".rstrip("_")
+    return (plain if plain[:1].isalpha() else f"element_{plain}")[:_LONGEST_STEM].rstrip("_")

@@ -56,6 +56,14 @@ class Index:
         other.__dict__.update(self.__dict__)
         return other
 
+    def has_elements_of(self, other: Index) -> bool:
+        """Returns True when no element, or its label or properties, was written since one was copied from the other."""
+        return self._elements is other._elements
+
+    def has_relations_of(self, other: Index) -> bool:
+        """Returns True when no relation but placements was written since one was copied from the other."""
+        return self._objects is other._objects
+
     # ------------------------------------------------------------ the world view
 
     @property

@@ -7,15 +7,27 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from skiros_py.geometry import Pose
+from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.world.datatype import Datatype, check_length
 from skiros_py.world.element import Value
 from skiros_py.world.xsd import XSD_DATATYPES, check_number, check_string
 
-__all__ = ["ANY_LITERAL", "DATATYPES", "any_value", "format_value", "literal_type", "parse_value", "shown"]
+__all__ = [
+    "ANY_LITERAL",
+    "CLASS_NAME",
+    "DATATYPES",
+    "any_value",
+    "format_value",
+    "literal_type",
+    "parse_value",
+    "shown",
+]
 
 ANY_LITERAL = "rdfs:Literal"
 """Range of a property whose values may be of any type."""
+
+CLASS_NAME = "sk:className"
+"""Range of a property whose values name classes of the ontology."""
 
 
 def parse_value(text: str, literal_type: str, range_: str) -> Value:
@@ -63,9 +75,16 @@ def literal_type(value: Value, range_: str) -> str:
 
 def shown(value: object) -> str:
     """Returns a value as messages show it: in quotes, and cut where it is long."""
-    text = value if isinstance(value, str) else repr(value)
+    text = value if isinstance(value, str) else _written(value)
     cut = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
     return f"'{cut}'" if isinstance(value, str) else cut
+
+
+def _written(value: object) -> str:
+    try:
+        return repr(value)
+    except ValueError:
+        return "a number of thousands of digits"
 
 
 def _type_of(value: object) -> str:
@@ -103,11 +122,11 @@ def _check_vector(value: object) -> tuple[float, ...]:
 def _check_pose(value: object) -> Pose:
     if not isinstance(value, Pose):
         raise ValueError
-    _check_vector(value.position)
-    norm = math.hypot(*_check_vector(value.orientation))
-    if abs(norm - 1.0) > 1e-6:
+    x, y, z = _check_vector(value.position)
+    quaternion = a, b, c, d = _check_vector(value.orientation)
+    if abs(math.hypot(*quaternion) - 1.0) > 1e-6:
         raise ValueError
-    return value
+    return Pose((x, y, z), (a, b, c, d))
 
 
 def _parse_vector(text: str) -> tuple[float, ...]:
@@ -133,14 +152,18 @@ def _format_pose(value: Value) -> str:
 
 
 def _roll_pitch_yaw(pose: Pose) -> tuple[float, float, float]:
+    """Exact also close to straight up or down (Bernardes and Viollet, 2022)."""
     x, y, z, w = pose.orientation
-    sine = max(-1.0, min(1.0, 2.0 * (w * y - z * x)))
-    if abs(sine) > 1.0 - 1e-9:  # straight up or down: only the sum of roll and yaw is determined
-        return 0.0, math.copysign(math.pi / 2.0, sine), -math.copysign(2.0, sine) * math.atan2(x, w)
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    return roll, math.asin(sine), pose.yaw
+    up, down = math.hypot(w + y, x - z), math.hypot(w - y, x + z)
+    half_difference = math.atan2(x - z, w + y) if up > _STRAIGHT else 0.0
+    half_sum = math.atan2(x + z, w - y) if down > _STRAIGHT else 0.0
+    if min(up, down) <= _STRAIGHT:  # only the sum or the difference of roll and yaw is determined
+        return 0.0, math.copysign(math.pi / 2.0, up - down), wrap_angle(2.0 * (half_sum - half_difference))
+    pitch = math.pi / 2.0 - 2.0 * math.atan2(down, up)
+    return wrap_angle(half_sum + half_difference), pitch, wrap_angle(half_sum - half_difference)
 
 
+_STRAIGHT = 2e-10
 _HALF_TURN = 3.141592653
 _LONGEST_VECTOR = 2048  # as text it is shorter than a literal may be
 _LONGEST_SHOWN = 100
@@ -171,6 +194,7 @@ DATATYPES: Mapping[str, Datatype] = MappingProxyType(
             _parse_vector,
             _format_vector,
         ),
+        CLASS_NAME: Datatype("the name of a class", frozenset({CLASS_NAME, "xsd:string"}), check_string, str, str),
         "rdf:JSON": Datatype("a JSON text", frozenset({"rdf:JSON"}), _check_json, str, str),
         ANY_LITERAL: Datatype("a text, a number or true or false", frozenset(), _check_any, str, _format_any),
     }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 from skiros_py.errors import Locked, UsageError
@@ -39,7 +40,7 @@ class Locks:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._guard = threading.Lock()
+        self._guard = threading.RLock()
         self._locks: dict[str, Lock] = {}
 
     def acquire(self, elements: Iterable[str], owner: str, seconds: float) -> tuple[Lock, ...]:
@@ -52,11 +53,13 @@ class Locks:
 
         Raises:
             Locked: Somebody else has one of them.
-            UsageError: The time is none, or too long.
+            UsageError: The time is none, or too long, or nobody wants them.
         """
         if not 0.0 < seconds <= _LONGEST:
             raise UsageError(f"a lock lasts more than 0 s and at most {_LONGEST:.0f} s, not {seconds!r}")
-        names = sorted(set(elements))
+        if not owner.strip():
+            raise UsageError("a lock needs an owner: the author of the edits that it allows")
+        names = _names(elements)
         with self._guard:
             problems = self._problems(names, owner)
             if problems:
@@ -69,8 +72,8 @@ class Locks:
     def release(self, owner: str, elements: Iterable[str] | None = None) -> None:
         """Ends locks of an owner: on the given elements, or all; what is not locked by them stays as it is."""
         with self._guard:
-            wanted = set(self._locks) if elements is None else set(elements)
-            for name in wanted & set(self._locks):
+            wanted = self._locks.keys() if elements is None else _names(elements)
+            for name in self._locks.keys() & wanted:
                 if self._locks[name].owner == owner:
                     del self._locks[name]
 
@@ -79,6 +82,10 @@ class Locks:
         with self._guard:
             self._expire()
             return tuple(self._locks[name] for name in sorted(self._locks))
+
+    def unchanged(self) -> AbstractContextManager[bool]:
+        """Lets nobody take or give back a lock while its 'with' block runs: what was found unlocked stays so."""
+        return self._guard
 
     def problems(self, elements: Iterable[str], author: str) -> Sequence[str]:
         """Returns a sentence for each element that somebody else than the author has locked."""
@@ -101,3 +108,7 @@ class Locks:
         now = self._clock()
         for name in [name for name, lock in self._locks.items() if lock.until <= now]:
             del self._locks[name]
+
+
+def _names(elements: Iterable[str]) -> list[str]:
+    return [elements] if isinstance(elements, str) else sorted(set(elements))

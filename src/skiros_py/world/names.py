@@ -7,7 +7,17 @@ from types import MappingProxyType
 
 from skiros_py.errors import UnknownName
 
-__all__ = ["CORE", "LEARNED", "LEARNED_GRAPH", "SCENE", "SCENE_GRAPH", "STANDARD_PREFIXES", "Names", "local_name"]
+__all__ = [
+    "CORE",
+    "LEARNED",
+    "LEARNED_GRAPH",
+    "SCENE",
+    "SCENE_GRAPH",
+    "STANDARD_PREFIXES",
+    "Names",
+    "local_name",
+    "split_iri",
+]
 
 CORE = "https://w3id.org/skiros-py/core#"
 """Namespace of the upper ontology (prefix ``sk:``)."""
@@ -43,6 +53,12 @@ def local_name(curie: str) -> str:
     return curie.rpartition(":")[2]
 
 
+def split_iri(iri: str) -> tuple[str, str]:
+    """Returns an IRI's namespace, up to its last ``#`` or ``/`` (where it has none, ``:``), and what follows."""
+    cut = max(iri.rfind("#"), iri.rfind("/")) + 1 or iri.rfind(":") + 1
+    return iri[:cut], iri[cut:]
+
+
 class Names:
     """A fixed prefix table and the translations it allows.
 
@@ -70,9 +86,11 @@ class Names:
 
     def name(self, iri: str) -> str:
         """Returns the bare name of a scene individual, the CURIE of anything else, or the IRI where no prefix fits."""
-        cut = max(iri.rfind("#"), iri.rfind("/")) + 1
-        namespace, local = iri[:cut], iri[cut:]
+        namespace, local = split_iri(iri)
         if namespace == SCENE:
             return local
         prefix = self._by_namespace.get(namespace)
         return f"{prefix}:{local}" if prefix is not None and local else iri
+
+    def __reduce__(self) -> tuple[type[Names], tuple[dict[str, str]]]:
+        return Names, (dict(self.prefixes),)

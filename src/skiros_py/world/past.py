@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from skiros_py.world.change import Change
+from skiros_py.world.change import Change, GoalsEdit, Writer
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
 
-__all__ = ["ChangeLog", "MemoryLog", "Past"]
+__all__ = ["GOALS", "ChangeLog", "MemoryLog", "Past", "subjects_of"]
+
+GOALS = ""
+"""Stands for the goals among what a change is about; no element has this id."""
+
+
+def subjects_of(change: Change) -> frozenset[str]:
+    """Returns what a change is about: the elements that it marks, and :data:`GOALS`."""
+    sets_goals = any(isinstance(edit, GoalsEdit) for edit in change.edits)
+    return change.marks() | {GOALS} if sets_goals else change.marks()
 
 
 class ChangeLog(Protocol):
@@ -42,6 +51,19 @@ class ChangeLog(Protocol):
         """
         ...
 
+    def by_people(self) -> Iterator[Change]:
+        """Yields the remembered changes that people made or that took others back, the last first."""
+        ...
+
+    def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
+        """Returns the remembered changes after a version that are about any of the subjects, in order.
+
+        Args:
+            subjects: Ids of elements; :data:`GOALS`.
+            after: The version.
+        """
+        ...
+
 
 class MemoryLog:
     """Keeps changes as long as the process lives."""
@@ -66,6 +88,16 @@ class MemoryLog:
     def since(self, version: int) -> Sequence[Change]:
         """Returns the changes after a version, in order."""
         return tuple(self._changes[version:])
+
+    def by_people(self) -> Iterator[Change]:
+        """Yields the changes that people made or that took others back, the last first."""
+        changes = reversed(tuple(self._changes))
+        return (c for c in changes if c.writer is Writer.PERSON or c.undoes is not None)
+
+    def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
+        """Returns the changes after a version that are about any of the subjects, in order."""
+        wanted = frozenset(subjects)
+        return tuple(change for change in self._changes[after:] if wanted & subjects_of(change))
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.world.checks import relation_problem
-from skiros_py.world.element import Placement
+from skiros_py.world.element import Placement, is_abstract
 from skiros_py.world.index import Index, with_value
 from skiros_py.world.vocabulary import HELD_BY, PLACEMENT, POSE, POSE_FRAME, STRUCTURE
 from skiros_py.world.workspace import Workspace
@@ -35,16 +35,19 @@ def remove(work: Workspace, element: str) -> list[tuple[str, str]]:
     return []
 
 
-def _with_pieces(view: Index, element: str) -> list[str]:
-    pieces = [element]
-    for name in pieces:
-        pieces.extend(piece for piece in view.objects(name, STRUCTURE) if piece not in pieces)
+def _with_pieces(view: Index, element: str) -> dict[str, None]:
+    pieces = {element: None}
+    waiting = [element]
+    while waiting:
+        found = [piece for piece in view.objects(waiting.pop(), STRUCTURE) if piece not in pieces]
+        pieces.update(dict.fromkeys(found))
+        waiting += found
     return pieces
 
 
 def _held_by(view: Index, element: str) -> str | None:
     placement = view.placement(element)
-    return placement.place if placement and placement.relation == HELD_BY else None
+    return placement.place if placement and placement.relation in view.ontology.sub_relations(HELD_BY) else None
 
 
 def _refuge(view: Index, element: str) -> Placement | None:
@@ -60,6 +63,8 @@ def _refuge(view: Index, element: str) -> Placement | None:
 
 def _new_place(view: Index, guest: str, refuge: Placement | None) -> tuple[Placement | None, str]:
     """Where a guest goes, by the first relation that fits: the refuge's own, its old one, any; or why nowhere."""
+    if is_abstract(guest):  # need not be anywhere
+        return None, ""
     if refuge is None:
         return None, f"{guest} would be nowhere: place it elsewhere first"
     old = view.placement(guest)

@@ -11,11 +11,12 @@ from skiros_py.world.checks import (
     checked_value,
     class_problem,
     element_problem,
+    goal_problem,
     id_problem,
     relation_problem,
     state_problems,
 )
-from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.element import Element, Placement, Value, is_abstract
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index, with_value
 from skiros_py.world.names import local_name
@@ -107,14 +108,17 @@ class Transaction:
             self._work.relate(subject, relation, object_, holds=True)
 
     def unrelate(self, subject: str, relation: str, object_: str) -> None:
-        """Takes back a stated relation; not a placement, for everything is somewhere."""
+        """Takes back a stated relation; not a placement, for everything that is not abstract is somewhere."""
         self._check_open()
         if not self._may_relate(subject, relation, object_):
             return
-        if self._view.ontology.family(relation) is Family.PLACEMENT:
+        placement = self._view.ontology.family(relation) is Family.PLACEMENT
+        if placement and not is_abstract(subject):
             self._refuse(subject, f"{subject} {relation} {object_} cannot be taken away: place it elsewhere instead")
         elif not self._view.stated(subject, relation, object_):
             self._refuse(subject, f"{subject} {relation} {object_} is not stated, so it cannot be taken back")
+        elif placement:
+            self._work.place(self._view.ontology.placed(subject, relation, object_)[0], None)
         else:
             self._work.relate(subject, relation, object_, holds=False)
 
@@ -139,7 +143,11 @@ class Transaction:
     def set_goals(self, goals: Iterable[str]) -> None:
         """Replaces the texts of the goals that go with the scene."""
         self._check_open()
-        self._work.set_goals(tuple(sorted(set(goals))))
+        texts = [goals] if isinstance(goals, str) else list(goals)
+        problems = [problem for text in texts if (problem := goal_problem(text))]
+        self._problems += [("", problem) for problem in problems]
+        if not problems:
+            self._work.set_goals(tuple(sorted(set(texts))))
 
     def apply(self, edits: Iterable[Edit]) -> None:
         """Does edits that were made elsewhere (to undo, to load a scene over another): an id may come back with them.
@@ -154,7 +162,7 @@ class Transaction:
 
     def problems(self) -> list[tuple[str, str]]:
         """Returns everything wrong with the transaction so far, as (element, sentence)."""
-        return [*self._problems, *state_problems(self._view, self._work.touched)]
+        return [*self._problems, *state_problems(self._view, self._work.touched, self._work.places)]
 
     def finish(self) -> tuple[Index, Ids, tuple[Edit, ...]]:
         """Ends the transaction and returns the new state, the ids given and the net edits.

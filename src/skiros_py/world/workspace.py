@@ -17,13 +17,16 @@ class Workspace:
         base: The state it started from.
         view: The state as it is now.
         touched: Elements that were written to, there or not.
+        places: Elements that something was placed at or taken from, there or not.
+        pairs: Statements of relations, no placements, that were written, holding or not.
     """
 
     def __init__(self, base: Index) -> None:
         self.base = base
         self.view = base.copy()
         self.touched: set[str] = set()
-        self._pairs: set[tuple[str, str, str]] = set()
+        self.places: set[str] = set()
+        self.pairs: set[tuple[str, str, str]] = set()
 
     def put(self, element: Element) -> None:
         """Adds an element, or replaces the one of its id, which has the same type."""
@@ -33,12 +36,13 @@ class Workspace:
     def place(self, element: str, placement: Placement | None) -> None:
         """Moves an element across the whole placement family."""
         self.touched.add(element)
+        self.places.update(where.place for where in (self.view.placement(element), placement) if where is not None)
         self.view.put_placement(element, placement)
 
     def relate(self, subject: str, relation: str, object_: str, *, holds: bool) -> None:
         """Lets a relation, no placement, hold or not."""
         self.touched |= {subject, object_}
-        self._pairs.add((subject, relation, object_))
+        self.pairs.add((subject, relation, object_))
         self.view.put_relation(subject, relation, object_, holds=holds)
 
     def erase(self, element: str) -> None:
@@ -56,21 +60,40 @@ class Workspace:
         self.view.goals = goals
 
     def edits(self) -> tuple[Edit, ...]:
-        """Returns the net difference, in an order in which it can be done again on the base."""
-        was, is_ = self.base, self.view
-        names = sorted(self.touched)
-        kept = [name for name in names if was.has(name) and is_.has(name)]
-        added = [ElementEdit(n, None, is_.element(n)) for n in names if not was.has(n) and is_.has(n)]
-        removed = [ElementEdit(n, was.element(n), None) for n in names if was.has(n) and not is_.has(n)]
-        changed = [edit for n in kept for edit in _property_edits(was.element(n), is_.element(n))]
-        moved = [PlacementEdit(n, *places) for n in names if (places := _moved(was, is_, n))]
-        related = [
-            RelationEdit(*pair, old=old, new=new)
-            for pair in sorted(self._pairs)
-            if (old := was.stated(*pair)) != (new := is_.stated(*pair))
-        ]
-        goals = [GoalsEdit(was.goals, is_.goals)] if was.goals != is_.goals else []
-        return (*added, *changed, *moved, *related, *removed, *goals)
+        """Returns the net difference, in an order in which it can be done again on the base.
+
+        What became something of another class goes as what it was, and comes anew.
+        """
+        retyped = [name for name in sorted(self.touched) if _is_retyped(self.base, self.view, name)]
+        if not retyped:
+            return _edits(self.base, self.view, self.touched, self.pairs)
+        without = Workspace(self.base)
+        for name in retyped:
+            without.erase(name)
+        return (
+            *_edits(self.base, without.view, without.touched, without.pairs),
+            *_edits(without.view, self.view, self.touched | without.touched, self.pairs | without.pairs),
+        )
+
+
+def _edits(was: Index, is_: Index, touched: set[str], pairs: set[tuple[str, str, str]]) -> tuple[Edit, ...]:
+    names = sorted(touched)
+    kept = [name for name in names if was.has(name) and is_.has(name)]
+    added = [ElementEdit(n, None, is_.element(n)) for n in names if not was.has(n) and is_.has(n)]
+    removed = [ElementEdit(n, was.element(n), None) for n in names if was.has(n) and not is_.has(n)]
+    changed = [edit for n in kept for edit in _property_edits(was.element(n), is_.element(n))]
+    moved = [PlacementEdit(n, *places) for n in names if (places := _moved(was, is_, n))]
+    related = [
+        RelationEdit(*pair, old=old, new=new)
+        for pair in sorted(pairs)
+        if (old := was.stated(*pair)) != (new := is_.stated(*pair))
+    ]
+    goals = [GoalsEdit(was.goals, is_.goals)] if was.goals != is_.goals else []
+    return (*added, *changed, *moved, *related, *removed, *goals)
+
+
+def _is_retyped(was: Index, is_: Index, name: str) -> bool:
+    return was.has(name) and is_.has(name) and was.element(name).type != is_.element(name).type
 
 
 def _moved(was: Index, is_: Index, name: str) -> tuple[Placement | None, Placement | None] | None:

@@ -8,16 +8,17 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import count
 from typing import TYPE_CHECKING
 
-from skiros_py.errors import Locked, StaleVersion, WorldError
+from skiros_py.errors import Locked, StaleVersion, UsageError, WorldError
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.change import Change, Edit, Writer
 from skiros_py.world.element import Element, Placement, Stamp, Value
 from skiros_py.world.index import Index
 from skiros_py.world.locks import Locks
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.past import Past
+from skiros_py.world.past import ChangeLog, Past
 from skiros_py.world.reasoners.reasoner import Proposal
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.transaction import Transaction
@@ -73,8 +74,8 @@ class World:
         self._writing = threading.Lock()
         self._writer: tuple[int, str] | None = None
         self._subscribers: dict[int, Callable[[Change], None]] = {}
-        self._subscriptions = 0
-        self._untold: deque[Change] = deque()
+        self._subscriptions = count()
+        self._untold: deque[tuple[int, Change]] = deque()
         self._telling = threading.RLock()
         self._told_by_me = False
         self._store: TripleStore | None = None
@@ -106,28 +107,38 @@ class World:
         Raises:
             WorldError: The ontology or a reasoner does not allow what was written (the text names everything wrong and
                 what would be right), or this thread has a transaction open already.
-            StaleVersion: An element was changed since the author saw it.
+            UsageError: There is no author or no reason, or an element is expected that never was.
+            StaleVersion: An element was changed or removed since the author saw it.
             Locked: Somebody else has locked one of the elements.
         """
-        write = Write(author, reason, writer, undoes)
-        self._begin(author)
-        try:
-            self._check_versions(expects or {})
-            tx = Transaction(self._index, self._ids)
+        write = Write(_text("author", author), _text("reason", reason), writer, undoes)
+        other = self._author_here()
+        if other is not None:
+            raise WorldError(f"{author} cannot write: {other} has a transaction open in the same thread")
+        with self._writing:
+            self._writer = (threading.get_ident(), author)
             try:
-                yield tx
+                self._check_versions(expects or {})
+                tx = Transaction(self._index, self._ids)
+                try:
+                    yield tx
+                finally:
+                    tx.close()
+                with self.locks.unchanged():
+                    self._publish(tx, write)
             finally:
-                tx.close()
-            self._publish(tx, write)
-        finally:
-            self._writer = None
-            self._writing.release()
+                self._writer = None
         self._tell()
 
     @property
     def version(self) -> int:
         """Number of the last change; 0 for a world that is still empty."""
         return self._log.version
+
+    @property
+    def log(self) -> ChangeLog:
+        """What remembers the changes; only the world itself appends to it."""
+        return self._log
 
     @property
     def changes(self) -> Sequence[Change]:
@@ -147,7 +158,7 @@ class World:
 
         A callback that raises is logged and hurts nobody else. It may write: others are told of that afterwards.
         """
-        key = self._subscriptions = self._subscriptions + 1
+        key = next(self._subscriptions)
         self._subscribers[key] = callback
 
         def unsubscribe() -> None:
@@ -160,7 +171,9 @@ class World:
         return self._index
 
     def state(self) -> tuple[int, Index]:
-        """Returns the present version and the state that belongs to it."""
+        """Returns the present version and the state that belongs to it, without what an open transaction wrote."""
+        if self._author_here() is not None:
+            return self._log.version, self._index
         with self._writing:
             return self._log.version, self._index
 
@@ -268,14 +281,15 @@ class World:
 
     # ------------------------------------------------------------ the life of a transaction
 
-    def _begin(self, author: str) -> None:
-        if self._writer is not None and self._writer[0] == threading.get_ident():
-            raise WorldError(f"{author} cannot write: {self._writer[1]} has a transaction open in the same thread")
-        self._writing.acquire()
-        self._writer = (threading.get_ident(), author)
+    def _author_here(self) -> str | None:
+        """Whose transaction is open in this thread."""
+        writer = self._writer
+        return writer[1] if writer is not None and writer[0] == threading.get_ident() else None
 
     def _check_versions(self, expects: Mapping[str, int]) -> None:
         for name, seen in expects.items():
+            if name and not self._index.has(name) and self._ids.used(name):
+                raise StaleVersion(f"{name} is gone, and version {seen} was expected: it was removed since")
             now = self.version if name == "" else self._index.stamp(name).change
             if now != seen:
                 what = name or "the world"
@@ -296,7 +310,7 @@ class World:
             index.mark(change.marks(), Stamp(change.number, change.time))
             self._log.append(change)  # a journal that cannot write raises here, and nothing has happened
             self._index = index
-            self._untold.append(change)
+            self._untold.extend((key, change) for key in tuple(self._subscribers))
         self._ids.absorb(ids)
 
     def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: Write) -> None:
@@ -317,11 +331,25 @@ class World:
             self._told_by_me = True
             try:
                 while self._untold:
-                    change = self._untold.popleft()
-                    for callback in tuple(self._subscribers.values()):
+                    key, change = self._untold.popleft()
+                    callback = self._subscribers.get(key)
+                    if callback is not None:
                         _call(callback, change)
             finally:
                 self._told_by_me = False
+
+
+_LONGEST_TEXT = 1000
+"""Characters that an author or a reason may have; more are cut off."""
+
+
+def _text(what: str, text: str) -> str:
+    if not isinstance(text, str) or not text.strip():
+        raise UsageError(f"a transaction needs its {what}: a text that says {_SAYS[what]}")
+    return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]}…"
+
+
+_SAYS = {"author": "who writes", "reason": "why, in words for people"}
 
 
 def _call(callback: Callable[[Change], None], change: Change) -> None:

@@ -15,14 +15,26 @@ __all__ = ["XSD_DATATYPES", "check_number", "check_string"]
 
 
 def check_string(value: object) -> str:
-    """Returns a text that is short enough for a literal, or raises ValueError."""
+    """Returns a text that is short enough for a literal as a plain ``str``, or raises ValueError."""
     if not isinstance(value, str):
         raise ValueError
-    return check_length(value)
+    text = check_length(str.__str__(value))  # of a subclass only the text is kept
+    if not text.isascii():
+        _check_characters(text)
+    return text
+
+
+def _check_characters(text: str) -> None:
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise ValueError(f"character {error.start + 1} is one half of a character") from None
 
 
 def check_number(value: object) -> float:
     """Returns a finite number as float, or raises ValueError."""
+    if type(value) is float and math.isfinite(value):
+        return value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError
     try:
@@ -71,7 +83,7 @@ def _whole_number_between(least: int, most: int) -> Callable[[object], int]:
     def check(value: object) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
             raise ValueError
-        return value
+        return int(value)
 
     return check
 

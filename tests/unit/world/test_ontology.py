@@ -40,7 +40,7 @@ def test_subclasses_and_sub_relations_include_the_term_itself_first(ontology: On
 
 
 def test_a_family_is_said_by_the_superproperty(ontology: Ontology) -> None:
-    relations = ("sk:heldBy", "sk:hasA", "kitting:fitsIn", "sk:hasSkill")
+    relations = ("sk:heldBy", "sk:hasA", "sk:fitsIn", "sk:hasSkill")
 
     families = [ontology.family(relation) for relation in relations]
 
@@ -80,7 +80,7 @@ def test_a_bare_name_is_resolved_where_it_is_unambiguous(ontology: Ontology, roo
         ("mine:A a owl:Class ; rdfs:subClassOf sk:Object ;\n sk:mas 3 .", 6, "Did you mean 'sk:mass'"),
         ("mine:A a owl:Class ; rdfs:subClassOf sk:Object ;\n sk:mass 'x' .", 6, "needs a finite number"),
         ("mine:at a owl:ObjectProperty ; rdfs:subPropertyOf sk:placement .", 5, "needs sk:placeEnd"),
-        ("mine:p a owl:DatatypeProperty .", 5, "needs one rdfs:range"),
+        ("mine:p a owl:DatatypeProperty ;\n rdfs:range sk:poseLitral .", 6, "Did you mean 'sk:poseLiteral'"),
     ],
 )
 def test_a_wrong_declaration_is_refused_with_its_line(

@@ -7,8 +7,9 @@ names; a binding gives each the id of an element.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Protocol
 
 from skiros_py.skills.conditions.verdict import Verdict
@@ -104,17 +105,38 @@ class Computed:
     Attributes:
         relation: CURIE of the computed relation.
         subject, object: Variables.
-        function: Works it out: ``function(view, subject id, object id)`` gives a verdict.
+        function: Works it out: ``function(view, subject id, object id)`` gives a verdict; left out, the reasoner of
+            the view that computes the relation does.
     """
 
     relation: str
     subject: str
     object: str
-    function: Callable[[WorldView, str, str], Verdict]
+    function: Callable[[WorldView, str, str], Verdict] | None = None
 
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
-        """Works it out."""
-        return self.function(view, binding[self.subject], binding[self.object])
+        """Works it out.
+
+        Raises:
+            UnknownName: No reasoner computes the relation.
+        """
+        subject, object_ = binding[self.subject], binding[self.object]
+        if self.function is not None:
+            return self.function(view, subject, object_)
+        answer = view.reasoners.answer(view, subject, self.relation, object_)
+        return Verdict(answer.holds, answer.reason)
+
+    def pairs(self, view: WorldView, subjects: Sequence[str], objects: Sequence[str]) -> Iterator[tuple[str, str]]:
+        """Yields between which elements it holds: quicker than asking for each pair, where a reasoner works it out.
+
+        Raises:
+            UnknownName: No reasoner computes the relation.
+        """
+        if self.function is not None:
+            yield from (pair for pair in product(subjects, objects) if self.function(view, *pair))
+            return
+        for below in view.reasoners.narrowest(view.ontology, self.relation):
+            yield from view.reasoners.of(below).pairs(view, below, subjects, objects)
 
     def rename(self, names: Mapping[str, str]) -> Computed:
         """Returns the same pattern with other variable names."""

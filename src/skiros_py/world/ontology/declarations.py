@@ -1,4 +1,9 @@
-"""Reads what ontology files declare, and refuses what would be misunderstood later."""
+"""Reads what ontology files declare, and refuses what would be misunderstood later.
+
+OWL says more than a world is checked by. What is read: classes with their superclasses, equivalents and cardinalities;
+relations and properties with domains and ranges, also as unions and intersections; characteristics of relations; values
+that classes give to their individuals. What else an ontology states stays in the graph for queries and OWL reasoners.
+"""
 
 from __future__ import annotations
 
@@ -9,26 +14,24 @@ import pyoxigraph as ox
 
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.element import Value
-from skiros_py.world.literals import DATATYPES, parse_value
-from skiros_py.world.names import SCENE, STANDARD_PREFIXES, Names, local_name
+from skiros_py.world.literals import ANY_LITERAL, DATATYPES, parse_value
+from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.documents import Document
-from skiros_py.world.terms import Class, Family, PlaceEnd, Property, Relation
+from skiros_py.world.ontology.expressions import cardinalities, conjuncts, end
+from skiros_py.world.ontology.hierarchy import closure, cycle
+from skiros_py.world.ontology.kinds import DECLARES, Kind
+from skiros_py.world.ontology.statements import Node, Statements, english
+from skiros_py.world.terms import Class, End, Family, PlaceEnd, Property, Relation
 
-__all__ = ["Declarations", "common_names", "read_declarations"]
+__all__ = ["Declarations", "read_declarations"]
 
-_CLASS, _RELATION, _PROPERTY, _ANNOTATION = (
-    "owl:Class",
-    "owl:ObjectProperty",
-    "owl:DatatypeProperty",
-    "owl:AnnotationProperty",
-)
 _FAMILIES = {
     "sk:placement": Family.PLACEMENT,
     "sk:structure": Family.STRUCTURE,
     "sk:computed": Family.COMPUTED,
 }
-_STANDARD = frozenset(STANDARD_PREFIXES) - {"sk", "scene"}
-_THING = "owl:Thing"
+_STANDARD = frozenset({"rdf", "rdfs", "owl", "xsd"})
+_COMMENT = Property("rdfs:comment", "comment", "What people note about it.", (), "xsd:string")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,204 +40,245 @@ class Declarations:
 
     Attributes:
         classes, relations, properties: The terms.
-        class_values: What a class gives to its individuals: value by property, by class.
+        class_values: What a class itself gives to its individuals: value by property, by class.
+        individuals: CURIEs of the individuals that the files describe, sorted; those of scenes are not among them.
     """
 
     classes: Mapping[str, Class]
     relations: Mapping[str, Relation]
     properties: Mapping[str, Property]
     class_values: Mapping[str, Mapping[str, Value]]
-
-
-def common_names(files: Sequence[Document]) -> Names:
-    """Returns the prefix table of all files together; the empty prefix stays private to its file.
-
-    Raises:
-        FileError: A prefix stands for two IRIs.
-    """
-    prefixes = dict(STANDARD_PREFIXES)
-    for file in files:
-        for prefix, iri in file.prefixes.items():
-            if prefix and prefixes.setdefault(prefix, iri) != iri:
-                raise FileError(
-                    file.path, f"prefix '{prefix}:' stands for <{iri}> here and for <{prefixes[prefix]}> elsewhere"
-                )
-    return Names(prefixes)
+    individuals: tuple[str, ...]
 
 
 def read_declarations(files: Sequence[Document], names: Names) -> Declarations:
     """Reads the terms of all files; a term may use those of any other file.
 
+    A word must be declared by some file, unless it is a predicate or a type from a vocabulary of which no file declares
+    anything (as ``dc:creator`` often is): it then says nothing to a world and is passed over.
+
     Raises:
         FileError: A term is used that no file declares, or a declaration says too little or too much.
     """
-    reader = _Reader(names)
-    for file in files:
-        reader.take(file)
-    return reader.declarations()
-
-
-def _group(name: str | None) -> tuple[tuple[str, ...], ...]:
-    return () if name is None else ((name,),)
+    reader = _Reader(Statements(files, names), names)
+    properties = {term: reader.property(term) for term in reader.declared(Kind.PROPERTY)}
+    properties["rdfs:comment"] = _COMMENT
+    return Declarations(
+        classes=reader.classes(),
+        relations=reader.relations(),
+        properties=properties,
+        class_values={term: reader.class_values(term, properties) for term in reader.declared(Kind.CLASS)},
+        individuals=reader.individuals(),
+    )
 
 
 class _Reader:
-    """Statements grouped by subject, and what can be made of them."""
+    """Statements of all files, and what can be made of them."""
 
-    def __init__(self, names: Names) -> None:
+    def __init__(self, statements: Statements, names: Names) -> None:
+        self._statements = statements
         self._names = names
-        self._about: dict[str, dict[str, list[ox.Triple]]] = {}
-        self._file: dict[str, Document] = {}
-        self._known: dict[str, dict[str, None]] = {kind: {} for kind in (_CLASS, _RELATION, _PROPERTY, _ANNOTATION)}
+        self._declared: dict[Kind, dict[str, None]] = {kind: {} for kind in Kind}
+        for term, said in statements.subjects():
+            for type_ in self._types(said):
+                if type_ in DECLARES:
+                    self._declare(term, DECLARES[type_])
+        self._terms = {term for terms in self._declared.values() for term in terms}
+        self._vocabularies = {term.partition(":")[0] for term in self._terms} - _STANDARD
+        self._equivalents = self._both_ways(Kind.CLASS, "owl:equivalentClass")
+        self._inverses = self._both_ways(Kind.RELATION, "owl:inverseOf")
 
-    def take(self, file: Document) -> None:
-        for triple in file.triples:
-            if isinstance(triple.subject, ox.NamedNode) and not triple.subject.value.startswith(SCENE):
-                self._take_triple(file, triple, triple.subject.value)
+    def _declare(self, term: str, kind: Kind) -> None:
+        if term.partition(":")[0] not in self._names.prefixes:
+            raise self._statements.fault(term, f"the {kind} <{term}> needs a name after the last '#' or '/' of its IRI")
+        self._declared[kind][term] = None
 
-    def _take_triple(self, file: Document, triple: ox.Triple, subject: str) -> None:
-        term = self._names.name(subject)
-        predicate = self._names.name(triple.predicate.value)
-        self._about.setdefault(term, {}).setdefault(predicate, []).append(triple)
-        if predicate == "rdf:type" and isinstance(triple.object, ox.NamedNode):
-            kind = self._names.name(triple.object.value)
-            if kind in self._known:
-                if term == subject:
-                    raise file.fault(f"declare an @prefix for the namespace of <{subject}>", subject)
-                self._known[kind][term] = None
-                self._file[term] = file
-        self._file.setdefault(term, file)
+    def declared(self, kind: Kind) -> Mapping[str, None]:
+        """Returns the terms of a kind, in file order."""
+        return self._declared[kind]
 
-    def declarations(self) -> Declarations:
-        properties = {term: self._property(term) for term in self._known[_PROPERTY]}
-        properties["rdfs:comment"] = Property(
-            "rdfs:comment", "comment", "What people note about it.", (), "xsd:string"
-        )
-        return Declarations(
-            classes={term: self._class(term) for term in self._known[_CLASS]},
-            relations={term: self._relation(term) for term in self._known[_RELATION]},
-            properties=properties,
-            class_values={term: self._class_values(term, properties) for term in self._known[_CLASS]},
-        )
+    # ------------------------------------------------------------ classes
 
-    # ------------------------------------------------------------ the three kinds of terms
+    def classes(self) -> dict[str, Class]:
+        """Returns all classes."""
+        found = {term: self._class(term) for term in self.declared(Kind.CLASS)}
+        self._check_no_cycle({term: class_.parents for term, class_ in found.items()}, "rdfs:subClassOf")
+        return found
 
     def _class(self, term: str) -> Class:
-        self._line_to_top(term, "rdfs:subClassOf", _CLASS)
-        parents = self._references(term, "rdfs:subClassOf", _CLASS)
-        primary = self._references(term, "sk:primaryParent", _CLASS)
+        above = [
+            part
+            for node in (*self._objects(term, "rdfs:subClassOf"), *self._anonymous_equivalents(term))
+            for part in conjuncts(self._statements, node)
+        ]
+        parents = self._references(term, above, Kind.CLASS)
+        primary = self._references(term, self._objects(term, "sk:primaryParent"), Kind.CLASS)
         if not set(primary) <= set(parents):
             raise self._fault(term, f"sk:primaryParent of {term} is {primary[0]}, which is none of its superclasses")
-        ordered = primary[:1] + [parent for parent in parents if parent not in primary[:1]]
-        return Class(term, self._label(term), self._text(term, "rdfs:comment"), tuple(ordered))
-
-    def _relation(self, term: str) -> Relation:
-        line = self._line_to_top(term, "rdfs:subPropertyOf", _RELATION)
-        family = next((_FAMILIES[above] for above in line if above in _FAMILIES), Family.PLAIN)
-        types = set(self._iris(term, "rdf:type"))
-        return Relation(
+        try:
+            numbers = {number for part in above for number in cardinalities(self._statements, part)}
+        except ValueError as error:
+            raise self._fault(term, f"in a restriction of {term}: {error}", "rdfs:subClassOf") from None
+        return Class(
             curie=term,
             label=self._label(term),
-            comment=self._text(term, "rdfs:comment"),
-            parents=tuple(self._references(term, "rdfs:subPropertyOf", _RELATION)),
-            domains=_group(self._end(term, "rdfs:domain")),
-            ranges=_group(self._end(term, "rdfs:range")),
-            family=family,
-            place_end=self._place_end(term) if family is Family.PLACEMENT else None,
-            functional="owl:FunctionalProperty" in types,
+            comment=self._comment(term),
+            parents=tuple(primary[:1] + [parent for parent in parents if parent not in primary[:1]]),
+            equivalents=tuple(sorted(self._equivalents.get(term, ()))),
+            cardinalities=tuple(sorted(numbers, key=repr)),
         )
 
-    def _property(self, term: str) -> Property:
-        ranges = self._iris(term, "rdfs:range")
-        if len(ranges) != 1 or ranges[0] not in DATATYPES:
-            raise self._fault(
-                term, f"{term} needs one rdfs:range, one of {', '.join(DATATYPES)}; got {', '.join(ranges) or 'none'}"
-            )
-        comment = self._text(term, "rdfs:comment")
-        return Property(term, self._label(term), comment, _group(self._end(term, "rdfs:domain")), ranges[0])
+    def _anonymous_equivalents(self, term: str) -> list[Node]:
+        return [node for node in self._objects(term, "owl:equivalentClass") if isinstance(node, ox.BlankNode)]
 
-    def _class_values(self, class_: str, properties: Mapping[str, Property]) -> dict[str, Value]:
+    def class_values(self, class_: str, properties: Mapping[str, Property]) -> dict[str, Value]:
+        """Returns the values that a class itself gives, by property."""
         values: dict[str, Value] = {}
-        for predicate, triples in self._about[class_].items():
-            self._check_predicate(class_, predicate)
+        for predicate, objects in self._statements.about(class_).items():
+            if predicate not in self._terms and self._should_be_declared(predicate):
+                known = [*self.declared(Kind.PROPERTY), *self.declared(Kind.ANNOTATION)]
+                raise self._undeclared(class_, str(UnknownName("property", predicate, known)), predicate)
             if predicate in properties and predicate != "rdfs:comment":
-                values[predicate] = self._class_value(class_, properties[predicate], triples)
+                values[predicate] = self._class_value(class_, properties[predicate], objects)
         return values
 
-    def _class_value(self, class_: str, property_: Property, triples: list[ox.Triple]) -> Value:
-        predicate = triples[0].predicate.value
-        literals = {t.object for t in triples if isinstance(t.object, ox.Literal)}
+    def _class_value(self, class_: str, property_: Property, objects: Sequence[Node]) -> Value:
+        literals = {node for node in objects if isinstance(node, ox.Literal)}
+        if any(literal.language for literal in literals):
+            literals = {english(sorted(literals, key=str))}
         if len(literals) != 1:
-            raise self._fault(class_, f"{class_} needs one value of {property_.curie}, got {len(literals)}", predicate)
+            reason = f"{class_} needs one value of {property_.curie}, got {len(literals)}"
+            raise self._fault(class_, reason, property_.curie)
         literal = literals.pop()
         try:
             return parse_value(literal.value, self._names.name(literal.datatype.value), property_.range)
         except ValueError as error:
-            raise self._fault(class_, f"{property_.curie} of {class_} {error}", predicate) from None
+            raise self._fault(class_, f"{property_.curie} of {class_} {error}", property_.curie) from None
+
+    # ------------------------------------------------------------ relations and properties
+
+    def relations(self) -> dict[str, Relation]:
+        """Returns all relations."""
+        above = {
+            term: tuple(self._references(term, self._objects(term, "rdfs:subPropertyOf"), Kind.RELATION))
+            for term in self.declared(Kind.RELATION)
+        }
+        self._check_no_cycle(above, "rdfs:subPropertyOf")
+        return {term: self._relation(term, above) for term in above}
+
+    def _relation(self, term: str, above: Mapping[str, tuple[str, ...]]) -> Relation:
+        family = next((_FAMILIES[name] for name in closure(above, term) if name in _FAMILIES), Family.PLAIN)
+        types = set(self._types(self._statements.about(term)))
+        return Relation(
+            curie=term,
+            label=self._label(term),
+            comment=self._comment(term),
+            parents=above[term],
+            domains=self._end(term, "rdfs:domain"),
+            ranges=self._end(term, "rdfs:range"),
+            family=family,
+            place_end=self._place_end(term) if family is Family.PLACEMENT else None,
+            functional="owl:FunctionalProperty" in types,
+            inverse=min(self._inverses.get(term, ()), default=None),
+            inverse_functional="owl:InverseFunctionalProperty" in types,
+            symmetric="owl:SymmetricProperty" in types,
+            transitive="owl:TransitiveProperty" in types,
+        )
+
+    def property(self, term: str) -> Property:
+        """Returns one property."""
+        ranges = {self._data_range(term, node) for node in self._objects(term, "rdfs:range")}
+        # Several ranges must all be met: too rare to check more than that it is a literal.
+        range_ = ranges.pop() if len(ranges) == 1 else ANY_LITERAL
+        return Property(term, self._label(term), self._comment(term), self._end(term, "rdfs:domain"), range_)
+
+    def _data_range(self, term: str, node: Node) -> str:
+        """A data type that values can be checked by; one that files define themselves stands for any literal."""
+        if not isinstance(node, ox.NamedNode):
+            return ANY_LITERAL
+        name = self._statements.key(node)
+        if name in DATATYPES:
+            return name
+        if name not in self.declared(Kind.DATATYPE):
+            reason = f"rdfs:range of {term}: {UnknownName('data type', name, DATATYPES)}"
+            raise self._undeclared(term, reason, name)
+        return ANY_LITERAL
+
+    def _end(self, term: str, predicate: str) -> End:
+        expressions = self._objects(term, predicate)
+        return end(self._statements, expressions, lambda name: self._is_declared(term, name, Kind.CLASS))
+
+    def _place_end(self, term: str) -> PlaceEnd:
+        place = self._statements.text(term, "sk:placeEnd")
+        if place == "object":
+            return "object"
+        if place == "subject":
+            return "subject"
+        raise self._fault(term, f'{term} is a placement and needs sk:placeEnd "object" or "subject", got \'{place}\'')
+
+    # ------------------------------------------------------------ individuals
+
+    def individuals(self) -> tuple[str, ...]:
+        """Returns what is of a class and no term itself."""
+        found: list[str] = []
+        for name, said in self._statements.subjects():
+            types = self._types(said)
+            for type_ in types:
+                if type_ not in self._terms and self._should_be_declared(type_):
+                    unknown = UnknownName("class", type_, self.declared(Kind.CLASS))
+                    raise self._undeclared(name, f"{name} is of an {unknown}", type_)
+            if name not in self._terms and any(type_ in self.declared(Kind.CLASS) for type_ in types):
+                found.append(name)
+        return tuple(sorted(found))
 
     # ------------------------------------------------------------ pieces
 
-    def _references(self, term: str, predicate: str, kind: str) -> list[str]:
-        """Named terms referred to, sorted; anonymous OWL classes are for OWL reasoners and passed over."""
-        found = sorted(set(self._iris(term, predicate)) - {_THING, "owl:topObjectProperty"})
-        for name in found:
-            if name not in self._known[kind]:
-                raise self._undeclared(term, name, kind, predicate)
+    def _references(self, term: str, nodes: Sequence[Node], kind: Kind) -> list[str]:
+        """Named terms among nodes, sorted."""
+        names = {self._statements.key(node) for node in nodes if isinstance(node, ox.NamedNode)}
+        return [name for name in sorted(names) if self._is_declared(term, name, kind)]
+
+    def _is_declared(self, term: str, name: str, kind: Kind) -> bool:
+        """Tells whether a name to which a term refers is of a kind; False for what OWL itself declares."""
+        if name in self.declared(kind):
+            return True
+        if name.partition(":")[0] in _STANDARD:
+            return False
+        raise self._undeclared(term, f"{term} refers to {UnknownName(kind, name, self.declared(kind))}", name)
+
+    def _both_ways(self, kind: Kind, predicate: str) -> dict[str, set[str]]:
+        found: dict[str, set[str]] = {}
+        for term in self.declared(kind):
+            for other in self._references(term, self._objects(term, predicate), kind):
+                if other == term:
+                    continue
+                found.setdefault(term, set()).add(other)
+                found.setdefault(other, set()).add(term)
         return found
 
-    def _end(self, term: str, predicate: str) -> str | None:
-        triples = self._statements(term, predicate)
-        if len(triples) > 1 or any(not isinstance(t.object, ox.NamedNode) for t in triples):
-            raise self._fault(term, f"{predicate} of {term} must be one named class (take a common superclass)")
-        if predicate == "rdfs:range" and term in self._known[_PROPERTY]:
-            return None
-        named = self._references(term, predicate, _CLASS)
-        return named[0] if named else None
+    def _should_be_declared(self, name: str) -> bool:
+        return name.partition(":")[0] in self._vocabularies
 
-    def _place_end(self, term: str) -> PlaceEnd:
-        end = self._text(term, "sk:placeEnd")
-        if end == "object":
-            return "object"
-        if end == "subject":
-            return "subject"
-        raise self._fault(term, f'{term} is a placement and needs sk:placeEnd "object" or "subject", got \'{end}\'')
+    def _check_no_cycle(self, above: Mapping[str, tuple[str, ...]], predicate: str) -> None:
+        found = cycle(above)
+        if found:
+            line = " -> ".join(found)
+            raise self._fault(found[0], f"{found[0]} is above itself by {predicate}: {line}", found[1])
 
-    def _line_to_top(self, term: str, predicate: str, kind: str) -> list[str]:
-        """The term and all above it; refuses a term that is above itself."""
-        line = [term]
-        for above in line:
-            for parent in self._references(above, predicate, kind):
-                if parent == term:
-                    raise self._fault(term, f"{term} is above itself by {predicate}")
-                if parent not in line:
-                    line.append(parent)
-        return line
+    def _types(self, said: Mapping[str, Sequence[Node]]) -> list[str]:
+        return [self._names.name(node.value) for node in said.get("rdf:type", ()) if isinstance(node, ox.NamedNode)]
 
-    def _check_predicate(self, class_: str, predicate: str) -> None:
-        declared = {term: None for terms in self._known.values() for term in terms}
-        if predicate.partition(":")[0] not in _STANDARD and predicate not in declared:
-            unknown = UnknownName("property", predicate, [*self._known[_PROPERTY], *self._known[_ANNOTATION]])
-            raise self._fault(class_, str(unknown), self._about[class_][predicate][0].predicate.value)
-
-    def _statements(self, term: str, predicate: str) -> list[ox.Triple]:
-        return self._about[term].get(predicate, [])
-
-    def _iris(self, term: str, predicate: str) -> list[str]:
-        triples = self._statements(term, predicate)
-        return [self._names.name(t.object.value) for t in triples if isinstance(t.object, ox.NamedNode)]
-
-    def _text(self, term: str, predicate: str) -> str:
-        literals = [t.object for t in self._statements(term, predicate) if isinstance(t.object, ox.Literal)]
-        # Of several languages English is shown, else the first in order.
-        chosen = sorted(literals, key=lambda literal: (literal.language not in (None, "en"), literal.value))
-        return chosen[0].value if chosen else ""
+    def _objects(self, term: str, predicate: str) -> list[Node]:
+        return list(self._statements.objects(term, predicate))
 
     def _label(self, term: str) -> str:
-        return self._text(term, "rdfs:label") or local_name(term)
+        return self._statements.text(term, "rdfs:label") or local_name(term)
 
-    def _undeclared(self, term: str, name: str, kind: str, predicate: str) -> FileError:
-        unknown = UnknownName("class" if kind == _CLASS else "relation", name, self._known[kind])
-        return self._fault(term, f"{term} {predicate}: {unknown}", self._names.iri(name) if ":" in name else name)
+    def _comment(self, term: str) -> str:
+        return self._statements.text(term, "rdfs:comment")
+
+    def _undeclared(self, term: str, reason: str, at: str) -> FileError:
+        return self._statements.undeclared(term, reason, at)
 
     def _fault(self, term: str, reason: str, at: str | None = None) -> FileError:
-        return self._file[term].fault(reason, self._names.iri(term), at)
+        return self._statements.fault(term, reason, at)

@@ -9,9 +9,11 @@ from types import MappingProxyType
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
-from skiros_py.world.ontology.declarations import Declarations, common_names, read_declarations
+from skiros_py.world.ontology.declarations import Declarations, read_declarations
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
-from skiros_py.world.terms import Class, End, Family, Property, Relation
+from skiros_py.world.ontology.hierarchy import closure, inverse
+from skiros_py.world.ontology.prefixes import common_names
+from skiros_py.world.terms import Cardinality, Class, End, Family, Property, Relation
 
 __all__ = ["Ontology"]
 
@@ -25,6 +27,7 @@ class Ontology:
         classes: Every class.
         relations: Every relation between elements.
         properties: Every property of elements; ``rdfs:comment`` is always among them.
+        individuals: CURIEs of the individuals that its files describe, sorted; a scene's are not among them.
         names: The prefix table.
         sources: The files it was read from. Scene individuals in them (a robot's) belong to whoever imports them.
     """
@@ -35,20 +38,35 @@ class Ontology:
         self.properties: Mapping[str, Property] = MappingProxyType(dict(declarations.properties))
         self.names = names
         self.sources = tuple(sources)
-        self._class_values = declarations.class_values
-        self._ancestors = {name: _line({n: c.parents for n, c in self.classes.items()}, name) for name in self.classes}
-        self._subclasses = _inverse(self._ancestors)
-        above = {name: relation.parents for name, relation in self.relations.items()}
-        self._sub_relations = _inverse({name: _line(above, name) for name in self.relations})
+        self.individuals = declarations.individuals
+        self._declarations = declarations
+        above = {name: (*class_.parents, *class_.equivalents) for name, class_ in self.classes.items()}
+        self._ancestors = {name: closure(above, name) for name in above}
+        self._above = {name: frozenset(line) for name, line in self._ancestors.items()}
+        self._subclasses = inverse(self._ancestors)
+        self._class_values = {name: _inherited(line, declarations) for name, line in self._ancestors.items()}
+        relations = {name: relation.parents for name, relation in self.relations.items()}
+        self._sub_relations = inverse({name: closure(relations, name) for name in relations})
 
     @classmethod
     def load(cls, paths: Sequence[Path]) -> Ontology:
-        """Reads Turtle files (of a folder: all ``*.ttl`` below it).
+        """Reads Turtle, RDF/XML and OWL/XML files (of a folder: all below it), and merges them.
+
+        Imports are met by the files at hand; nothing is fetched from anywhere.
 
         Raises:
-            FileError: A file is missing or not Turtle, uses a term that no file declares, or two files collide.
+            FileError: A file is missing or in none of these languages, uses a term that no file declares, or two files
+                collide.
         """
-        files = [read_document(path) for path in rdf_files(paths)]
+        return cls.of([read_document(path) for path in rdf_files(paths)])
+
+    @classmethod
+    def of(cls, files: Sequence[Document]) -> Ontology:
+        """Merges files that were read before.
+
+        Raises:
+            FileError: One uses a term that no file declares, or two collide.
+        """
         by_iri: dict[str, Document] = {}
         for file in files:
             if by_iri.setdefault(file.iri, file) is not file:
@@ -64,8 +82,9 @@ class Ontology:
         Raises:
             UnknownName: Either is not a class.
         """
+        self._known_class(class_)
         self._known_class(ancestor)
-        return ancestor in self.ancestors(class_)
+        return ancestor in self._above[class_]
 
     def ancestors(self, class_: str) -> tuple[str, ...]:
         """Returns the class and everything above it, the line of primary parents first.
@@ -91,10 +110,17 @@ class Ontology:
         Raises:
             UnknownName: It is not a class.
         """
-        for above in self.ancestors(class_):
-            if property_ in self._class_values[above]:
-                return self._class_values[above][property_]
-        return None
+        self._known_class(class_)
+        return self._class_values[class_].get(property_)
+
+    def cardinalities(self, class_: str) -> tuple[Cardinality, ...]:
+        """Returns how many things individuals of a class have, as it and the classes above it say.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        said = (number for above in self.ancestors(class_) for number in self.classes[above].cardinalities)
+        return tuple(dict.fromkeys(said))
 
     def missed_end(self, class_: str, end: End) -> tuple[str, ...]:
         """Returns the first group of classes of which a class is none, though an end asks for one; nothing if it fits.
@@ -102,8 +128,8 @@ class Ontology:
         Raises:
             UnknownName: It is not a class.
         """
-        above = self.ancestors(class_)
-        return next((group for group in end if not any(name in above for name in group)), ())
+        self._known_class(class_)
+        return next((group for group in end if self._above[class_].isdisjoint(group)), ())
 
     # ------------------------------------------------------------ relations
 
@@ -173,29 +199,20 @@ class Ontology:
         """
         return _resolve("relation", name, self.relations)
 
+    def __reduce__(self) -> tuple[type[Ontology], tuple[Declarations, Names, tuple[Document, ...]]]:
+        return Ontology, (self._declarations, self.names, self.sources)
+
     def _known_class(self, class_: str) -> None:
         if class_ not in self.classes:
             raise UnknownName("class", class_, self.classes)
 
 
-def _line(parents: Mapping[str, tuple[str, ...]], name: str) -> tuple[str, ...]:
-    """The name and all above it, depth first, each once."""
-    line: dict[str, None] = {}
-    waiting = [name]
-    while waiting:
-        current = waiting.pop()
-        if current not in line:
-            line[current] = None
-            waiting.extend(reversed(parents[current]))
-    return tuple(line)
-
-
-def _inverse(lines: Mapping[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
-    below: dict[str, list[str]] = {name: [name] for name in lines}
-    for name in sorted(lines):
-        for above in lines[name][1:]:
-            below[above].append(name)
-    return {name: tuple(names) for name, names in below.items()}
+def _inherited(line: Sequence[str], declarations: Declarations) -> Mapping[str, Value]:
+    """Values that a class gives, its own before those of the nearest above it."""
+    values: dict[str, Value] = {}
+    for above in reversed(line):
+        values.update(declarations.class_values[above])
+    return values
 
 
 def _resolve(kind: str, name: str, known: Iterable[str]) -> str:

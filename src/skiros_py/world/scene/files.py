@@ -1,19 +1,24 @@
-"""Scene files: a world is read from one and written to one."""
+"""Scene files: a world is read from one, written to one, and replaced by one."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
-from skiros_py.world.change import Writer
+from skiros_py.errors import FileError, WorldError
+from skiros_py.world.change import Change, Writer
+from skiros_py.world.garbage import collection_paused
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
-from skiros_py.world.scene.reader import SceneReader
-from skiros_py.world.scene.writer import scene_turtle, write_atomically
+from skiros_py.world.scene.atomic import write_atomically
+from skiros_py.world.scene.diff import diff
+from skiros_py.world.scene.faults import fault_of_all
+from skiros_py.world.scene.reader import Reader
+from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.world import World
 
-__all__ = ["load_scene", "save_scene", "scene_goals"]
+__all__ = ["fill", "load_into", "load_scene", "save_scene", "scene_goals"]
 
 
 def load_scene(
@@ -26,27 +31,65 @@ def load_scene(
 
     Args:
         ontology: What may be.
-        path: The Turtle file.
+        path: The file: Turtle, RDF/XML or OWL/XML.
         ontology_paths: More files or folders in which imports are looked up.
         reasoners: What works out computed relations in this world.
 
     Raises:
-        FileError: A file is missing, not Turtle, or says what the ontology does not allow; with the line where known.
+        FileError: A file is missing, in none of these languages, or says what the ontology does not allow; with the
+            line where known.
     """
-    scene = read_document(path)
-    reader = SceneReader(ontology)
-    for file in _with_imports(scene, ontology, ontology_paths):
-        reader.take(file)
-    for triple in scene.triples:
-        reader.check_subject(scene, triple)
     world = World(ontology, reasoners=reasoners)
-    with world.transaction("scene", f"read from {path.name}", writer=Writer.SYSTEM) as tx:
-        reader.write(tx)
-        tx.set_goals(reader.goals())
+    with collection_paused():
+        fill(world, _read(ontology, path, ontology_paths), "scene", f"read from {path.name}")
+    return world
+
+
+def fill(world: World, reader: Reader, author: str, reason: str) -> None:
+    """Brings what was read into a world, as one change.
+
+    Raises:
+        FileError: The ontology or a reasoner does not allow it; nothing was changed.
+    """
+    try:
+        with world.transaction(author, reason, writer=Writer.SYSTEM) as tx:
+            tx.apply(reader.edits())
+    except WorldError as error:
         problems = tx.problems()
         if problems:
-            raise reader.fault(scene, problems)
-    return world
+            raise fault_of_all(reader.files, world.ontology.names, problems) from None
+        raise FileError(reader.files[0].path, str(error)) from None
+
+
+def load_into(
+    world: World,
+    path: Path,
+    author: str,
+    ontology_paths: Sequence[Path] = (),
+    *,
+    writer: Writer = Writer.PERSON,
+) -> Change | None:
+    """Replaces the scene of a live world by that of a file, as one change; what was learned stays.
+
+    Args:
+        world: The world.
+        path: The file.
+        author: Who wants it.
+        ontology_paths: More files or folders in which imports are looked up.
+        writer: What kind of author that is.
+
+    Returns:
+        The change, or None where the world is as the file says already.
+
+    Raises:
+        FileError: The file is refused, as by :func:`load_scene`; nothing was changed.
+        WorldError: A lock or a reasoner does not allow the change; nothing was changed.
+    """
+    wanted = load_scene(world.ontology, path, ontology_paths, reasoners=world.reasoners).snapshot()
+    with world.transaction(author, f"loaded {path.name}", writer=writer) as tx:
+        before, edits = world.version, diff(world.snapshot(), wanted)
+        tx.apply(edits)
+    return world.changes_since(before)[0] if edits else None
 
 
 def scene_goals(world: World) -> tuple[str, ...]:
@@ -55,14 +98,24 @@ def scene_goals(world: World) -> tuple[str, ...]:
 
 
 def save_scene(world: World, path: Path) -> None:
-    """Writes the present state as a scene file, whole or not at all; equal states give equal files.
+    """Writes the present state as a Turtle file, whole or not at all; equal states give equal files.
 
     Imported individuals are written with the rest, so the file imports ontologies only.
 
     Raises:
         FileError: It cannot be written.
     """
-    write_atomically(path, scene_turtle(world))
+    with collection_paused():
+        write_atomically(path, scene_turtle(world.snapshot()))
+
+
+def _read(ontology: Ontology, path: Path, ontology_paths: Sequence[Path]) -> Reader:
+    reader = Reader(ontology)
+    scene, *imported = _with_imports(read_document(path), ontology, ontology_paths)
+    reader.take(scene, whole=True)
+    for file in imported:
+        reader.take(file)
+    return reader
 
 
 def _with_imports(scene: Document, ontology: Ontology, paths: Sequence[Path]) -> list[Document]:
@@ -70,12 +123,14 @@ def _with_imports(scene: Document, ontology: Ontology, paths: Sequence[Path]) ->
     read = {file.path.resolve() for file in ontology.sources}
     for file in (read_document(path) for path in rdf_files(paths) if path.resolve() not in read):
         known.setdefault(file.iri, file)
-    files = [scene]
-    for file in files:
+    files = {scene.iri: scene}
+    waiting = [scene]
+    for file in waiting:
         for iri in file.imports():
-            if iri not in known:
+            if iri not in known and iri not in files:
                 found = ", ".join(f"<{name}>" for name in sorted(known)) or "none"
                 raise file.fault(f"imports <{iri}>, which no file at hand declares; these are declared: {found}", iri)
-            if known[iri] not in files:
-                files.append(known[iri])
-    return files
+            if iri not in files:
+                files[iri] = known[iri]
+                waiting.append(known[iri])
+    return list(files.values())

@@ -1,196 +1,235 @@
-"""Gathers what files say of scene individuals, and writes it into a world."""
+"""Gathers what files say of individuals, as the edits that bring them into a world."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from types import MappingProxyType
 
 import pyoxigraph as ox
 
 from skiros_py.errors import FileError, UnknownName
-from skiros_py.world.checks import class_problem
-from skiros_py.world.element import Value
-from skiros_py.world.ids import is_valid_id
-from skiros_py.world.literals import parse_value
-from skiros_py.world.names import SCENE
+from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
+from skiros_py.world.checks import class_problem, id_problem
+from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.names import SCENE, local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
-from skiros_py.world.transaction import Transaction
-from skiros_py.world.vocabulary import GOAL, LABEL, SCENE_CLASS
+from skiros_py.world.scene.faults import fault_about
+from skiros_py.world.scene.predicates import Kind, Predicate, Predicates
+from skiros_py.world.vocabulary import GOAL, LABEL
+from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
-__all__ = ["SceneReader"]
+__all__ = ["Reader"]
 
-_Where = tuple[Document, ox.Triple]
+_TERMS = ("owl:Class", "owl:ObjectProperty", "owl:DatatypeProperty", "owl:AnnotationProperty", "rdfs:Datatype")
 
 
-@dataclass(slots=True)
 class _Individual:
-    """What all files together say of one individual, each statement with where it was found."""
+    """What all files together say of one individual."""
 
-    types: dict[str, _Where] = field(default_factory=dict)
-    values: dict[str, Value] = field(default_factory=dict)
-    relations: dict[tuple[str, str], _Where] = field(default_factory=dict)
-    first: Document | None = None
+    __slots__ = ("relations", "types", "values")
+
+    def __init__(self) -> None:
+        self.types: list[str] = []
+        self.values: dict[str, Value] = {}
+        self.relations: list[tuple[str, str]] = []
 
 
-class SceneReader:
-    """Reads scene individuals from any number of files that complete each other."""
+class Reader:
+    """Reads the individuals of one namespace from any number of files that complete each other.
 
-    def __init__(self, ontology: Ontology) -> None:
+    Attributes:
+        files: The files read so far.
+    """
+
+    def __init__(self, ontology: Ontology, namespace: str = SCENE) -> None:
+        self.files: list[Document] = []
         self._ontology = ontology
         self._names = ontology.names
+        self._namespace = namespace
+        self._predicates = Predicates(ontology)
         self._individuals: dict[str, _Individual] = {}
         self._goals: set[str] = set()
 
-    def take(self, file: Document) -> None:
-        """Reads a file's statements about scene individuals.
+    def take(self, file: Document, *, whole: bool = False) -> None:
+        """Reads a file's statements about individuals of the namespace.
+
+        Args:
+            file: The file.
+            whole: Whether the file may speak of nothing else.
 
         Raises:
-            FileError: A statement cannot be understood.
+            FileError: A statement cannot be understood, or does not belong here.
         """
+        self.files.append(file)
+        namespace, last, name = self._namespace, "", ""
         for triple in file.triples:
-            if isinstance(triple.subject, ox.NamedNode) and triple.subject.value.startswith(SCENE):
-                self._take(file, triple, self._names.name(triple.subject.value))
+            subject = triple.subject
+            if not isinstance(subject, ox.NamedNode) or not (iri := subject.value).startswith(namespace):
+                if whole:
+                    self._check_foreign(file, triple)
+                continue
+            if iri != last:
+                last, name = iri, self._names.name(iri)
+            self._take(file, triple, name)
 
-    def check_subject(self, scene: Document, triple: ox.Triple) -> None:
-        """Refuses what a scene file says of anything but scene individuals and the file itself.
-
-        Raises:
-            FileError: The statement belongs into an ontology, or has no name to stand under.
-        """
-        if not isinstance(triple.subject, ox.NamedNode):
-            raise scene.fault("a scene has no nameless individuals: give it a name in scene:", triple.predicate.value)
-        iri = triple.subject.value
-        if iri != scene.iri and not iri.startswith(SCENE):
-            name = self._names.name(iri)
-            raise scene.fault(f"a scene speaks of scene: individuals only; '{name}' belongs into an ontology file", iri)
-
-    def goals(self) -> tuple[str, ...]:
-        """Returns the goals that the files state, sorted."""
-        return tuple(sorted(self._goals))
-
-    def write(self, tx: Transaction) -> None:
-        """Adds every individual, then its relations.
+    def edits(self) -> Iterator[Edit]:
+        """Yields the edits that make a world without these individuals one with them; may be called once.
 
         Raises:
-            FileError: An individual has no class, an unknown one or several, or is referred to but not described.
+            FileError: An individual has no class, an unknown one or several, is referred to but not described, or is in
+                two places.
         """
-        for name in sorted(self._individuals):
-            individual = self._individuals[name]
-            properties = dict(individual.values)
-            label = properties.pop(LABEL, None)
-            tx.add(self._class(name, individual), None if label is None else str(label), name, properties)
-        for name in sorted(self._individuals):
-            for (relation, object_), where in sorted(self._individuals[name].relations.items(), key=lambda r: r[0]):
-                self._check_reference(object_, where)
-                self._check_single(name, relation)
-                tx.relate(name, relation, object_)
-
-    def fault(self, scene: Document, problems: Sequence[tuple[str, str]]) -> FileError:
-        """Makes one error of everything that a transaction found wrong, at the line of the first."""
-        element = problems[0][0]
-        individual = self._individuals.get(element)
-        file = (individual.first if individual else None) or scene
-        sentences = list(dict.fromkeys(sentence for _, sentence in problems))
-        reason = sentences[0] if len(sentences) == 1 else "\n  - ".join(["is refused:", *sentences])
-        return file.fault(reason, self._names.iri(element))
+        names = sorted(self._individuals)
+        for name in names:
+            yield ElementEdit(name, None, self._element(name, self._individuals[name]))
+        yield from self._placements(names)
+        for name in names:
+            for relation, object_ in sorted(set(self._individuals[name].relations)):
+                if not self._is_placement(relation):
+                    self._check_single(name, relation)
+                    yield RelationEdit(name, relation, self._described(name, relation, object_), old=False, new=True)
+        if self._goals:
+            yield GoalsEdit((), tuple(sorted(self._goals)))
 
     # ------------------------------------------------------------ statements
 
-    def _take(self, file: Document, triple: ox.Triple, name: str) -> None:
-        if name == "this":
-            self._take_goal(file, triple)
-            return
-        individual = self._individuals.setdefault(name, _Individual())
-        individual.first = individual.first or file
-        predicate = self._names.name(triple.predicate.value)
-        if predicate == "rdf:type":
-            self._take_type(file, triple, individual)
-        elif isinstance(triple.object, ox.Literal):
-            self._take_value(file, triple, individual, predicate, triple.object)
-        elif isinstance(triple.object, ox.NamedNode):
-            if predicate not in self._ontology.relations:
-                raise self._unknown(file, triple, "relation", predicate)
-            individual.relations[predicate, self._names.name(triple.object.value)] = (file, triple)
-        else:
-            raise self._at(file, triple, f"{predicate} of {name} needs a named individual of scene:")
+    def _check_foreign(self, file: Document, triple: ox.Triple) -> None:
+        own = "scene:" if self._namespace == SCENE else self._names.name(self._namespace + "x")[:-1]
+        if not isinstance(triple.subject, ox.NamedNode):
+            reason = f"there can be no nameless individuals here: give it a name in {own}"
+            raise file.fault(reason, None, triple.predicate.value)
+        iri = triple.subject.value
+        if iri != file.iri and not self._repeats(triple):
+            name = self._names.name(iri)
+            raise file.fault(f"may speak of {own} individuals only; '{name}' belongs into an ontology file", iri)
 
-    def _take_goal(self, file: Document, triple: ox.Triple) -> None:
-        predicate = self._names.name(triple.predicate.value)
+    def _repeats(self, triple: ox.Triple) -> bool:
+        """Whether a statement declares a term that is declared anyway: editors write that where they use one."""
+        if self._predicates.of(triple.predicate.value).kind is not Kind.TYPE:
+            return False
+        assert isinstance(triple.subject, ox.NamedNode)
+        term, ontology = self._names.name(triple.subject.value), self._ontology
+        known = term in ontology.classes or term in ontology.relations or term in ontology.properties
+        is_term = isinstance(triple.object, ox.NamedNode) and self._names.name(triple.object.value) in _TERMS
+        return is_term and (known or term.partition(":")[0] in ("owl", "rdf", "rdfs", "xsd", "sk"))
+
+    def _take_scene(self, file: Document, triple: ox.Triple) -> None:
+        predicate = self._predicates.of(triple.predicate.value).name
         if predicate == GOAL and isinstance(triple.object, ox.Literal):
             self._goals.add(triple.object.value)
-        elif predicate == "rdf:type" and triple.object != ox.NamedNode(self._names.iri(SCENE_CLASS)):
-            raise self._at(file, triple, f"scene:this stands for the scene itself and is a {SCENE_CLASS}")
-        elif predicate not in ("rdf:type", LABEL, "rdfs:comment"):
-            raise self._at(file, triple, f"scene:this has {GOAL}, rdfs:label and rdfs:comment only, not {predicate}")
+        elif predicate == "rdf:type":
+            if not isinstance(triple.object, ox.NamedNode) or self._names.name(triple.object.value) not in _SCENE_TYPES:
+                raise _at(file, triple, f"scene:this stands for the scene itself and is a {SCENE_CLASS}")
+        elif predicate not in (LABEL, "rdfs:comment"):
+            raise _at(file, triple, f"scene:this has {GOAL}, rdfs:label and rdfs:comment only, not {predicate}")
+
+    def _take(self, file: Document, triple: ox.Triple, name: str) -> None:
+        if name == "this":
+            self._take_scene(file, triple)
+            return
+        individual = self._individuals.get(name)
+        if individual is None:
+            individual = self._individuals[name] = _Individual()
+        predicate, object_ = self._predicates.of(triple.predicate.value), triple.object
+        if predicate.kind is Kind.TYPE:
+            self._take_type(file, triple, individual)
+        elif isinstance(object_, ox.Literal):
+            self._take_value(file, triple, individual, predicate, object_)
+        elif predicate.kind is not Kind.RELATION:
+            raise self._misused(file, triple, "relation", predicate)
+        elif isinstance(object_, ox.NamedNode):
+            individual.relations.append((predicate.name, self._names.name(object_.value)))
+        else:
+            raise _at(file, triple, f"{predicate.name} of {name} needs an individual that has a name")
 
     def _take_type(self, file: Document, triple: ox.Triple, individual: _Individual) -> None:
         if not isinstance(triple.object, ox.NamedNode):
-            raise self._at(file, triple, "the class of an individual must have a name")
+            raise _at(file, triple, "the class of an individual must have a name")
         class_ = self._names.name(triple.object.value)
-        if class_ != "owl:NamedIndividual":
-            individual.types[class_] = (file, triple)
+        if class_ != "owl:NamedIndividual" and class_ not in individual.types:
+            individual.types.append(class_)
 
     def _take_value(
-        self, file: Document, triple: ox.Triple, individual: _Individual, predicate: str, literal: ox.Literal
+        self, file: Document, triple: ox.Triple, individual: _Individual, predicate: Predicate, literal: ox.Literal
     ) -> None:
-        if predicate != LABEL and predicate not in self._ontology.properties:
-            raise self._unknown(file, triple, "property", predicate)
-        range_ = "xsd:string" if predicate == LABEL else self._ontology.properties[predicate].range
+        if predicate.kind is not Kind.VALUE:
+            raise self._misused(file, triple, "property", predicate)
         try:
-            value = parse_value(literal.value, self._names.name(literal.datatype.value), range_)
+            value = self._predicates.value(predicate, literal)
         except ValueError as error:
-            raise self._at(file, triple, f"{predicate} {error}") from None
-        if individual.values.setdefault(predicate, value) != value:
-            raise self._at(file, triple, f"{predicate} has two values, and may have one")
+            raise _at(file, triple, f"{predicate.name} {error}") from None
+        if individual.values.setdefault(predicate.name, value) != value:
+            raise _at(file, triple, f"{predicate.name} has two values, and may have one")
+
+    def _misused(self, file: Document, triple: ox.Triple, wanted: str, predicate: Predicate) -> FileError:
+        if predicate.kind is Kind.UNKNOWN:
+            known = self._ontology.relations if wanted == "relation" else self._ontology.properties
+            return _at(file, triple, str(UnknownName(wanted, predicate.name, known)))
+        needs = "a literal" if wanted == "relation" else "an individual of scene:"
+        return _at(file, triple, f"{predicate.name} needs {needs}")
 
     # ------------------------------------------------------------ individuals
 
+    def _element(self, name: str, individual: _Individual) -> Element:
+        class_ = self._class(name, individual)
+        values, individual.values = individual.values, {}
+        label = values.pop(LABEL, None)
+        return Element(name, class_, local_name(class_) if label is None else str(label), MappingProxyType(values))
+
     def _class(self, name: str, individual: _Individual) -> str:
-        assert individual.first is not None
-        if not is_valid_id(name):
-            raise individual.first.fault(f"'{name}' is no id: use letters, digits and underscores", SCENE + name)
+        problem = id_problem(name)
+        if problem:
+            raise self._fault(problem, name)
         if len(individual.types) != 1:
-            has = (
-                f"{len(individual.types)} classes ({', '.join(sorted(individual.types))})"
-                if individual.types
-                else "no class"
-            )
-            raise individual.first.fault(f"{name} has {has}, and must have one: the most specific", SCENE + name)
-        ((class_, (file, triple)),) = individual.types.items()
+            classes = ", ".join(sorted(individual.types))
+            has = f"{len(individual.types)} classes ({classes})" if classes else "no class"
+            raise self._fault(f"{name} has {has}, and must have one: the most specific", name)
+        (class_,) = individual.types
         problem = class_problem(self._ontology, class_)
         if problem:
-            raise self._at(file, triple, f"{name}: {problem}", at_object=True)
+            raise self._fault(f"{name}: {problem}", name, class_)
         return class_
 
-    def _check_reference(self, object_: str, where: _Where) -> None:
+    def _placements(self, names: list[str]) -> Iterator[Edit]:
+        placements: dict[str, Placement] = {}
+        for name in names:
+            for relation, object_ in sorted(set(self._individuals[name].relations)):
+                if self._is_placement(relation):
+                    self._described(name, relation, object_)
+                    element, placement = self._ontology.placed(name, relation, object_)
+                    if placements.setdefault(element, placement) != placement:
+                        raise self._in_two_places(element, placements[element], placement, name)
+        for element, placement in placements.items():
+            yield PlacementEdit(element, None, placement)
+
+    def _is_placement(self, relation: str) -> bool:
+        return self._ontology.is_placement(relation)
+
+    def _in_two_places(self, element: str, one: Placement, other: Placement, subject: str) -> FileError:
+        said = ", ".join(f"{p.relation} {p.place}" for p in (one, other))
+        return self._fault(f"{element} may have one of these, not all: {said}", subject, other.relation)
+
+    def _described(self, name: str, relation: str, object_: str) -> str:
         if object_ not in self._individuals:
-            raise self._at(*where, str(UnknownName("individual", object_, self._individuals)), at_object=True)
+            raise self._fault(str(UnknownName("individual", object_, self._individuals)), name, relation, object_)
+        return object_
 
     def _check_single(self, name: str, relation: str) -> None:
-        """A placement or a functional relation would silently be replaced by the next."""
-        same = self._moves(relation)
-        if not same and not self._ontology.relation(relation).functional:
-            return
-        relations = self._individuals[name].relations
-        rivals = [(r, o) for r, o in relations if r == relation or (same and self._moves(r))]
-        if len(rivals) > 1:
-            said = ", ".join(f"{r} {o}" for r, o in sorted(rivals))
-            raise self._at(*relations[rivals[-1]], f"{name} may have one of these, not all: {said}")
+        """The next object of a functional relation would silently replace the one before."""
+        if self._ontology.relation(relation).functional:
+            objects = {o for r, o in self._individuals[name].relations if r == relation}
+            if len(objects) > 1:
+                said = ", ".join(f"{relation} {o}" for o in sorted(objects))
+                raise self._fault(f"{name} may have one of these, not all: {said}", name, relation)
 
-    def _moves(self, relation: str) -> bool:
-        """Tells whether stating a relation of an individual says where that individual is."""
-        return self._ontology.is_placement(relation) and self._ontology.relation(relation).place_end == "object"
+    def _fault(self, reason: str, name: str, *terms: str) -> FileError:
+        return fault_about(self.files, self._names, reason, name, terms)
 
-    def _unknown(self, file: Document, triple: ox.Triple, kind: str, name: str) -> FileError:
-        known = self._ontology.relations if kind == "relation" else self._ontology.properties
-        other = self._ontology.properties if kind == "relation" else self._ontology.relations
-        if name in other:
-            needs = "a literal" if kind == "relation" else "an individual of scene:"
-            return self._at(file, triple, f"{name} needs {needs}")
-        return self._at(file, triple, str(UnknownName(kind, name, known)))
 
-    def _at(self, file: Document, triple: ox.Triple, reason: str, *, at_object: bool = False) -> FileError:
-        assert isinstance(triple.subject, ox.NamedNode)
-        term = triple.object.value if at_object and isinstance(triple.object, ox.NamedNode) else triple.predicate.value
-        return file.fault(reason, triple.subject.value, term)
+_SCENE_TYPES = (SCENE_CLASS, "owl:NamedIndividual")
+
+
+def _at(file: Document, triple: ox.Triple, reason: str) -> FileError:
+    assert isinstance(triple.subject, ox.NamedNode)
+    return file.fault(reason, triple.subject.value, triple.predicate.value)

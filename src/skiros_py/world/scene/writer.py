@@ -1,70 +1,141 @@
-"""A world's present state as the text of a scene file."""
+"""A world's state as the text of a Turtle file: one statement a line, in an order that depends on content alone."""
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Iterator
-from pathlib import Path
+import re
+from collections.abc import Iterable, Iterator
 
 import pyoxigraph as ox
 
-from skiros_py.errors import FileError
-from skiros_py.world.names import SCENE, STANDARD_PREFIXES
-from skiros_py.world.store.triples import Triples
-from skiros_py.world.vocabulary import ELEMENT
-from skiros_py.world.world import World
+from skiros_py.world.element import Element, Value, is_abstract, is_learned
+from skiros_py.world.index import Index
+from skiros_py.world.literals import format_value, literal_type
+from skiros_py.world.names import LEARNED_GRAPH, SCENE, SCENE_GRAPH, STANDARD_PREFIXES
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.terms import Family
+from skiros_py.world.vocabulary import ELEMENT, GOAL, LABEL, POSE, POSE_FRAME
+from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
-__all__ = ["scene_turtle", "write_atomically"]
+__all__ = ["TurtleWriter", "scene_turtle"]
 
-_OWL, _RDF = STANDARD_PREFIXES["owl"], STANDARD_PREFIXES["rdf"]
-
-
-def scene_turtle(world: World) -> str:
-    """Returns the Turtle text, in an order that depends on the content alone."""
-    used = {name: iri for name, iri in sorted(world.ontology.names.prefixes.items()) if name != "xsd"}
-    text = ox.serialize(list(_triples(world)), format=ox.RdfFormat.TURTLE, prefixes=used)
-    assert text is not None  # it is, where no output file is given
-    lines = text.decode().splitlines()
-    # The engine writes prefixes in any order, and individuals without a blank line between them.
-    head = sorted(line for line in lines if line.startswith("@prefix"))
-    body = [line if line.startswith("\t") else f"\n{line}" for line in lines if not line.startswith("@prefix")]
-    return "\n".join([*head, *body]).replace("\t", "    ") + "\n"
+_SAFE = re.compile(r"[A-Za-z][A-Za-z0-9_-]*:[A-Za-z0-9_][A-Za-z0-9_-]*")
+_BARE = {
+    "xsd:boolean": re.compile("true|false"),
+    "xsd:integer": re.compile(r"[+-]?[0-9]+"),
+    "xsd:decimal": re.compile(r"[+-]?[0-9]*\.[0-9]+"),
+}
+_FIRST = {LABEL: 0, POSE: 3, POSE_FRAME: 4}
+_FAMILIES = {Family.PLACEMENT: 1, Family.STRUCTURE: 2}
+_OTHERS = 5
 
 
-def write_atomically(path: Path, text: str) -> None:
-    """Writes a file so that it is there whole or as it was before.
+def scene_turtle(index: Index) -> str:
+    """Returns the scene of a state as a file, with its goals."""
+    writer = TurtleWriter(index)
+    goals = [(GOAL, writer.literal(GOAL, goal)) for goal in index.goals]
+    this = writer.paragraph("this", SCENE_CLASS, goals)
+    return writer.file(SCENE_GRAPH, [this, *writer.elements(index.instances(ELEMENT))])
 
-    Raises:
-        FileError: It cannot be written.
+
+class TurtleWriter:
+    """Writes elements of a state as paragraphs of Turtle, and keeps account of the words that they use."""
+
+    def __init__(self, index: Index) -> None:
+        self._index = index
+        self._ontology = index.ontology
+        self._names = index.ontology.names
+        self._tokens: dict[str, str] = {}
+        self._keys: dict[str, tuple[int, str]] = {}
+
+    def file(self, graph: str, paragraphs: Iterable[str]) -> str:
+        """Returns the whole file.
+
+        Args:
+            graph: IRI of the graph that it holds, and of the file.
+            paragraphs: What it says of individuals, whose names begin with that.
+        """
+        body = list(paragraphs)
+        imports = [("owl:imports", f"<{other}>") for other in _declaring(self._ontology, self._used())]
+        header = self._block(f"<{graph}>", self._token("owl:Ontology"), imports)
+        used = {token.partition(":")[0] for token in self._tokens.values() if not token.startswith("<")}
+        used.add("learned" if graph == LEARNED_GRAPH else "scene")
+        prefixes = [f"@prefix {name}: <{self._names.prefixes[name]}> .\n" for name in sorted(used)]
+        return "\n".join(["".join(prefixes), header, *body])
+
+    def elements(self, ids: Iterable[str]) -> Iterator[str]:
+        """Yields a paragraph for each element."""
+        related: dict[str, list[tuple[str, str]]] = {}
+        for subject, relation, object_ in self._index.statements():
+            related.setdefault(subject, []).append((relation, self._token(object_)))
+        for name in ids:
+            element = self._index.element(name)
+            yield self.paragraph(name, element.type, [*self._values(element), *related.get(name, ())])
+
+    def paragraph(self, name: str, class_: str, statements: Iterable[tuple[str, str]]) -> str:
+        """Returns what is said of one individual, as (predicate, object as it is written)."""
+        return self._block(self._token(name), self._token(class_), statements)
+
+    def literal(self, property_: str, value: Value) -> str:
+        """Returns a value as it is written."""
+        range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
+        text, type_ = format_value(value, range_), literal_type(value, range_)
+        if type_ in _BARE and _BARE[type_].fullmatch(text):
+            return text
+        # JSON is easier to read without a backslash before each quote.
+        plain = '"' in text and "'" not in text and "\\" not in text and text.isprintable()
+        quoted = f"'{text}'" if plain else str(ox.Literal(text))
+        return quoted if type_ == "xsd:string" else f"{quoted}^^{self._token(type_)}"
+
+    def _values(self, element: Element) -> Iterator[tuple[str, str]]:
+        yield LABEL, self.literal(LABEL, element.label)
+        for property_, value in element.properties.items():
+            yield property_, self.literal(property_, value)
+
+    def _block(self, subject: str, class_: str, statements: Iterable[tuple[str, str]]) -> str:
+        """Ends each line alike, so that a line more or less changes no other."""
+        lines = [f"    {self._token(p)} {said} ;\n" for p, said in sorted(statements, key=self._key)]
+        return f"{subject} a {class_} ;\n{''.join(lines)}    .\n"
+
+    def _key(self, statement: tuple[str, str]) -> tuple[int, str, str]:
+        predicate, said = statement
+        key = self._keys.get(predicate) or self._keys.setdefault(predicate, self._rank(predicate))
+        return *key, said
+
+    def _rank(self, predicate: str) -> tuple[int, str]:
+        """What people want to know first: what it is called, where it is, what it is built of."""
+        relation = self._ontology.relations.get(predicate)
+        family = _OTHERS if relation is None else _FAMILIES.get(relation.family, _OTHERS)
+        return _FIRST.get(predicate, family), predicate
+
+    def _token(self, name: str) -> str:
+        if not is_abstract(name):
+            return f"scene:{name}"
+        if is_learned(name):
+            return name
+        return self._tokens.get(name) or self._tokens.setdefault(name, self._spelt(name))
+
+    def _spelt(self, name: str) -> str:
+        return name if _SAFE.fullmatch(name) else f"<{self._names.iri(name)}>"
+
+    def _used(self) -> set[str]:
+        return {self._names.iri(name) for name in self._tokens}
+
+
+def _declaring(ontology: Ontology, terms: set[str]) -> list[str]:
+    """The IRIs of the files that declare any of the terms, sorted.
+
+    Not of those with individuals of scenes (robots): these are in the scene that is written.
     """
-    try:
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(file.name).replace(path)
-    except OSError as error:
-        raise FileError(path, f"cannot be written: {error}") from error
+    return sorted(
+        file.iri
+        for file in ontology.sources
+        if any(_declares(triple, terms) for triple in file.triples)
+        and not any(isinstance(t.subject, ox.NamedNode) and t.subject.value.startswith(SCENE) for t in file.triples)
+    )
 
 
-def _triples(world: World) -> Iterator[ox.Triple]:
-    yield from _header(world)
-    triples = Triples(world.ontology)
-    yield from triples.goals(world.goals)
-    index = world.snapshot()
-    relations: dict[str, list[ox.Triple]] = {}
-    for subject, relation, object_ in index.statements():
-        relations.setdefault(subject, []).append(triples.relation(subject, relation, object_))
-    for element_id in index.instances(ELEMENT):
-        yield from triples.element(index.element(element_id))
-        yield from relations.get(element_id, ())
+def _declares(triple: ox.Triple, terms: set[str]) -> bool:
+    return triple.predicate == _TYPE and isinstance(triple.subject, ox.NamedNode) and triple.subject.value in terms
 
 
-def _header(world: World) -> Iterator[ox.Triple]:
-    """The file as an ontology that imports those which declare terms; robots' individuals are in the scene already."""
-    scene = ox.NamedNode(SCENE.removesuffix("#"))
-    yield ox.Triple(scene, ox.NamedNode(_RDF + "type"), ox.NamedNode(_OWL + "Ontology"))
-    for file in world.ontology.sources:
-        if not any(isinstance(t.subject, ox.NamedNode) and t.subject.value.startswith(SCENE) for t in file.triples):
-            yield ox.Triple(scene, ox.NamedNode(_OWL + "imports"), ox.NamedNode(file.iri))
+_TYPE = ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type")

@@ -11,7 +11,8 @@ from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.literals import format_value, literal_type
 from skiros_py.world.names import SCENE
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.vocabulary import GOAL, LABEL, SCENE_CLASS
+from skiros_py.world.vocabulary import GOAL, LABEL
+from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
 __all__ = ["Triples"]
 

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import pyoxigraph as ox
 
 from skiros_py.errors import FileError
-from skiros_py.world.names import Names
+from skiros_py.world.names import Names, split_iri
 from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
-from skiros_py.world.ontology.check.owl import DECLARES, Kind, owl, rdf, rdfs
-from skiros_py.world.ontology.declarations import common_names
+from skiros_py.world.ontology.check.owl import DECLARES, owl, rdf, rdfs
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
+from skiros_py.world.ontology.kinds import Kind
+from skiros_py.world.ontology.prefixes import common_names
 
-__all__ = ["Material", "Statement", "iri_of", "read_material"]
+__all__ = ["Material", "Statement", "closure", "iri_of", "read_material"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,6 @@ class Material:
 
     documents: Sequence[Document]
     names: Names
-    _members: dict[tuple[int, object], tuple[object, ...]] = field(default_factory=dict, repr=False)
 
     @cached_property
     def statements(self) -> tuple[Statement, ...]:
@@ -74,6 +74,13 @@ class Material:
         return found
 
     @cached_property
+    def _by_subject(self) -> Mapping[tuple[str | None, str], Sequence[Statement]]:
+        found: dict[tuple[str | None, str], list[Statement]] = defaultdict(list)
+        for statement in self.statements:
+            found[statement.subject, statement.predicate].append(statement)
+        return found
+
+    @cached_property
     def declared(self) -> Mapping[Kind, Mapping[str, Document]]:
         """Terms (IRIs) of each kind, with the file that declares each first."""
         found: dict[Kind, dict[str, Document]] = {kind: {} for kind in Kind}
@@ -82,6 +89,11 @@ class Material:
             if kind is not None and statement.subject is not None:
                 found[kind].setdefault(statement.subject, statement.document)
         return found
+
+    @cached_property
+    def vocabularies(self) -> frozenset[str]:
+        """Namespaces of which some file declares something."""
+        return frozenset(split_iri(term)[0] for terms in self.declared.values() for term in terms)
 
     @cached_property
     def parents(self) -> Mapping[str, Sequence[str]]:
@@ -107,6 +119,10 @@ class Material:
         """Returns the statements of a predicate (IRI)."""
         return self.by_predicate.get(predicate, ())
 
+    def said(self, subject: str, predicate: str) -> Sequence[Statement]:
+        """Returns the statements of a predicate about a subject (IRIs)."""
+        return self._by_subject.get((subject, predicate), ())
+
     def pairs(self, predicate: str) -> Iterator[tuple[str, str]]:
         """Yields subject and object of a predicate where both have names."""
         for statement in self.about(predicate):
@@ -116,6 +132,10 @@ class Material:
     def kinds_of(self, iri: str) -> tuple[Kind, ...]:
         """Returns all that a term is declared as."""
         return tuple(kind for kind in Kind if iri in self.declared[kind])
+
+    def declared_at(self, iri: str) -> Document:
+        """Returns the file that declares a term first."""
+        return next(terms[iri] for terms in self.declared.values() if iri in terms)
 
     def is_term(self, iri: str) -> bool:
         """Returns True for what is declared as a class, relation, property or data type."""
@@ -127,11 +147,7 @@ class Material:
 
     def members(self, document: Document, node: object) -> tuple[object, ...]:
         """Returns what an RDF list of a file holds."""
-        return tuple(_list(self._links(document), node))
-
-    def _links(self, document: Document) -> Mapping[object, tuple[object, object]]:
-        known = self._cells.get(id(document))
-        return known if known is not None else {}
+        return tuple(_list(self._cells.get(id(document), {}), node))
 
     @cached_property
     def _cells(self) -> Mapping[int, Mapping[object, tuple[object, object]]]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
-
 import rdflib
 
 from skiros_py.world.names import CORE, STANDARD_PREFIXES
+from skiros_py.world.ontology.kinds import DECLARES as KIND_BY_TYPE
 
-__all__ = ["ANNOTATIONS", "DECLARES", "HEADER", "Kind", "is_standard", "is_standard_word", "owl", "rdf", "rdfs", "sk"]
+__all__ = ["ANNOTATIONS", "DECLARES", "HEADER", "is_standard", "is_standard_word", "owl", "rdf", "rdfs", "sk"]
 
 _STANDARD = {name: STANDARD_PREFIXES[name] for name in ("rdf", "rdfs", "owl", "xsd")}
 _WORDS = {"rdf": rdflib.RDF, "rdfs": rdflib.RDFS, "owl": rdflib.OWL, "xsd": rdflib.XSD}
@@ -34,30 +33,7 @@ def sk(word: str) -> str:
     return CORE + word
 
 
-class Kind(StrEnum):
-    """What a term may be declared as; the value is what people call it."""
-
-    CLASS = "class"
-    RELATION = "relation"
-    PROPERTY = "property"
-    ANNOTATION = "annotation property"
-    DATATYPE = "data type"
-
-
-DECLARES = {
-    owl("Class"): Kind.CLASS,
-    rdfs("Class"): Kind.CLASS,
-    owl("ObjectProperty"): Kind.RELATION,
-    owl("InverseFunctionalProperty"): Kind.RELATION,
-    owl("TransitiveProperty"): Kind.RELATION,
-    owl("SymmetricProperty"): Kind.RELATION,
-    owl("AsymmetricProperty"): Kind.RELATION,
-    owl("ReflexiveProperty"): Kind.RELATION,
-    owl("IrreflexiveProperty"): Kind.RELATION,
-    owl("DatatypeProperty"): Kind.PROPERTY,
-    owl("AnnotationProperty"): Kind.ANNOTATION,
-    rdfs("Datatype"): Kind.DATATYPE,
-}
+DECLARES = {_STANDARD[name.partition(":")[0]] + name.partition(":")[2]: kind for name, kind in KIND_BY_TYPE.items()}
 """What a type makes of a term."""
 
 ANNOTATIONS = frozenset(

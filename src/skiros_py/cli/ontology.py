@@ -1,0 +1,206 @@
+"""``skiros ontology``: check ontologies, and write their words as Python constants."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from skiros_py.cli.exit_status import NOT_REACHED, REACHED
+from skiros_py.errors import UsageError
+
+if TYPE_CHECKING:
+    from skiros_py.world.ontology.check import CheckReport, Finding, ReasonerChoice
+
+__all__ = ["command"]
+
+_PATHS = click.argument("paths", nargs=-1, type=click.Path(exists=True, path_type=Path))
+
+
+@click.group("ontology")
+def command() -> None:
+    """Looks at ontologies, checks them and writes their words as Python constants.
+
+    PATHS are files and folders; left out, they are the ontologies of the installation.
+    """
+
+
+@command.command("check", epilog="Example: skiros ontology check my.ttl ontologies/core.ttl --reasoner owl-rl")
+@_PATHS
+@click.option(
+    "--reasoner",
+    type=click.Choice(["auto", "hermit", "owl-rl", "none"]),
+    default="auto",
+    help="hermit sees most and needs Java; owl-rl needs none; auto takes the best there is.  [default: auto]",
+)
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=60.0,
+    metavar="S",
+    help="Give reasoning up after S seconds.  [default: 60]",
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
+def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, as_json: bool) -> int:
+    """Checks the ontologies PATHS together, as they would be loaded.
+
+    Finds undeclared terms, bad domains and ranges, cycles, classes that nothing can be of and contradictions, each
+    with its file and line, and with the statements that together make it so.
+
+    Exit status: 0 no errors (there may be warnings), 1 errors, 2 wrong usage.
+    """
+    from skiros_py.world.ontology.check import check_ontology
+
+    with _progress() as progress:
+        report = check_ontology(_or_installed(paths), reasoner, time_limit, progress)
+    if as_json:
+        click.echo(json.dumps(_as_json(report)))
+    else:
+        _print(report)
+    return NOT_REACHED if report.errors else REACHED
+
+
+@command.command("constants", epilog="Example: skiros ontology constants --namespace kitting -o kitting.py")
+@_PATHS
+@click.option("--namespace", "namespaces", multiple=True, metavar="PREFIX", help="Words to write; may be repeated.")
+@click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write to FILE.")
+@click.option(
+    "--check",
+    "current",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write nothing; show what FILE lacks and end with 1 where it is not current.",
+)
+def constants(paths: tuple[Path, ...], namespaces: tuple[str, ...], output: Path | None, current: Path | None) -> int:
+    """Writes a typed Python module of the classes, relations, properties and individuals of PATHS.
+
+    A wrong or renamed word then fails at type-check time.
+    """
+    from skiros_py.world.ontology import Ontology
+    from skiros_py.world.ontology.constants import constants_module
+
+    if output is not None and current is not None:
+        raise UsageError("-o writes a file and --check writes none: give one of them")
+    text = constants_module(Ontology.load(_or_installed(paths)), namespaces)
+    if current is not None:
+        return _compare(current, text)
+    if output is None:
+        click.echo(text, nl=False)
+    else:
+        _write(output, text)
+    return REACHED
+
+
+@command.command("list", epilog="Example: skiros ontology list --json")
+@_PATHS
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+def list_files(paths: tuple[Path, ...], as_json: bool) -> int:
+    """Lists the files of PATHS with their IRIs and how much each declares."""
+    from skiros_py.world.ontology.documents import rdf_files, read_document
+    from skiros_py.world.ontology.inventory import inventory
+
+    found = [inventory(read_document(path)) for path in rdf_files(_or_installed(paths))]
+    if as_json:
+        click.echo(json.dumps({"files": [{"file": str(i.path), "iri": i.iri, **i.counts} for i in found]}))
+        return REACHED
+    for item in found:
+        counts = ", ".join(f"{number} {name}" for name, number in item.counts.items() if number)
+        click.echo(f"{item.path}\n  <{item.iri}>: {counts or 'no terms'}")
+    return REACHED
+
+
+def _or_installed(paths: tuple[Path, ...]) -> tuple[Path, ...]:
+    """The paths given, else those of the installation and of its plug-ins."""
+    if paths:
+        return paths
+    from skiros_py.config import ontology_paths
+    from skiros_py.world.ontology.installed import plugin_files
+
+    files, faults = plugin_files()
+    for fault in faults:
+        click.echo(f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}", err=True)
+    return (*ontology_paths(), *(file for own in files.values() for file in own))
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """Shows on a terminal what is being done; elsewhere nothing."""
+    from rich.console import Console
+
+    console = Console(stderr=True, highlight=False)
+    with console.status("starting") as status:
+        yield lambda text: status.update(f"{text} …")
+
+
+def _print(report: CheckReport) -> None:
+    for finding in report.findings:
+        click.echo(_line(finding))
+        for statement in finding.explanation:
+            click.echo(f"    {statement}")
+    warnings = len(report.findings) - report.errors
+    counted = ((len(report.files), "file"), (report.errors, "error"), (warnings, "warning"))
+    click.echo(", ".join(f"{number} {name}{'' if number == 1 else 's'}" for number, name in counted))
+    if report.reasoner is None:
+        click.echo(f"no reasoner ran: {report.note}")
+    else:
+        click.echo(f"reasoner: {report.reasoner} ({report.note}), {report.seconds:.1f} s")
+
+
+def _line(finding: Finding) -> str:
+    where = f"{finding.file}:{finding.line}: " if finding.line else f"{finding.file}: " if finding.file else ""
+    return f"{where}{finding.severity}: {finding.text} [{finding.kind}]"
+
+
+def _as_json(report: CheckReport) -> dict[str, Any]:
+    findings = [
+        {
+            "severity": finding.severity,
+            "kind": finding.kind,
+            "term": finding.term,
+            "text": finding.text,
+            "file": str(finding.file) if finding.file else None,
+            "line": finding.line,
+            "explanation": list(finding.explanation),
+        }
+        for finding in report.findings
+    ]
+    return {
+        "status": NOT_REACHED if report.errors else REACHED,
+        "files": [str(file) for file in report.files],
+        "errors": report.errors,
+        "warnings": len(findings) - report.errors,
+        "findings": findings,
+        "reasoner": report.reasoner,
+        "note": report.note,
+        "seconds": round(report.seconds, 3),
+    }
+
+
+def _compare(file: Path, text: str) -> int:
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"--check {file}: cannot be read as UTF-8 text: {error}") from error
+    diff = list(difflib.unified_diff(lines, text.splitlines(keepends=True), f"{file}", "as generated"))
+    sys.stdout.writelines(diff)
+    if diff:
+        click.echo(f"{file} is not current", err=True)
+    return NOT_REACHED if diff else REACHED
+
+
+def _write(file: Path, text: str) -> None:
+    """Writes the file whole or not at all."""
+    draft = file.with_name(f".{file.name}.new")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        draft.replace(file)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        raise UsageError(f"-o {file}: {error.strerror}") from error
+    click.echo(f"wrote {file}", err=True)

@@ -1,0 +1,149 @@
+"""A folder in which a world lives on: its journal, what was learned, and a lock for who is using it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from skiros_py.errors import FileError
+from skiros_py.world.abstract import abstract_individuals
+from skiros_py.world.journal.journal import Journal
+from skiros_py.world.journal.learned_file import LearnedFile
+from skiros_py.world.journal.lock import DirectoryLock
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.past import Past
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+from skiros_py.world.scene import load_scene
+from skiros_py.world.world import World
+
+__all__ = ["DataDirectory"]
+
+_log = logging.getLogger(__name__)
+
+_LONG = 20_000
+"""Changes since the last snapshot from which on opening makes a new one."""
+
+
+class DataDirectory:
+    """An open data directory. Close it, or use it in a ``with``.
+
+    Attributes:
+        path: The folder.
+        world: The world that lives in it.
+        journal: Its changes, with what can be asked of them.
+    """
+
+    def __init__(self, path: Path, world: World, journal: Journal, stack: ExitStack) -> None:
+        """Made by :meth:`open`."""
+        self.path = path
+        self.world = world
+        self.journal = journal
+        self._stack = stack
+
+    @classmethod
+    def open(
+        cls,
+        path: Path,
+        ontology: Ontology,
+        reasoners: Reasoners = NO_REASONERS,
+        scene: Path | None = None,
+        *,
+        imports: Sequence[Path] = (),
+        create: bool = True,
+    ) -> Self:
+        """Opens a folder, where there is none a new one.
+
+        Args:
+            path: The folder.
+            ontology: What may be.
+            reasoners: What works out computed relations in its world.
+            scene: The scene file that is the first content of a new one; later it counts no more. What a file
+                ``learned.ttl`` in it says comes along.
+            imports: More files or folders in which the scene's imports are looked up.
+            create: False where a folder without a world is a mistake.
+
+        Raises:
+            FileError: Another process uses it, it cannot be read or written, is damaged, or does not fit the ontology;
+                or the scene is broken.
+        """
+        _prepare(path, create=create)
+        stack = ExitStack()
+        try:
+            stack.callback(DirectoryLock(path).release)
+            journal = Journal(path / "journal.db")
+            stack.callback(journal.close)
+            learned = LearnedFile(path / "learned.ttl")
+            if journal.version == 0:
+                past = _first_content(journal, learned, _fresh(ontology, reasoners, scene, imports))
+            else:
+                past = journal.past(abstract_individuals(ontology, reasoners))
+            world = World(ontology, reasoners=reasoners, past=past)
+            _shorten(journal, world)
+            learned.follow(world)
+        except BaseException:
+            stack.close()
+            raise
+        return cls(path, world, journal, stack)
+
+    def compact(self, keep: int) -> None:
+        """Forgets all but the latest changes: the file gets short, history and undo reach back no further.
+
+        Args:
+            keep: How many changes are still remembered.
+
+        Raises:
+            FileError: There is no room for it; nothing was changed.
+            UsageError: The number is negative.
+        """
+        self.journal.compact(*self.world.state(), keep=keep)
+
+    def close(self) -> None:
+        """Lets others in; the world can still be read, but not written. May be called twice."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _prepare(path: Path, *, create: bool) -> None:
+    """Makes the folder where it is missing and may be made."""
+    if not create and not (path / "journal.db").exists():
+        raise FileError(path, "is no data directory: there is no journal.db in it")
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise FileError(path, "is not a folder, and a data directory is one") from None
+    except OSError as error:
+        raise FileError(path, f"cannot be made: {error.strerror}") from error
+
+
+def _fresh(ontology: Ontology, reasoners: Reasoners, scene: Path | None, imports: Sequence[Path]) -> World:
+    if scene is None:
+        return World(ontology, reasoners=reasoners)
+    return load_scene(ontology, scene, imports, reasoners=reasoners)
+
+
+def _first_content(journal: Journal, learned: LearnedFile, fresh: World) -> Past:
+    """Lets a new journal begin with a world that was just made, and what the folder brings along, in one go."""
+    learned.read_into(fresh)
+    journal.append_all(fresh.changes)
+    return Past(fresh.snapshot(), journal.ids(), journal)
+
+
+def _shorten(journal: Journal, world: World) -> None:
+    """Makes opening quick again; on a full disk it stays slow."""
+    if journal.since_snapshot <= _LONG:
+        return
+    try:
+        journal.compact(*world.state())
+    except FileError as error:
+        _log.warning("no snapshot was made, opening takes longer and longer: %s", error)

@@ -1,0 +1,233 @@
+"""The changes of a world in a file: what was acknowledged is never lost, and can be asked for."""
+
+from __future__ import annotations
+
+import json
+import logging
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from skiros_py.errors import FileError, UsageError, WorldError
+from skiros_py.world.change import Change
+from skiros_py.world.ids import Ids
+from skiros_py.world.index import Index
+from skiros_py.world.journal.content import Content
+from skiros_py.world.journal.database import Database
+from skiros_py.world.journal.recent import Recent
+from skiros_py.world.journal.records import Entry, delete_from, delete_until, insert, select, select_after
+from skiros_py.world.journal.snapshot import read_piece, snapshot_pieces
+from skiros_py.world.past import Past
+
+__all__ = ["Journal"]
+
+_log = logging.getLogger(__name__)
+
+_PEOPLE = "writer = 'person' OR undoes IS NOT NULL"
+_PAGE = 50
+
+
+class Journal:
+    """A :class:`~skiros_py.world.past.ChangeLog` in a file that outlives the process, however that ends.
+
+    Any thread may ask; changes are appended by the one that writes to the world.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Opens a journal, or makes a new one.
+
+        Raises:
+            FileError: The file cannot be opened or made, is damaged or another program's.
+        """
+        self._database = Database(path)
+        try:
+            self._snapshot_version = self._stored_snapshot_version()
+            ((first, last),) = self._database.rows("SELECT min(number), max(number) FROM changes")
+        except BaseException:
+            self._database.close()
+            raise
+        version = max(last or 0, self._snapshot_version)
+        self._first = first or version + 1
+        self._recent = Recent(version)
+        self._unsure = False
+
+    # ------------------------------------------------------------ the change log
+
+    @property
+    def version(self) -> int:
+        """Number of the last change, 0 before the first."""
+        return self._recent.version
+
+    @property
+    def first(self) -> int:
+        """Number of the oldest change that is remembered."""
+        return self._first
+
+    def append(self, change: Change) -> None:
+        """Keeps a change; when this returns, it is kept.
+
+        Raises:
+            FileError: It cannot be kept, and is not: the disk is full, or gone.
+        """
+        self.append_all([change])
+
+    def append_all(self, changes: Sequence[Change]) -> None:
+        """Keeps several changes, or none.
+
+        Raises:
+            FileError: They cannot be kept, and are not.
+        """
+        unsure, self._unsure = self._unsure, True
+        with self._database.transaction() as connection:
+            if unsure:  # the last time was broken off, perhaps just after the file had it: nobody was told so
+                delete_from(connection, self.version + 1)
+            for change in changes:
+                insert(connection, change, time.time())
+        for change in changes:
+            self._recent.add(change)
+        self._unsure = False
+
+    def since(self, version: int) -> Sequence[Change]:
+        """Returns the changes after a version, in order.
+
+        Raises:
+            WorldError: Some of them are remembered no longer.
+        """
+        if version < self._first - 1:
+            raise WorldError(
+                f"the changes after version {version} are not remembered: the journal was compacted and begins with"
+                f" change {self._first}"
+            )
+        recent = self._recent.since(version)
+        if recent is not None:
+            return recent
+        return tuple(entry.change for entry in select_after(self._database, version))
+
+    def by_people(self) -> Iterator[Change]:
+        """Yields the remembered changes that people made or that took others back, the last first."""
+        before = self.version + 1
+        while True:
+            condition = f"({_PEOPLE}) AND number < ? ORDER BY number DESC LIMIT ?"
+            entries = select(self._database, condition, (before, _PAGE))
+            for entry in entries:
+                yield entry.change
+            if len(entries) < _PAGE:
+                return
+            before = entries[-1].change.number
+
+    def about(self, subjects: Iterable[str], after: int) -> Sequence[Change]:
+        """Returns the remembered changes after a version that are about any of the subjects, in order."""
+        condition = (
+            "number IN (SELECT number FROM marks WHERE number > ?"
+            " AND element IN (SELECT value FROM json_each(?))) ORDER BY number"
+        )
+        entries = select(self._database, condition, (after, json.dumps(sorted(subjects))))
+        return tuple(entry.change for entry in entries)
+
+    # ------------------------------------------------------------ history
+
+    def history(self, element: str | None = None, *, last: int | None = None) -> tuple[Entry, ...]:
+        """Returns the remembered changes of an element, which may be gone, or all; in order.
+
+        Args:
+            element: Its id.
+            last: How many of the latest ones; None for all.
+        """
+        condition = "number IN (SELECT number FROM marks WHERE element = ?)" if element is not None else "1"
+        values = [] if element is None else [element]
+        limit = -1 if last is None else last
+        entries = select(self._database, f"{condition} ORDER BY number DESC LIMIT ?", (*values, limit))
+        return tuple(reversed(entries))
+
+    def was_given(self, element: str) -> bool:
+        """Returns True when there was an element of that id at any time."""
+        return bool(self._database.rows("SELECT 1 FROM given_ids WHERE id = ?", (element,)))
+
+    # ------------------------------------------------------------ opening and compaction
+
+    def past(self, beginning: Index) -> Past:
+        """Reads the state that the changes led to.
+
+        Args:
+            beginning: What there is without any change: the individuals of the ontology.
+
+        Raises:
+            FileError: The file is damaged, or its content does not fit the ontology.
+        """
+        content = Content()
+        self._read_snapshot(content)
+        for entry in select_after(self._database, self._snapshot_version):
+            self._take(content, entry.change)
+        problems = content.problems(beginning.ontology)
+        if problems:
+            said = "\n  - ".join(["does not fit the ontology, which was another when it was written:", *problems[:20]])
+            raise FileError(self._database.path, said)
+        return Past(content.index(beginning), self.ids(), self)
+
+    def ids(self) -> Ids:
+        """Returns every id that was ever given."""
+        ids = Ids()
+        for (name,) in self._database.rows("SELECT id FROM given_ids"):
+            ids.claim(name)
+        return ids
+
+    @property
+    def since_snapshot(self) -> int:
+        """How many changes must be done again when the file is opened."""
+        return self.version - self._snapshot_version
+
+    def compact(self, version: int, state: Index, keep: int | None = None) -> None:
+        """Keeps a state as a whole, so that opening is quick, and forgets old changes.
+
+        Args:
+            version: Number of the last change that led to the state.
+            state: The state.
+            keep: How many changes up to that one are still remembered; None for as many as now.
+
+        Raises:
+            FileError: There is no room for it; nothing was changed.
+            UsageError: The number is negative.
+        """
+        if keep is not None and keep < 0:
+            raise UsageError(f"keep: how many changes are remembered, a number from 0, not {keep}")
+        with self._database.transaction() as connection:
+            connection.execute("DELETE FROM snapshot")
+            rows = ((part, version, *texts) for part, texts in enumerate(snapshot_pieces(state)))
+            connection.executemany("INSERT INTO snapshot VALUES (?, ?, ?, ?)", rows)
+            if keep is not None:
+                delete_until(connection, version - keep)
+        self._snapshot_version = version
+        if keep is not None:
+            self._first = max(self._first, version - keep + 1)
+            self._shrink()
+
+    def close(self) -> None:
+        """Closes the file; may be called twice."""
+        self._database.close()
+
+    def _shrink(self) -> None:
+        try:
+            self._database.shrink()
+        except FileError as error:
+            _log.warning("compacted, but the file is as long as before: %s", error)
+
+    def _stored_snapshot_version(self) -> int:
+        rows = self._database.rows("SELECT version FROM snapshot WHERE part = 0")
+        return int(rows[0][0]) if rows else 0
+
+    def _read_snapshot(self, content: Content) -> None:
+        ((pieces,),) = self._database.rows("SELECT count(*) FROM snapshot")
+        for part in range(pieces):
+            rows = self._database.rows("SELECT edits, stamps FROM snapshot WHERE part = ?", (part,))
+            try:
+                read_piece(content, *rows[0])
+            except (ValueError, IndexError) as error:
+                reason = f"the file is damaged: piece {part} of the snapshot cannot be understood: {error}"
+                raise FileError(self._database.path, reason) from None
+
+    def _take(self, content: Content, change: Change) -> None:
+        try:
+            content.take(change)
+        except KeyError as error:
+            reason = f"the file is damaged: change {change.number} is about {error}, which was not there then"
+            raise FileError(self._database.path, reason) from None

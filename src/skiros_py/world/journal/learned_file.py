@@ -1,0 +1,76 @@
+"""The file that shows what robots were taught: people read it, and carry it over to another data directory."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+from skiros_py.errors import FileError, WorldError
+from skiros_py.world.change import Change, Writer
+from skiros_py.world.element import is_learned
+from skiros_py.world.scene.atomic import write_atomically
+from skiros_py.world.scene.learned import learned_turtle, read_learned
+from skiros_py.world.vocabulary import ELEMENT
+from skiros_py.world.world import World
+
+__all__ = ["LearnedFile"]
+
+_log = logging.getLogger(__name__)
+
+
+class LearnedFile:
+    """Mirrors the learned part of a world, which the journal holds, in a Turtle file.
+
+    A file that cannot be written stays as it was until the next change; the world goes on.
+
+    Attributes:
+        path: The file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._stale = False
+
+    def read_into(self, world: World) -> None:
+        """Lets a world begin with what the file says, if it is there.
+
+        Raises:
+            FileError: It says what the ontology does not allow.
+        """
+        if not self.path.exists():
+            return
+        edits = read_learned(world.ontology, self.path)
+        try:
+            with world.transaction("learned", f"carried over in {self.path.name}", writer=Writer.SYSTEM) as tx:
+                tx.apply(edits)
+        except WorldError as error:
+            raise FileError(self.path, str(error)) from None
+
+    def follow(self, world: World) -> None:
+        """Makes the file as the world is, and keeps it so."""
+        self._tidy()
+        self._mirror(world)
+        world.subscribe(lambda change: self._on_change(world, change))
+
+    def _on_change(self, world: World, change: Change) -> None:
+        if self._stale or any(is_learned(name) for name in change.marks()):
+            self._mirror(world)
+
+    def _mirror(self, world: World) -> None:
+        view = world.snapshot()
+        there = self.path.exists()
+        if not there and not any(is_learned(name) for name in view.abstracts(ELEMENT)):
+            return
+        text = learned_turtle(view)
+        try:
+            if not there or self.path.read_text(encoding="utf-8") != text:
+                write_atomically(self.path, text)
+            self._stale = False
+        except (FileError, OSError, UnicodeError) as error:
+            self._stale = True
+            _log.warning("%s is not up to date: %s", self.path, error)
+
+    def _tidy(self) -> None:
+        """Removes what a process that was killed while it wrote left behind."""
+        for left in self.path.parent.glob(f".{self.path.name}.*.tmp"):
+            left.unlink(missing_ok=True)

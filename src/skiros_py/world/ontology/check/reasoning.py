@@ -1,0 +1,109 @@
+"""What reasoners find wrong, explained."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from skiros_py.world.names import Names
+from skiros_py.world.ontology.check.axioms import Axiom, Axioms, axioms_of, triples_of
+from skiros_py.world.ontology.check.explanation import Explainer, Explanation
+from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity
+from skiros_py.world.ontology.check.logic import NoAnswer, Reasoner, Verdict, one_of, some
+from skiros_py.world.ontology.check.material import Material, closure
+from skiros_py.world.ontology.check.wording import in_words, line_of
+
+__all__ = ["logical_findings"]
+
+_CONTRADICTIONS = 10
+"""Contradictions that are explained; the rest shows once these are mended."""
+
+
+def logical_findings(material: Material, reasoner: Reasoner, helpers: Sequence[Reasoner] = ()) -> list[Finding]:
+    """Returns contradictions in the files, and classes that nothing can be of.
+
+    Args:
+        material: The files.
+        reasoner: The one that judges.
+        helpers: Quicker ones that may explain what the first found.
+
+    Raises:
+        NoAnswer: The reasoner could not judge the files.
+    """
+    axioms = axioms_of(material)
+    return _Reasoning(material, axioms, reasoner, Explainer(axioms, [*helpers, reasoner])).findings()
+
+
+class _Reasoning:
+    def __init__(self, material: Material, axioms: Axioms, reasoner: Reasoner, explainer: Explainer) -> None:
+        self._material = material
+        self._axioms = axioms
+        self._reasoner = reasoner
+        self._explainer = explainer
+        self._names: Names = material.names
+
+    def findings(self) -> list[Finding]:
+        found: list[Finding] = []
+        said = list(self._axioms.said)
+        verdict = self._judge(said)
+        while not verdict.consistent:
+            near = verdict.near or [axiom.subject for axiom in said if axiom.is_assertion and axiom.subject]
+            why = self._explainer.explain(said, near)
+            found.append(self._contradiction(why, verdict))
+            said = _without(said, why)
+            if len(found) == _CONTRADICTIONS or not why.smallest:
+                return found
+            try:
+                verdict = self._judge(said)
+            except NoAnswer as answer:
+                return [*found, _silence(str(answer))]
+        return found + list(self._impossible(verdict, said))
+
+    def _judge(self, said: Sequence[Axiom]) -> Verdict:
+        return self._reasoner.judge([*self._axioms.declarations, *triples_of(said)], self._axioms.classes)
+
+    def _contradiction(self, why: Explanation, verdict: Verdict) -> Finding:
+        said = why.axioms
+        at = next((axiom for axiom in said if axiom.is_assertion), said[0] if said else None)
+        about = verdict.near[0] if verdict.near else (at.subject if at is not None else None)
+        name = self._names.name(about) if about else ""
+        text = f"{name or 'what the files say'} cannot be: these statements contradict each other"
+        return self._finding(FindingKind.INCONSISTENT, name, text, at, why)
+
+    def _impossible(self, verdict: Verdict, said: Sequence[Axiom]) -> Iterator[Finding]:
+        impossible = frozenset(verdict.unsatisfiable)
+        for class_ in verdict.unsatisfiable:
+            name = self._names.name(class_)
+            above = self._above(class_, impossible)
+            if above is not None:
+                text = f"nothing can be a {name}, because nothing can be a {self._names.name(above)}, which is above it"
+                fault = self._material.declared_at(class_).fault(text, class_)
+                yield Finding(Severity.ERROR, FindingKind.UNSATISFIABLE, name, text, fault.path, fault.line)
+            else:
+                why = self._explainer.explain(said, [class_, some(class_)], [one_of(class_)])
+                at = next((axiom for axiom in why.axioms if axiom.subject == class_), None)
+                text = f"nothing can be a {name}: these statements exclude it"
+                yield self._finding(FindingKind.UNSATISFIABLE, name, text, at, why)
+
+    def _above(self, class_: str, impossible: frozenset[str]) -> str | None:
+        """A class directly above that is impossible too, unless both are above each other."""
+        for above in sorted(set(self._material.parents.get(class_, ()))):
+            if above in impossible and class_ not in closure([above], self._material.parents):
+                return above
+        return None
+
+    def _finding(self, kind: FindingKind, name: str, text: str, at: Axiom | None, why: Explanation) -> Finding:
+        words = tuple(in_words(axiom, self._names) for axiom in why.axioms)
+        more = () if why.smallest else ("(not every one of these may be needed: time or questions ran out)",)
+        file = at.document.path if at is not None else None
+        return Finding(Severity.ERROR, kind, name, text, file, line_of(at) if at is not None else None, words + more)
+
+
+def _without(said: Sequence[Axiom], why: Explanation) -> list[Axiom]:
+    """What stays when an explained contradiction is mended: by leaving its assertions out, else all of it."""
+    assertions = {id(axiom) for axiom in why.axioms if axiom.is_assertion}
+    gone = assertions or {id(axiom) for axiom in why.axioms}
+    return [axiom for axiom in said if id(axiom) not in gone]
+
+
+def _silence(reason: str) -> Finding:
+    return Finding(Severity.WARNING, FindingKind.REASONER, "", f"there may be more: {reason}")

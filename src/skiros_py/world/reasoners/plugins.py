@@ -1,0 +1,66 @@
+"""The reasoners of plug-ins (entry-point group ``skiros.reasoners``); the built-in ones come that way too."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Sequence
+
+from skiros_py.errors import UsageError
+from skiros_py.plugins import Plugin, PluginFault, load_plugins
+from skiros_py.world.reasoners.reasoner import Reasoner
+from skiros_py.world.reasoners.registry import Reasoners
+
+__all__ = ["GROUP", "load_reasoners"]
+
+GROUP = "skiros.reasoners"
+"""Entry points of this group name subclasses of :class:`~skiros_py.world.reasoners.reasoner.Reasoner`."""
+
+_OWN = "skiros-py "
+
+
+def load_reasoners() -> tuple[Reasoners, tuple[PluginFault, ...]]:
+    """Loads all reasoners, in the order of their entry points' names, the built-in ones first.
+
+    Returns:
+        Those that can be used together; and the faults of the others, which hurt nobody else: what did not load, is no
+        reasoner, has the name of an earlier one or computes what an earlier one computes.
+    """
+    plugins, broken = load_plugins(GROUP)
+    good: list[Reasoner] = []
+    faults = list(broken)
+    for plugin in sorted(plugins, key=lambda plugin: not plugin.distribution.startswith(_OWN)):
+        made = _made(plugin, good)
+        if isinstance(made, PluginFault):
+            faults.append(made)
+        else:
+            good.append(made)
+    return Reasoners(good), tuple(faults)
+
+
+def _made(plugin: Plugin, others: Sequence[Reasoner]) -> Reasoner | PluginFault:
+    """Returns the reasoner of a plug-in, or why it cannot be used beside the others."""
+    class_ = plugin.value
+    if not isinstance(class_, type) or not issubclass(class_, Reasoner):
+        return _fault(plugin, f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
+    try:
+        reasoner = class_()
+        problem = _problem(reasoner, others)
+    except Exception as error:  # noqa: BLE001 - somebody else's code: whatever it raises is reported, not spread
+        return _fault(plugin, f"{type(error).__name__}: {error}", traceback.format_exc())
+    return reasoner if problem is None else _fault(plugin, problem)
+
+
+def _problem(reasoner: Reasoner, others: Sequence[Reasoner]) -> str | None:
+    if not isinstance(getattr(reasoner, "name", None), str) or not reasoner.name:
+        return "it has no name"
+    if any(reasoner.name == other.name for other in others):
+        return f"there is a reasoner '{reasoner.name}' already"
+    try:
+        Reasoners([*others, reasoner])
+    except UsageError as error:
+        return str(error)
+    return None
+
+
+def _fault(plugin: Plugin, reason: str, trace: str = "") -> PluginFault:
+    return PluginFault(plugin.group, plugin.name, plugin.distribution, reason, trace)

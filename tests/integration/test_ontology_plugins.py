@@ -1,0 +1,133 @@
+"""Ontologies that distributions bring by entry points, good and bad."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+
+from skiros_py.catalogue import load_catalogue
+from skiros_py.config import ontology_paths
+from skiros_py.runtime import open_world
+from skiros_py.world.ontology import load_installed
+
+Install = Callable[..., None]
+
+GARDEN = """
+@prefix garden: <http://example.org/garden#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+@prefix sk: <https://w3id.org/skiros-py/core#> .
+<http://example.org/garden> a owl:Ontology .
+garden:Spade a owl:Class ; rdfs:subClassOf sk:Manipulatable .
+"""
+ON_GARDEN = """
+@prefix shed: <http://example.org/shed#> .
+@prefix garden: <http://example.org/garden#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+shed:Rusty a owl:Class ; rdfs:subClassOf garden:Spade .
+"""
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Install:
+    """Installs a distribution with one entry point and the files of its package."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    def make(name: str, files: Mapping[str, str], value: str | None = None) -> None:
+        info = tmp_path / f"{name}-0.3.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.3\n", encoding="utf-8")
+        (info / "entry_points.txt").write_text(f"[skiros.ontologies]\n{name} = {value or name}\n", encoding="utf-8")
+        for file, text in files.items():
+            path = tmp_path / file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+
+    return make
+
+
+def reasons(*names: str) -> dict[str, str]:
+    faults = load_installed(ontology_paths())[1]
+    return {fault.name: fault.reason for fault in faults if fault.name in names}
+
+
+@pytest.mark.parametrize(
+    ("files", "value"),
+    [
+        ({"sk_a/__init__.py": "", "sk_a/deep/garden.ttl": GARDEN}, "sk_a"),
+        ({"sk_b/__init__.py": "", "sk_b/ontologies/garden.ttl": GARDEN, "sk_b/broken.ttl": "no"}, "sk_b"),
+        ({"sk_c/__init__.py": "", "sk_c/data.py": "", "sk_c/garden.ttl": GARDEN}, "sk_c.data"),
+        ({"sk_d/garden.ttl": GARDEN}, "sk_d"),
+        ({"sk_e.py": "import pathlib\nHERE = pathlib.Path(__file__).parent / 'x'", "x/g.ttl": GARDEN}, "sk_e:HERE"),
+    ],
+    ids=["package", "its folder ontologies", "module in it", "folder without code", "path"],
+)
+def test_the_files_of_an_entry_point_are_part_of_the_ontology(
+    install: Install, files: Mapping[str, str], value: str
+) -> None:
+    install(value[:4], files, value)
+
+    ontology, faults = load_installed(ontology_paths())
+
+    assert faults == ()
+    assert ontology.is_a("garden:Spade", "sk:Manipulatable")
+    assert "garden:Spade" in open_world("kitting").ontology.classes
+
+
+@pytest.mark.parametrize(
+    ("name", "files", "value", "says"),
+    [
+        ("sk_f", {"sk_f/__init__.py": "", "sk_f/a.ttl": "not turtle"}, None, "a.ttl:1: not Turtle"),
+        ("sk_g", {"sk_g/__init__.py": ""}, None, "there is no ontology file below"),
+        ("sk_h", {"sk_h.py": ""}, None, "name a package"),
+        ("sk_i", {"sk_i.py": "X = 5"}, "sk_i:X", "it is a int, nothing for ontologies"),
+        ("sk_j", {"sk_j.py": "1 / 0"}, None, "ZeroDivisionError"),
+        ("sk_k", {"sk_k/a.ttl": ON_GARDEN.replace("garden:S", "garden:T")}, None, "unknown class 'garden:Tpade'"),
+        ("sk_l", {"sk_l/a.ttl": "@prefix sk: <http://example.org/sk#> ."}, None, "prefix 'sk:' stands for"),
+        ("sk_m", {"sk_m/a.ttl": GARDEN.replace("example.org/garden>", "example.org/other>")}, None, ""),
+        ("sk_n", {"sk_n/a.ttl": GARDEN}, None, "declares ontology <http://example.org/garden>, as"),
+    ],
+)
+def test_a_plugin_whose_ontology_is_wrong_is_reported_and_the_rest_is_used(
+    install: Install, name: str, files: Mapping[str, str], value: str | None, says: str
+) -> None:
+    install("sk_garden", {"sk_garden/__init__.py": "", "sk_garden/garden.ttl": GARDEN})
+    install(name, files, value)
+
+    ontology, _ = load_installed(ontology_paths())
+
+    assert "garden:Spade" in ontology.classes
+    assert says in reasons(name, "sk_garden").get(name, "")
+    assert "sk_garden" not in reasons("sk_garden")
+    assert (name in {fault.name for fault in load_catalogue().faults}) == bool(says)
+
+
+def test_plugins_that_need_each_other_are_read_in_any_order(install: Install) -> None:
+    install("sk_p", {"sk_p/a.ttl": ON_GARDEN})
+    install("sk_q", {"sk_q/a.ttl": GARDEN})
+
+    assert load_installed(ontology_paths())[0].is_a("shed:Rusty", "sk:Manipulatable")
+
+
+def test_a_plugin_that_needs_a_broken_one_is_reported_too(install: Install) -> None:
+    install("sk_r", {"sk_r/a.ttl": ON_GARDEN})
+    install("sk_s", {"sk_s/a.ttl": GARDEN + "garden:"})
+
+    found = reasons("sk_r", "sk_s")
+
+    assert "not Turtle" in found["sk_s"]
+    assert "unknown class 'garden:Spade'" in found["sk_r"]
+
+
+def test_a_file_of_the_installation_that_is_wrong_is_no_plugins_fault(
+    install: Install, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install("sk_t", {"sk_t/a.ttl": GARDEN})
+    (tmp_path / "mine.ttl").write_text("no turtle", encoding="utf-8")
+    monkeypatch.setenv("SKIROS_ONTOLOGIES", str(tmp_path / "mine.ttl"))
+
+    with pytest.raises(Exception, match=r"mine\.ttl:1: not Turtle"):
+        load_installed(ontology_paths())
