@@ -34,7 +34,7 @@ def scene_paths() -> tuple[Path, ...]:
 def scene_names() -> tuple[str, ...]:
     """Returns the names of all scenes."""
     files = (file for folder in scene_paths() for suffix in SCENE_SUFFIXES for file in folder.glob(f"*{suffix}"))
-    return tuple(sorted({file.stem for file in files if _NAME.fullmatch(file.stem) and _is_within(file)}))
+    return tuple(sorted({f.stem for f in files if _NAME.fullmatch(f.stem) and _is_file(f) and _is_within(f)}))
 
 
 def find_scene(scene: str) -> Path:
@@ -86,7 +86,8 @@ def _is_file(path: Path) -> bool:
 
 
 def _is_within(file: Path) -> bool:
-    return file.resolve().is_relative_to(file.parent.resolve())
+    real = Path(os.path.realpath(file))  # Path.resolve() raises where links lead round in circles
+    return real.is_relative_to(os.path.realpath(file.parent))
 
 
 def _shown(text: str) -> str:

@@ -121,6 +121,54 @@ def test_a_class_where_an_object_is_needed_is_refused(install: Install, kind: st
     assert list(faults_of(load_catalogue().faults, f"sk_class_{kind}")) == ["odd"]
 
 
+REASONERS = """
+from skiros_py.world.reasoners.reasoner import Answer, Reasoner
+
+class Luck(Reasoner):
+    name = "luck"
+    relations = frozenset({"tiny:fitsIn"})
+
+    def answer(self, view, subject, relation, object_):
+        return Answer(True, "it always does")
+
+class Nearer(Reasoner):
+    name = "nearer"
+    relations = frozenset({"sk:near"})
+"""
+ASKING = """
+from dataclasses import replace
+from skiros_py.skills.conditions import Computed, ConditionType, Role
+from skiros_py.testing.tiny_skills import PLACE, pretend
+ROLES = (Role("ball", "tiny:Ball"), Role("slot", "tiny:Slot"))
+LUCKY = ConditionType("Lucky", ROLES, Computed("tiny:fitsIn", "ball", "slot"), "-")
+DROP = pretend(replace(PLACE, name="drop", pre=(*PLACE.pre, LUCKY("Ball", "Slot"))))
+"""
+
+
+def test_worlds_are_opened_with_the_reasoners_of_a_distribution_and_the_others_are_reported(
+    install: Install, tmp_path: Path
+) -> None:
+    install("sk_lucky", {"reasoners": {"luck": "Luck", "near": "Nearer"}}, REASONERS)
+    install("sk_asking", {"skills": {"drop": "DROP"}}, ASKING)
+
+    with opened(tmp_path) as session:
+        assert session.world.objects("ball_1", "tiny:fitsIn") == ("slot_1", "slot_2")
+        assert "drop" in session.catalogue.skills
+        assert faults_of(session.catalogue.faults, "sk_lucky") == {
+            "near": "reasoners spatial and nearer both compute sk:near"
+        }
+
+
+def test_a_skill_that_asks_for_what_no_reasoner_computes_is_left_out_and_reported(
+    install: Install, tmp_path: Path
+) -> None:
+    install("sk_asking", {"skills": {"drop": "DROP"}}, ASKING)
+
+    with opened(tmp_path) as session:
+        assert "drop" not in session.catalogue.skills
+        assert "no reasoner computes tiny:fitsIn" in faults_of(session.catalogue.faults, "sk_asking")["drop"]
+
+
 def test_faults_are_listed_by_the_command_line(install: Install) -> None:
     install("sk_typo", {"skills": {"dive": "DIVE"}}, "")
 

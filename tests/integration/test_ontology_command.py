@@ -70,6 +70,7 @@ def test_findings_as_json_are_one_object(tmp_path: Path) -> None:
     "arguments",
     [
         ("check", "no-such-file.ttl"),
+        ("check", str(Path(__file__).parent)),
         ("check", "--reasoner", "pellet"),
         ("check", "--time-limit", "0"),
         ("constants", "--namespace", "kiting"),

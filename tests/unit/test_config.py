@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.config import find_scene, ontology_paths, scene_names
-from skiros_py.errors import FileError, UnknownName
+from skiros_py.config import find_scene, named_scene, ontology_paths, scene_names
+from skiros_py.errors import FileError, UnknownName, UsageError
 
 
 def test_a_scene_is_found_by_name_in_the_folders_of_the_environment(
@@ -59,3 +59,76 @@ def test_ontologies_of_the_environment_come_after_the_shipped_ones(
     monkeypatch.setenv("SKIROS_ONTOLOGIES", f"{tmp_path}::")
 
     assert ontology_paths() == (*before, tmp_path)
+
+
+@pytest.mark.parametrize("suffix", [".ttl", ".owl", ".rdf", ".owx", ".xml"])
+def test_a_scene_may_be_in_any_language_that_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    (tmp_path / f"mine{suffix}").touch()
+    monkeypatch.setenv("SKIROS_SCENES", str(tmp_path))
+
+    assert find_scene("mine") == tmp_path / f"mine{suffix}"
+    assert find_scene(str(tmp_path / f"mine{suffix}")) == tmp_path / f"mine{suffix}"
+    assert "mine" in scene_names()
+
+
+NO_NAMES = [
+    "../kitting",
+    "/etc/passwd",
+    "kitting/",
+    "",
+    ".",
+    "a b",
+    "-x",
+    "kitting\0",
+    "kitting\n",
+    "x" * 65,
+    "x" * 300,
+    "größe",
+]
+
+
+@pytest.mark.parametrize("name", NO_NAMES)
+def test_what_is_no_name_is_never_looked_for_in_any_folder(name: str) -> None:
+    with pytest.raises(UsageError, match=r"is no name of a scene.*must end in \.ttl") as caught:
+        find_scene(name)
+
+    assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize("name", ["../kitting.ttl", "kitting.ttl", "/kitting.ttl"])
+def test_a_path_is_no_name(name: str) -> None:
+    with pytest.raises(UsageError, match="is no name of a scene"):
+        named_scene(name)
+
+
+@pytest.mark.parametrize("path", ["nul\0.ttl", "line\n.ttl"])
+def test_a_path_has_characters_that_can_be_printed(path: str) -> None:
+    with pytest.raises(UsageError, match="cannot be printed"):
+        find_scene(path)
+
+
+def test_a_path_that_is_too_long_for_any_file_is_told_in_short(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="does not exist") as caught:
+        find_scene(f"{tmp_path}/{'x' * 5000}.ttl")
+
+    assert len(str(caught.value)) < 500
+
+
+def test_a_link_out_of_the_scene_folder_is_no_scene_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    (tmp_path / "secret.ttl").touch()
+    (folder / "mine.ttl").touch()
+    (folder / "outside.ttl").symlink_to(tmp_path / "secret.ttl")
+    (folder / "inside.ttl").symlink_to("mine.ttl")
+    (folder / "circle.ttl").symlink_to("circle.ttl")
+    (folder / "dangling.ttl").symlink_to("nowhere.ttl")
+    (folder / "folder.ttl").mkdir()
+    monkeypatch.setenv("SKIROS_SCENES", str(folder))
+
+    assert find_scene("inside") == folder / "inside.ttl"
+    assert not {"outside", "circle", "dangling", "folder"} & set(scene_names())
+    with pytest.raises(FileError, match="symbolic link out of"):
+        find_scene("outside")

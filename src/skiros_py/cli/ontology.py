@@ -44,7 +44,7 @@ def command() -> None:
     type=click.FloatRange(min=0.0, min_open=True),
     default=60.0,
     metavar="S",
-    help="Give reasoning up after S seconds.  [default: 60]",
+    help="Give a reasoner up after S seconds.  [default: 60]",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, as_json: bool) -> int:

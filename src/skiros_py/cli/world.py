@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-import getpass
 import json
-from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
 from skiros_py.cli.exit_status import REACHED
+from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
 from skiros_py.errors import UnknownName
-from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
 
 if TYPE_CHECKING:
-    from skiros_py.world.change import Change
-    from skiros_py.world.journal import DataDirectory, Entry
+    from skiros_py.world.journal import Entry
     from skiros_py.world.world import World
 
 __all__ = ["command"]
 
-_Command = TypeVar("_Command", bound=Callable[..., Any])
 _MOST_LINES = 20
 """Edits of one change that are shown; a scene has thousands."""
 
-_ELSEWHERE = {"query": ("skiros_py.cli.world_query", "Asks a question in SPARQL.")}
+_ELSEWHERE = {
+    "learned": ("skiros_py.cli.world_learned", "Lists what robots were taught, forgets it, or writes it to a file."),
+    "query": ("skiros_py.cli.world_query", "Asks a question in SPARQL."),
+}
 """Commands with a module of their own, imported when it is used."""
 
 
@@ -41,8 +40,8 @@ class _WorldGroup(click.Group):
             return elsewhere
         return super().get_command(ctx, cmd_name)
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        rows = [(name, here.get_short_help_str(80)) for name, here in sorted(self.commands.items())]
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's
+        rows = [(name, here.get_short_help_str(100)) for name, here in sorted(self.commands.items())]
         with formatter.section("Commands"):
             formatter.write_dl([*rows, *((name, help_) for name, (_, help_) in _ELSEWHERE.items())])
 
@@ -52,34 +51,14 @@ def command() -> None:
     """Looks at a world that lives in a data directory, and takes back what was done to it."""
 
 
-def _data_option(*, required: bool = True) -> Callable[[_Command], _Command]:
-    return click.option(
-        "--data",
-        required=required,
-        metavar="DIR",
-        type=click.Path(path_type=Path),
-        help="Data directory in which the world lives.",
-    )
-
-
-_JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
-_AUTHOR = click.option("--author", default=getpass.getuser, metavar="NAME", help="Who does it.  [default: your login]")
-
-
-def _open(data: Path) -> DataDirectory:
-    from skiros_py.runtime import open_data
-
-    return open_data(data, create=False)
-
-
 # ---------------------------------------------------------------- looking
 
 
 @command.command("show", epilog="Example: skiros world show starter_1 --data run/data")
 @click.argument("element")
-@_data_option(required=False)
+@data_option(required=False)
 @click.option("--scene", metavar="SCENE", help="Look at a scene, given by name or path, instead.")
-@_JSON
+@JSON
 def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> int:
     """Shows what is believed of ELEMENT: class, properties, relations, and the last change."""
     from skiros_py.runtime import open_world
@@ -90,7 +69,7 @@ def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> i
         assert scene is not None
         _show(open_world(scene), element, as_json=as_json)
     else:
-        with _open(data) as directory:
+        with open_existing(data) as directory:
             _show(directory.world, element, as_json=as_json)
     return REACHED
 
@@ -119,13 +98,13 @@ def _show(world: World, name: str, *, as_json: bool) -> None:
 @click.argument("element", required=False)
 @click.option("--all", "everything", is_flag=True, help="Of the whole world.")
 @click.option("--last", type=click.IntRange(min=1), metavar="N", help="The latest N changes only.")
-@_data_option()
-@_JSON
+@DATA
+@JSON
 def history(element: str | None, everything: bool, last: int | None, data: Path, as_json: bool) -> int:
     """Shows what changed ELEMENT, when, by whom and why, the oldest change first; the element may be gone."""
     if (element is None) != everything:
         raise click.UsageError("say of what: either ELEMENT or --all")
-    with _open(data) as directory:
+    with open_existing(data) as directory:
         entries = directory.journal.history(element, last=last)
         if element is not None and not entries and not directory.journal.was_given(element):
             raise UnknownName("element", element, directory.world.snapshot().ids())
@@ -162,25 +141,26 @@ def _written(entry: Entry) -> str:
 
 
 @command.command("undo", epilog="Example: skiros world undo --data run/data --author ann")
-@_data_option()
-@_AUTHOR
-@_JSON
+@DATA
+@AUTHOR
+@JSON
 def undo(data: Path, author: str, as_json: bool) -> int:
     """Takes back the last edit that a person made; refused where something was built on it since."""
     from skiros_py.world.undo import undo as take_back
 
-    with _open(data) as directory:
-        _tell(take_back(directory.world, author), as_json=as_json)
+    with open_existing(data) as directory:
+        change = take_back(directory.world, author)
+    click.echo(json.dumps(change.as_json()) if as_json else f"change {change.number}: {change.reason}")
     return REACHED
 
 
 @command.command("compact", epilog="Example: skiros world compact --data run/data --keep 1000")
-@_data_option()
+@DATA
 @click.option("--keep", type=click.IntRange(min=0), default=1000, show_default=True, help="Changes to remember.")
-@_JSON
+@JSON
 def compact(data: Path, keep: int, as_json: bool) -> int:
     """Forgets all but the latest changes: the journal gets short, history and undo reach back no further."""
-    with _open(data) as directory:
+    with open_existing(data) as directory:
         directory.compact(keep)
         first, version = directory.journal.first, directory.journal.version
     if as_json:
@@ -188,79 +168,3 @@ def compact(data: Path, keep: int, as_json: bool) -> int:
     else:
         click.echo(f"{version - first + 1} of {version} changes are remembered")
     return REACHED
-
-
-def _tell(change: Change, *, as_json: bool) -> None:
-    click.echo(json.dumps(change.as_json()) if as_json else f"change {change.number}: {change.reason}")
-
-
-# ---------------------------------------------------------------- what was learned
-
-
-@command.group("learned")
-def learned() -> None:
-    """Lists what robots were taught, forgets it, or writes it to a file."""
-
-
-@learned.command("list", epilog="Example: skiros world learned list --data run/data")
-@_data_option()
-@_JSON
-def list_learned(data: Path, as_json: bool) -> int:
-    """Lists what was learned."""
-    from skiros_py.world.change import ElementEdit
-
-    with _open(data) as directory:
-        elements = [directory.world.element(name) for name in _learned(directory.world)]
-    if as_json:
-        click.echo(json.dumps({"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}))
-        return REACHED
-    for element in elements:
-        about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
-        click.echo(f"{element.id} ({element.type}) '{element.label}'{about}")
-    return REACHED
-
-
-@learned.command("forget", epilog="Example: skiros world learned forget learned:mug_1 --data run/data")
-@click.argument("concept")
-@_data_option()
-@_AUTHOR
-@_JSON
-def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
-    """Forgets CONCEPT with its pieces; skiros world undo brings it back."""
-    from skiros_py.world.change import Writer
-
-    with _open(data) as directory:
-        world = directory.world
-        known = _learned(world)
-        if concept not in known:
-            raise UnknownName("learned concept", concept, known)
-        with world.transaction(author, f"forgets {concept}", writer=Writer.PERSON) as tx:
-            tx.remove(concept)
-        _tell(world.changes_since(world.version - 1)[0], as_json=as_json)
-    return REACHED
-
-
-@learned.command("export", epilog="Example: skiros world learned export mugs.ttl --data run/data")
-@click.argument("file", required=False, type=click.Path(dir_okay=False, path_type=Path))
-@_data_option()
-def export(file: Path | None, data: Path) -> int:
-    """Writes what was learned as Turtle, to FILE or to stdout.
-
-    Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
-    """
-    from skiros_py.world.scene.atomic import write_atomically
-    from skiros_py.world.scene.learned import learned_turtle
-
-    with _open(data) as directory:
-        text = learned_turtle(directory.world.snapshot())
-    if file is None:
-        click.echo(text, nl=False)
-    else:
-        write_atomically(file, text)
-    return REACHED
-
-
-def _learned(world: World) -> list[str]:
-    from skiros_py.world.element import is_learned
-
-    return [name for name in world.abstracts(ELEMENT) if is_learned(name)]

@@ -80,7 +80,7 @@ class _Reader:
 
     def _set_values(self, name: str, said: _Said) -> None:
         for predicate in sorted(said):
-            literal = self._literal(predicate, said[predicate])
+            literal = _literal(said[predicate])
             if predicate in self._ontology.properties and literal is not None:
                 try:
                     value = self._value(name, predicate, literal)
@@ -88,12 +88,6 @@ class _Reader:
                     self._refuse(name, f"{predicate} of {name}: {error}", predicate)
                 else:
                     self._index.put_element(with_value(self._index.element(name), predicate, value))
-
-    def _literal(self, predicate: str, nodes: Sequence[Node]) -> ox.Literal | None:
-        literals = list(dict.fromkeys(node for node in nodes if isinstance(node, ox.Literal)))
-        if len(literals) > 1 and any(literal.language for literal in literals):
-            return english(literals)
-        return literals[0] if len(literals) == 1 else None
 
     def _value(self, name: str, predicate: str, literal: ox.Literal) -> Value | None:
         type_ = self._ontology.names.name(literal.datatype.value)
@@ -125,3 +119,11 @@ class _Reader:
     def _refuse(self, name: str, problem: str, at: str) -> None:
         if name not in self._lenient:
             raise self._statements.fault(name, problem, at)
+
+
+def _literal(nodes: Sequence[Node]) -> ox.Literal | None:
+    """The one value that is said, or that of the language that people are shown."""
+    literals = list(dict.fromkeys(node for node in nodes if isinstance(node, ox.Literal)))
+    if len(literals) > 1 and any(literal.language for literal in literals):
+        return english(literals)
+    return literals[0] if len(literals) == 1 else None

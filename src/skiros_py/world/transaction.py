@@ -171,11 +171,9 @@ class Transaction:
             WorldError: Something is wrong; the text names all of it.
         """
         self.close()
-        problems = dict.fromkeys(sentence for _, sentence in self.problems())
+        problems = list(dict.fromkeys(sentence for _, sentence in self.problems()))
         if problems:
-            raise WorldError(
-                "\n  - ".join(["refused:", *problems]) if len(problems) > 1 else f"refused: {next(iter(problems))}"
-            )
+            raise WorldError(_refusal(problems))
         return self._view, self._ids, self._work.edits()
 
     def close(self) -> None:
@@ -253,6 +251,18 @@ class Transaction:
     def _check_open(self) -> None:
         if not self._open:
             raise WorldError("the transaction is over: write inside its 'with' block")
+
+
+_MOST_SHOWN = 20
+_LONGEST_SHOWN = 1000
+
+
+def _refusal(problems: list[str]) -> str:
+    """All that is wrong, as one text; of very much, the beginning."""
+    shown = [text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…" for text in problems[:_MOST_SHOWN]]
+    if len(problems) > _MOST_SHOWN:
+        shown.append(f"and {len(problems) - _MOST_SHOWN} more")
+    return "\n  - ".join(["refused:", *shown]) if len(shown) > 1 else f"refused: {shown[0]}"
 
 
 def _triple(view: Index, element: str, placement: Placement) -> tuple[str, str, str]:

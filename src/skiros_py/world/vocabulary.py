@@ -183,7 +183,7 @@ PLACEMENT: Final = RelationName("sk:placement")
 POSE_FRAME: Final = RelationName("sk:poseFrame")
 """The element in whose frame sk:pose is given; without it, the map."""
 RESTS_ON: Final = RelationName("sk:restsOn")
-"""The subject's lowest point is within 0.01 m of the object's top (for an sk:hollow object, of its floor), and its
+"""The subject's lowest point is within 0.005 m of the object's top (for an sk:hollow object, of its floor), and its
 middle is over the object's box."""
 RIGHT_OF: Final = RelationName("sk:rightOf")
 """The subject's box lies wholly beyond the object's right side (-y of the object's frame)."""

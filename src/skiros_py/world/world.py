@@ -32,7 +32,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Write:
+class _Write:
     """Who writes and why; see :meth:`World.transaction`."""
 
     author: str
@@ -111,7 +111,7 @@ class World:
             StaleVersion: An element was changed or removed since the author saw it.
             Locked: Somebody else has locked one of the elements.
         """
-        write = Write(_text("author", author), _text("reason", reason), writer, undoes)
+        write = _Write(_text("author", author), _text("reason", reason), writer, undoes)
         other = self._author_here()
         if other is not None:
             raise WorldError(f"{author} cannot write: {other} has a transaction open in the same thread")
@@ -295,7 +295,7 @@ class World:
                 what = name or "the world"
                 raise StaleVersion(f"{what} is at version {now}, and {seen} was expected: it was changed since")
 
-    def _publish(self, tx: Transaction, write: Write) -> None:
+    def _publish(self, tx: Transaction, write: _Write) -> None:
         before = self._index
         try:
             index, ids, edits = tx.finish()
@@ -313,7 +313,7 @@ class World:
             self._untold.extend((key, change) for key in tuple(self._subscribers))
         self._ids.absorb(ids)
 
-    def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: Write) -> None:
+    def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: _Write) -> None:
         """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""
         if write.writer in (Writer.PERSON, Writer.JOB):
             locked = self.locks.problems((name for edit in edits for name in edit.concerns()), write.author)

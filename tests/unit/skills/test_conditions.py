@@ -2,9 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from skiros_py.errors import DescriptionError
+from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.conditions import (
     AllOf,
+    Computed,
     Condition,
     ConditionType,
     Exists,
@@ -27,6 +28,7 @@ from skiros_py.testing.tiny_skills import (
     REACHABLE,
 )
 from skiros_py.world.overlay import Overlay
+from skiros_py.world.world import World
 
 STORED = ConditionType(
     "Stored",
@@ -142,6 +144,50 @@ def test_a_computed_condition_gives_the_reason_of_its_function() -> None:
     giant = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."
 
     assert says(FITS("giant_1", "slot_1"), giant)[1].strip() == "giant_1 does not fit into slot_1"
+
+
+NEAR = ConditionType(
+    "Near", (Role("one", "tiny:Ball"), Role("other", "tiny:Box")), Computed("sk:near", "one", "other"), "-"
+)
+POSES = 'scene:ball_1 sk:pose "0 0 0 0 0 0"^^sk:poseLiteral .', 'scene:box_a sk:pose "0.2 0 0 0 0 0"^^sk:poseLiteral .'
+
+
+def test_a_computed_condition_without_a_function_is_answered_by_the_reasoner_of_the_view() -> None:
+    assert says(NEAR("ball_1", "box_a"), *POSES) == [
+        "Near(ball_1, box_a) (holds)",
+        "  ball_1 is near box_a: there are 0.200 m between them",
+    ]
+    assert says(NEAR("ball_1", "box_b"), *POSES)[1].strip() == "the pose of box_b in the map is not known"
+
+
+def test_a_reasoner_answers_about_what_an_overlay_supposes() -> None:
+    world = tiny_world(*POSES)
+    overlay = Overlay(world)
+    overlay.set_value("box_a", "sk:pose", None)
+
+    assert NEAR("ball_1", "box_a").evaluate(world)
+    assert not NEAR("ball_1", "box_a").evaluate(overlay)
+
+
+def test_a_relation_that_no_reasoner_computes_is_said_to_be_unknown() -> None:
+    pattern = Computed("sk:near", "one", "other")
+    world = World(tiny_world().ontology)
+    with world.transaction("test", "two things") as tx:
+        tx.add("sk:Floor", id="floor")
+        tx.add("sk:Floor", id="cellar")
+
+    with pytest.raises(UnknownName, match="no reasoner computes it"):
+        pattern.evaluate(world, {"one": "floor", "other": "cellar"})
+
+
+@pytest.mark.parametrize("pattern", [Computed("sk:near", "a", "b"), FITS.pattern.rename({"ball": "a", "slot": "b"})])
+def test_the_pairs_of_a_computed_pattern_are_those_for_which_it_holds(pattern: Computed) -> None:
+    world = tiny_world(*POSES, "scene:giant_1 a tiny:Giant ; sk:in scene:box_a .")
+    balls, others = world.instances("tiny:Ball"), world.instances("sk:Container")
+    expected = {(a, b) for a in balls for b in others if pattern.evaluate(world, {"a": a, "b": b})}
+
+    assert expected
+    assert set(pattern.pairs(world, balls, others)) == expected
 
 
 def test_the_wrong_number_of_arguments_is_the_authors_fault_and_is_explained() -> None:

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -28,6 +28,8 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import SKILLS, tiny_ontology
 from skiros_py.testing.tiny_skills import DRIVE, pretend
+from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.spatial import SpatialReasoner
 
 
 class Look(Primitive[Any]):
@@ -98,6 +100,21 @@ BAD = Related("tiny:under", "a", "b")
 )
 def test_a_word_that_no_ontology_declares_is_found_wherever_it_stands(pattern: Pattern, problem: str) -> None:
     assert problems_of_pattern(pattern) == (f"condition Odd(Robot, Location): no ontology declares the {problem}",)
+
+
+@pytest.mark.parametrize("wrap", [lambda p: p, Not, lambda p: AllOf((p,)), lambda p: Exists("x", "tiny:Box", p)])
+def test_a_relation_that_nobody_computes_is_found_wherever_it_stands(wrap: Callable[[Pattern], Pattern]) -> None:
+    (problem,) = problems_of_pattern(wrap(Computed("sk:near", "a", "b")))
+
+    assert problem.endswith("no reasoner computes sk:near, and no function is given for it")
+
+
+def test_a_relation_that_a_reasoner_or_a_function_computes_is_good() -> None:
+    near = ConditionType("Near", (Role("a", "sk:Robot"), Role("b", "sk:Location")), Computed("sk:near", "a", "b"), "-")
+    skill = pretend(replace(DRIVE, pre=(*DRIVE.pre, near("Robot", "Location"))))
+
+    assert problems_of(skill, tiny_ontology(), {}, Reasoners((SpatialReasoner(),))) == ()
+    assert problems_of_pattern(Computed("sk:near", "a", "b", lambda *_: Verdict(True, ""))) == ()
 
 
 @pytest.mark.parametrize("field", ["pre", "hold", "post"])

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, UsageError, WorldError
 from skiros_py.world.change import Change
+from skiros_py.world.garbage import collection_paused
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
 from skiros_py.world.journal.content import Content
@@ -25,6 +26,7 @@ _log = logging.getLogger(__name__)
 
 _PEOPLE = "writer = 'person' OR undoes IS NOT NULL"
 _PAGE = 50
+_MOST_PROBLEMS = 20
 
 
 class Journal:
@@ -154,15 +156,16 @@ class Journal:
         Raises:
             FileError: The file is damaged, or its content does not fit the ontology.
         """
-        content = Content()
-        self._read_snapshot(content)
-        for entry in select_after(self._database, self._snapshot_version):
-            self._take(content, entry.change)
-        problems = content.problems(beginning.ontology)
-        if problems:
-            said = "\n  - ".join(["does not fit the ontology, which was another when it was written:", *problems[:20]])
-            raise FileError(self._database.path, said)
-        return Past(content.index(beginning), self.ids(), self)
+        with collection_paused():
+            content = Content()
+            self._read_snapshot(content)
+            for entry in select_after(self._database, self._snapshot_version):
+                self._take(content, entry.change)
+            problems = content.problems(beginning.ontology)
+            if problems:
+                says = "does not fit the ontology, which was another when it was written:"
+                raise FileError(self._database.path, "\n  - ".join([says, *problems[:_MOST_PROBLEMS]]))
+            return Past(content.index(beginning), self.ids(), self)
 
     def ids(self) -> Ids:
         """Returns every id that was ever given."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from skiros_py.errors import FileError
 
-__all__ = ["APPLICATION", "MIGRATIONS", "upgrade"]
+__all__ = ["APPLICATION", "MIGRATIONS", "check", "upgrade"]
 
 APPLICATION = 0x736B696A
 """Marks a file as a journal, among all the files that SQLite writes: "skij"."""

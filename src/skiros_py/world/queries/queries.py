@@ -1,114 +1,73 @@
-"""SPARQL over ontology and scene, for people and outside programs; never for the control cycle."""
+"""SPARQL over ontology, scene and what was learned, for people and outside programs; never for the control cycle.
+
+Queries by strangers go through :class:`~skiros_py.world.queries.outside.OutsideQueries`: what runs for ever here does.
+"""
 
 from __future__ import annotations
 
-import re
-
-import pyoxigraph as ox
-
-from skiros_py.errors import UsageError
 from skiros_py.world.element import Value
-from skiros_py.world.literals import any_value
-from skiros_py.world.names import Names
+from skiros_py.world.queries.answering import Constructed, Question, Result, Table, typed
+from skiros_py.world.queries.terms import Binding
 from skiros_py.world.world import World
 
-__all__ = ["Text", "ask", "select"]
+__all__ = ["ask", "construct", "query", "select"]
 
 
-_TOKEN = re.compile(
-    r"""'''.*?'''|\"\"\".*?\"\"\"|'(?:[^'\\\n]|\\.)*'|"(?:[^"\\\n]|\\.)*"|<[^<>\s]*>|#[^\n]*|[$?\w:][\w:-]*""",
-    re.DOTALL,
-)
-
-
-class Text(str):
-    """Marks a bound text as a literal; any other string that is bound is a name."""
-
-    __slots__ = ()
-
-
-def select(world: World, sparql: str, **bindings: str | bool | float) -> list[dict[str, Value | None]]:
+def select(world: World, sparql: str, *, entailed: bool = False, **bindings: Binding) -> list[dict[str, Value | None]]:
     """Runs a SELECT over all graphs as one; the ontology's prefixes and ``scene:`` are declared already.
+
+    Relations that a reasoner computes answer like any other where the query names them (``?a sk:near ?b``); they are
+    worked out for what the query asks. Reasoners' functions can be called (``BIND(sk:distance(?a, ?b) AS ?d)``).
 
     Args:
         world: What is asked.
         sparql: The query.
+        entailed: Whether what OWL entails counts too: inverses, symmetry, transitivity, equivalence, sub-relations.
         bindings: What its parameters stand for, written ``$name`` in the query: a string is a scene id or CURIE,
-            :class:`Text` a text.
+            :class:`Text` a text, anything else a value.
 
     Returns:
         One dictionary per row, by variable: scene ids and CURIEs as strings, literals as Python values, None where
         the row has no value.
 
     Raises:
-        UsageError: It does not parse, is no SELECT, or asks another server.
+        UsageError: It does not parse, is no SELECT, asks another server or names graphs to fetch, leaves a parameter
+            unbound, or asks for more computed relations than can be worked out.
+        UnknownName: It uses a prefix that nobody declares, or a computed relation that no reasoner computes.
     """
+    result = _result(world, sparql, "SELECT", bindings, entailed=entailed)
+    assert isinstance(result, Table)
+    return result.rows
+
+
+def ask(world: World, sparql: str, *, entailed: bool = False, **bindings: Binding) -> bool:
+    """Runs an ASK; arguments and errors as for :func:`select`."""
+    result = _result(world, sparql, "ASK", bindings, entailed=entailed)
+    assert isinstance(result, bool)
+    return result
+
+
+def construct(world: World, sparql: str, *, entailed: bool = False, **bindings: Binding) -> Constructed:
+    """Runs a CONSTRUCT; arguments and errors as for :func:`select`."""
+    result = _result(world, sparql, "CONSTRUCT", bindings, entailed=entailed)
+    assert isinstance(result, Constructed)
+    return result
+
+
+def query(world: World, sparql: str, *, entailed: bool = False, **bindings: Binding) -> Result:
+    """Runs a query of any form; arguments and errors as for :func:`select`."""
+    return _result(world, sparql, None, bindings, entailed=entailed)
+
+
+def _result(world: World, sparql: str, form: str | None, bindings: dict[str, Binding], *, entailed: bool) -> Result:
+    names = world.ontology.names
+    question = Question.of(names, sparql, bindings)
+    if form is not None:
+        question.must_be(form)
+    if entailed or question.needs_state(world.ontology, world.reasoners):
+        with world.store.opened_with_state(entailed=entailed) as (store, view):
+            answer = question.answer(store, view)
+            return typed(names, answer)
     with world.store.opened() as store:
-        result = _run(store, world.ontology.names, sparql, bindings)
-        if not isinstance(result, ox.QuerySolutions):
-            raise UsageError("the query is no SELECT")
-        variables = [variable.value for variable in result.variables]
-        rows = [tuple(row) for row in result]
-    return [{n: _value(world.ontology.names, term) for n, term in zip(variables, row, strict=True)} for row in rows]
-
-
-def ask(world: World, sparql: str, **bindings: str | bool | float) -> bool:
-    """Runs an ASK; arguments as for :func:`select`.
-
-    Raises:
-        UsageError: It does not parse, is no ASK, or asks another server.
-    """
-    with world.store.opened() as store:
-        result = _run(store, world.ontology.names, sparql, bindings)
-        if not isinstance(result, ox.QueryBoolean):
-            raise UsageError("the query is no ASK")
-        return bool(result)
-
-
-def _run(
-    store: ox.Store, names: Names, sparql: str, bindings: dict[str, str | bool | float]
-) -> ox.QuerySolutions | ox.QueryBoolean | ox.QueryTriples:
-    terms = {name: _term(names, value) for name, value in bindings.items()}
-    try:
-        return store.query(_filled(sparql, terms), prefixes=dict(names.prefixes), use_default_graph_as_union=True)
-    except SyntaxError as error:
-        raise UsageError(f"the query does not parse: {error.msg}") from None
-
-
-def _filled(sparql: str, terms: dict[str, str]) -> str:
-    """Puts terms in the place of parameters; in texts, IRIs and comments nothing is a parameter or a keyword."""
-    unused = set(terms)
-
-    def fill(match: re.Match[str]) -> str:
-        word = match[0]
-        if word.upper() == "SERVICE":
-            raise UsageError("the query asks another server (SERVICE); only this world can be asked")
-        if not word.startswith("$"):
-            return word
-        if word[1:] not in terms:
-            raise UsageError(f"nothing is bound to {word}; bound: {', '.join(sorted(terms)) or 'nothing'}")
-        unused.discard(word[1:])
-        return terms[word[1:]]
-
-    filled = _TOKEN.sub(fill, sparql)
-    if unused:
-        raise UsageError(f"the query has no parameter ${', $'.join(sorted(unused))}")
-    return filled
-
-
-def _term(names: Names, value: str | bool | float) -> str:
-    """The term as the engine writes it, checked and escaped, so that no value can become query text."""
-    try:
-        if isinstance(value, str) and not isinstance(value, Text):
-            return str(ox.NamedNode(names.iri(value)))
-    except ValueError as error:
-        raise UsageError(f"'{value}' is no name: {error}") from None
-    return str(ox.Literal(str(value) if isinstance(value, Text) else value))
-
-
-def _value(names: Names, term: object) -> Value | None:
-    if isinstance(term, ox.NamedNode):
-        return names.name(term.value)
-    if not isinstance(term, ox.Literal):
-        return None if term is None else str(term)
-    return any_value(term.value, names.name(term.datatype.value))
+        answer = question.answer(store, None)
+    return typed(names, answer)

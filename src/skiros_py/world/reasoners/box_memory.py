@@ -63,14 +63,14 @@ def _read(view: Index) -> _Remembered:
 
 
 def _brought_up(last: _Remembered, view: Index) -> _Remembered | None:
-    """The boxes of a later state, if the same things hang on the same frames and all of them on the map."""
+    """The boxes of a later state, if the same things hang on the same frames and what changed hangs on the map."""
     ids = view.instances(SPATIAL_THING)
     if not view.has_relations_of(last.state) or ids != tuple(last.numbers):
         return None
     changed = _with_what_hangs_on(view, (n for n in ids if view.element(n) is not last.state.element(n)))
     rows = np.array([last.numbers[name] for name in changed], dtype=np.int64)
     new = read_boxes(view, changed)
-    if (new.roots != MAP).any() or (last.boxes.roots[rows] != MAP).any():
+    if (new.roots != MAP).any():
         return None
     return _Remembered(view.copy(), last.numbers, last.boxes.replaced(rows, new))
 

@@ -13,7 +13,7 @@ import numpy as np
 from skiros_py.geometry import Array
 from skiros_py.world.reasoners.boxes import Bools, Boxes
 
-__all__ = ["depth", "distance", "gap_along", "gap_seen_from_above", "is_closer", "offset_along"]
+__all__ = ["depth", "distance", "gap_along", "gap_seen_from_above", "is_closer", "offset_along", "reach_along"]
 
 _CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 _PARALLEL = 1e-9

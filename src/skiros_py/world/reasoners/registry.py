@@ -86,8 +86,12 @@ class Reasoners(Sequence[Reasoner]):
         return next((answer for answer in answers if answer.holds), answers[0])
 
     def between(self, view: WorldView, subject: str, object_: str) -> tuple[ComputedRelation, ...]:
-        """Returns all computed relations that hold from one element to another, reasoner by reasoner."""
-        return tuple(found for reasoner in self._all for found in reasoner.between(view, subject, object_))
+        """Returns all computed relations that hold from one element to another, reasoner by reasoner.
+
+        Those are left out whose declared ends the elements are not.
+        """
+        held = (found for reasoner in self._all for found in reasoner.between(view, subject, object_))
+        return tuple(found for found in held if _may_hold(view, found))
 
     def vetoes(self, proposal: Proposal) -> tuple[str, ...]:
         """Returns why the change must not take effect, in the words of each reasoner that objects."""
@@ -98,6 +102,12 @@ class Reasoners(Sequence[Reasoner]):
     def may_veto(self) -> bool:
         """True when any of them ever objects to a change."""
         return bool(self._vetoing)
+
+
+def _may_hold(view: WorldView, found: ComputedRelation) -> bool:
+    declared = view.ontology.relations.get(found.relation)
+    ends = ((found.subject, declared.domains), (found.object, declared.ranges)) if declared else ()
+    return not any(view.ontology.missed_end(view.element(name).type, allowed) for name, allowed in ends)
 
 
 NO_REASONERS = Reasoners()

@@ -21,7 +21,7 @@ def write_atomically(path: Path, text: str) -> None:
         FileError: It cannot be written, and the old file is as it was.
     """
     try:
-        _replace(path.resolve(), text.encode())
+        _replace(Path(os.path.realpath(path)), text.encode())
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise FileError(path, f"cannot be written ({reason}); nothing was changed") from error

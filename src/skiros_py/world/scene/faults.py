@@ -21,7 +21,7 @@ def fault_about(files: Sequence[Document], names: Names, reason: str, name: str,
     """Makes the error for what is wrong with an individual.
 
     Args:
-        files: The files that may speak of it.
+        files: The files that may speak of it, that which matters most first.
         names: How names become IRIs.
         reason: What is wrong.
         name: The individual.
@@ -37,7 +37,8 @@ def fault_about(files: Sequence[Document], names: Names, reason: str, name: str,
 def fault_of_all(files: Sequence[Document], names: Names, problems: Sequence[tuple[str, str]]) -> FileError:
     """Makes one error of many (individual, what is wrong with it), each with its line, at the line of the first."""
     once = list(dict.fromkeys(problems))
-    faults = [_fault(files, names, name, sentence) for name, sentence in once[:_MOST_SHOWN]]
+    faults = [_fault(files, names, name or "this", sentence) for name, sentence in once[:_MOST_SHOWN]]
+    faults.sort(key=lambda fault: (fault.path != files[0].path, str(fault.path), fault.line or 0))
     first = faults[0]
     if len(once) == 1:
         return first

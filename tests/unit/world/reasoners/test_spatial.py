@@ -56,13 +56,13 @@ def points(thing: Thing, per_side: int = 2) -> Array:
     """Points of a thing in the map, its corners among them."""
     size, pose = thing
     grid = np.array(np.meshgrid(*[np.linspace(-0.5, 0.5, per_side)] * 3)).reshape(3, -1).T * size
-    return pose.apply(grid + (0.0, 0.0, size[2] / 2))
+    return pose.apply(grid + np.array([0.0, 0.0, size[2] / 2]))
 
 
 # ---------------------------------------------------------------- what they mean
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things)
 def test_beside_means_that_every_corner_is_beyond_that_side(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
@@ -81,7 +81,7 @@ def test_beside_means_that_every_corner_is_beyond_that_side(a: Thing, b: Thing) 
             assert found.holds is bool(gap > 0), relation
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things)
 def test_above_means_higher_and_over_it(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
@@ -100,7 +100,7 @@ def test_above_means_higher_and_over_it(a: Thing, b: Thing) -> None:
             assert found.holds
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things)
 def test_inside_means_within_all_sides_but_the_top(a: Thing, b: Thing) -> None:
     local = b[1].inverse().apply(points(a))
@@ -115,7 +115,7 @@ def test_inside_means_within_all_sides_but_the_top(a: Thing, b: Thing) -> None:
         assert found.holds
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things)
 def test_what_has_many_points_within_the_other_overlaps_it_and_is_near(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
@@ -157,7 +157,7 @@ def test_on_a_hollow_thing_things_rest_on_its_floor() -> None:
 # ---------------------------------------------------------------- laws
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things)
 def test_nothing_is_on_two_opposite_sides_and_symmetric_relations_are(a: Thing, b: Thing) -> None:
     world = world_of(a, b)
@@ -169,7 +169,7 @@ def test_nothing_is_on_two_opposite_sides_and_symmetric_relations_are(a: Thing, 
         assert there.value == pytest.approx(back.value, abs=1e-9)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things, turns)
 def test_of_things_that_look_the_same_way_one_is_left_of_the_other_when_that_is_right_of_it(
     a: Thing, b: Thing, yaw: float
@@ -182,7 +182,7 @@ def test_of_things_that_look_the_same_way_one_is_left_of_the_other_when_that_is_
         assert there.holds is back.holds or abs((there.value or 0.0) + 0.003) < 1e-6
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things, standing)
 def test_what_is_inside_overlaps_and_is_near(a: Thing, b: Thing, there: Pose) -> None:
     pose = b[1] @ Pose.of(*(0.2 * x for x in there.position), yaw=there.yaw)
@@ -196,7 +196,7 @@ def test_what_is_inside_overlaps_and_is_near(a: Thing, b: Thing, there: Pose) ->
 MOVED_WITH = ("sk:leftOf", "sk:rightOf", "sk:inFrontOf", "sk:behind", "sk:near", "sk:overlaps", "sk:inside")
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(things, things, anyhow, standing)
 def test_moving_both_alike_changes_nothing(a: Thing, b: Thing, anyway: Pose, upright: Pose) -> None:
     world = world_of(a, b)

@@ -16,7 +16,7 @@ from skiros_py.world.world import World
 HEADER = """@prefix scene: <https://w3id.org/skiros-py/scene#> .
 @prefix kitting: <https://w3id.org/skiros-py/kitting#> .
 @prefix sk: <https://w3id.org/skiros-py/core#> .
-@prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> . @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
 scene:floor a sk:Floor .
 """
 
@@ -99,6 +99,23 @@ def test_a_scene_that_cannot_be_written_is_a_file_error(world: World, tmp_path: 
         ("scene:a a kitting:Kit ; sk:on scene:floor ; sk:in scene:floor .", 6, "one of these, not all"),
         ("scene:a a kitting:Starter ; sk:heldBy scene:floor .", 6, "its object must be a sk:Gripper"),
         ("scene:a-b a kitting:Starter ; sk:on scene:floor .", 6, "is no id"),
+        ("scene:a a kitting:Kit ; sk:in scene:floor .\nscene:a sk:on scene:floor .", 7, "one of these, not all"),
+        ("scene:a a kitting:Starter ;\n sk:on scene:floor ;\n sk:maxGap 0.1 .", 8, "is borne by a sk:Gripper"),
+        ("scene:a a kitting:Starter ;\n sk:on scene:floor ;\n sk:hasSkill scene:a .", 8, "its subject must be"),
+        ("scene:a a kitting:Starter ;\n sk:on scene:floor ;\n sk:near scene:floor .", 8, "computed by a reasoner"),
+        ("scene:a a kitting:Kit ;\n sk:placement scene:floor .", 6, "does not place a"),
+        ("scene:a a kitting:Kit ; sk:on scene:b .\nscene:b a kitting:Kit ; sk:on scene:a .", 6, "is inside itself"),
+        ("scene:a a kitting:Kit ; sk:on scene:floor ;\n sk:poseFrame scene:floor , scene:a .", 7, "one of these"),
+        ("scene:a a kitting:Starter ;\n sk:mass 'NaN'^^xsd:double .", 7, "needs a finite number"),
+        ("scene:a a kitting:Starter ;\n sk:pose 'inf 0 0 0 0 0'^^sk:poseLiteral .", 7, "finite numbers"),
+        ("scene:a a kitting:Starter ;\n sk:size '1 nan'^^sk:vectorLiteral .", 7, "finite numbers"),
+        ("scene:a a kitting:Starter ;\n sk:missing 'yes' .", 7, "needs true or false"),
+        ("scene:a a kitting:Starter ; sk:on kitting:Kit .", 6, "unknown individual 'kitting:Kit'"),
+        ("scene:this a kitting:Kit .", 6, "stands for the scene itself"),
+        ("scene:a a sk:Scene .", 6, "is no sk:Element"),
+        ("scene:a a owl:Class .", 6, "makes a term of the ontology"),
+        ("scene:a a [] ; sk:on scene:floor .", 6, "must have a name"),
+        ("scene:a a kitting:Starter ; sk:on [] .", 6, "has a name"),
         ("kitting:Crate a owl:Class .", 6, "belongs into an ontology file"),
         ("[] a kitting:Starter .", None, "nameless"),
         ("scene:this a sk:Scene ; sk:mass 1 .", 6, "scene:this has sk:goal"),
@@ -119,3 +136,101 @@ def test_a_scene_needs_no_header_and_no_goal(ontology: Ontology, tmp_path: Path)
     world = scene_of(ontology, tmp_path, "scene:a a kitting:Starter , owl:NamedIndividual ; sk:on scene:floor .")
 
     assert (world.instances("sk:Manipulatable"), world.goals) == (("a",), ())
+
+
+def test_everything_that_is_wrong_is_told_at_once_each_with_its_line(ontology: Ontology, tmp_path: Path) -> None:
+    with pytest.raises(FileError) as caught:
+        scene_of(ontology, tmp_path, "scene:a a kitting:Starter .\nscene:b a kitting:Kit ; sk:heldBy scene:floor .")
+
+    assert caught.value.line == 6
+    assert "mine.ttl:6: a (kitting:Starter) is nowhere" in caught.value.reason
+    assert "mine.ttl:7: b sk:heldBy floor: its subject must be" in caught.value.reason
+
+
+def test_of_very_many_faults_the_first_are_told(ontology: Ontology, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="and 190 more") as caught:
+        scene_of(ontology, tmp_path, "\n".join(f"scene:a_{n} a kitting:Starter ." for n in range(200)))
+
+    assert len(caught.value.reason) < 3000
+
+
+def test_a_fault_of_an_imported_file_names_that_file(ontology: Ontology, tmp_path: Path) -> None:
+    robot = tmp_path / "robot.ttl"
+    robot.write_text(
+        f"{HEADER}<https://example.org/robot> a owl:Ontology .\n"
+        "scene:robot_1 a sk:Robot ; sk:at scene:floor ;\n sk:hasA scene:arm_9 .",
+        encoding="utf-8",
+    )
+    path = tmp_path / "mine.ttl"
+    path.write_text(f"{HEADER}<https://example.org/mine> a owl:Ontology ; owl:imports <https://example.org/robot> .\n")
+
+    with pytest.raises(FileError, match=r"robot\.ttl:8: unknown individual 'arm_9'"):
+        load_scene(ontology, path, [tmp_path])
+
+
+LABELS = ['"} ; DROP ALL ; INSERT DATA { ?s ?p ?o . #', "?x sk:on ?y . FILTER(?x)", "\\", "a\tb\r\nc", "\u2028\x85\x0c"]
+
+
+@pytest.mark.parametrize("label", LABELS)
+def test_a_label_that_looks_like_a_query_is_just_a_label(world: World, tmp_path: Path, label: str) -> None:
+    with world.transaction("test", "an odd label") as tx:
+        tx.set("starter_1", "rdfs:label", label)
+    save_scene(world, tmp_path / "odd.ttl")
+
+    assert load_scene(world.ontology, tmp_path / "odd.ttl").element("starter_1").label == label
+
+
+BROKEN = {
+    "a literal of a megabyte": ("scene:a a kitting:Starter ; rdfs:label '" + "x" * 2**20 + "' .").encode(),
+    "UTF-16": "scene:a a kitting:Starter .".encode("utf-16"),
+    "rubbish": bytes(range(256)) * 10,
+    "nested deep": b"scene:a a kitting:Starter ; sk:on " + b"[ sk:on " * 10_000 + b"]" * 10_000 + b" .",
+    "lists in lists": b"scene:a a kitting:Starter ; sk:on " + b"( " * 10_000 + b") " * 10_000 + b" .",
+    "truncated": b"scene:a a kitting:Starter ; sk:on scene:fl",
+    "an id of 300 letters": b"scene:" + b"a" * 300 + b" a kitting:Starter ; sk:on scene:floor .",
+}
+
+
+@pytest.mark.parametrize("what", BROKEN)
+def test_a_file_that_is_no_scene_is_refused_in_few_words(ontology: Ontology, tmp_path: Path, what: str) -> None:
+    path = tmp_path / "broken.ttl"
+    path.write_bytes(
+        HEADER.replace("@prefix", "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix", 1).encode()
+        + BROKEN[what]
+    )
+
+    with pytest.raises(FileError) as caught:
+        load_scene(ontology, path)
+
+    assert len(str(caught.value)) < 1000
+
+
+XML = """<?xml version="1.0"?>
+<rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#" xmlns:sk="https://w3id.org/skiros-py/core#"
+  xmlns:kitting="https://w3id.org/skiros-py/kitting#" xmlns:owl="http://www.w3.org/2002/07/owl#"
+  xmlns:scene="https://w3id.org/skiros-py/scene#">
+  <owl:Ontology rdf:about="https://example.org/scenes/mine"/>
+  <owl:AnnotationProperty rdf:about="https://w3id.org/skiros-py/core#placeEnd"/>
+  <owl:Class rdf:about="https://w3id.org/skiros-py/kitting#Starter"/>
+  <sk:Floor rdf:about="https://w3id.org/skiros-py/scene#floor"/>
+  <owl:NamedIndividual rdf:about="https://w3id.org/skiros-py/scene#a">
+    <rdf:type rdf:resource="https://w3id.org/skiros-py/kitting#Starter"/>
+    <sk:on rdf:resource="https://w3id.org/skiros-py/scene#FLOOR"/>
+  </owl:NamedIndividual>
+</rdf:RDF>
+"""
+
+
+def test_a_scene_may_be_written_by_an_editor_as_rdf_xml(ontology: Ontology, tmp_path: Path) -> None:
+    path = tmp_path / "mine.owl"
+    path.write_text(XML.replace("FLOOR", "floor"), encoding="utf-8")
+
+    assert load_scene(ontology, path).placement("a") == Placement("sk:on", "floor")
+
+
+def test_a_fault_in_rdf_xml_has_a_line_too(ontology: Ontology, tmp_path: Path) -> None:
+    path = tmp_path / "mine.owl"
+    path.write_text(XML, encoding="utf-8")
+
+    with pytest.raises(FileError, match=r"mine\.owl:11: unknown individual 'FLOOR'. Did you mean 'floor'"):
+        load_scene(ontology, path)

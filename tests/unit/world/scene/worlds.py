@@ -27,7 +27,18 @@ poses = st.builds(
 )
 texts = st.text(st.characters(exclude_categories=("Cs",)), max_size=30)
 labels = texts.filter(bool) | st.sampled_from(
-    ['"', "'''", "\\", "a\r\nb", "\u2028", "\x00", "?s ?p ?o } ; DROP ALL", "scene:floor .", "# not a comment", "\ufeff"]
+    [
+        '"',
+        "'''",
+        "\\",
+        "a\r\nb",
+        "\u2028",
+        "\x00",
+        "?s ?p ?o } ; DROP ALL",
+        "scene:floor .",
+        "# not a comment",
+        "\ufeff",
+    ]
 )
 _values: dict[str, st.SearchStrategy[Value]] = {
     "sk:pose": poses,
@@ -69,7 +80,9 @@ def _teach(label: str, properties: dict[str, Value]) -> Step:
 
 
 scene_steps = st.one_of(
-    st.builds(_add, st.sampled_from(PLACES + PARTS), labels, _properties, st.sampled_from(["sk:in", "sk:on"]), _numbers),
+    st.builds(
+        _add, st.sampled_from(PLACES + PARTS), labels, _properties, st.sampled_from(["sk:in", "sk:on"]), _numbers
+    ),
     st.builds(_add_piece, labels, _properties, _numbers, _numbers),
 )
 learned_steps = st.builds(_teach, labels, _properties)
@@ -103,7 +116,11 @@ def same(one: Index, other: Index, class_: str = "sk:Element") -> bool:
 
 def alike(one: Element, other: Element) -> bool:
     """Returns True where two elements are the same; see :func:`same`."""
-    if (one.id, one.type, one.label) != (other.id, other.type, other.label) or one.properties.keys() != other.properties.keys():
+    if (one.id, one.type, one.label) != (
+        other.id,
+        other.type,
+        other.label,
+    ) or one.properties.keys() != other.properties.keys():
         return False
     return all(_alike(one.properties[name], other.properties[name]) for name in one.properties)
 

@@ -14,6 +14,7 @@ from skiros_py.world.ontology.check.hermit import HermiT, java
 from skiros_py.world.ontology.check.logic import NoAnswer, Reasoner
 from skiros_py.world.ontology.check.material import Material, read_material
 from skiros_py.world.ontology.check.structure import structural_findings
+from skiros_py.world.ontology.documents import rdf_files
 from skiros_py.world.ontology.ontology import Ontology
 
 __all__ = ["CheckReport", "ReasonerChoice", "check_ontology"]
@@ -57,12 +58,14 @@ def check_ontology(
         paths: Files and folders.
         reasoner: ``hermit`` needs Java; ``auto`` takes it where there is Java, else (or where it gives no answer)
             the OWL-RL reasoner, which sees less.
-        time_limit: Time for reasoning [s].
+        time_limit: Time for each reasoner [s]; what the OWL-RL one has begun, it ends.
         progress: Told what is being done.
 
     Raises:
-        UsageError: HermiT was asked for and there is no Java.
+        UsageError: There is no file, or HermiT was asked for and there is no Java.
     """
+    if not rdf_files(paths):
+        raise UsageError(f"there is no ontology file below {', '.join(map(str, paths)) or 'nothing'}")
     choices = _choices(reasoner, time_limit)
     progress("reading")
     material, findings = read_material(paths)

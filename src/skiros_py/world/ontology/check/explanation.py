@@ -29,7 +29,7 @@ class Explanation:
     """Axioms that together cannot be.
 
     Attributes:
-        axioms: They, in file order.
+        axioms: They, in file order; none where none were found in time.
         smallest: False when time or questions ran out before every one was shown to be needed.
     """
 
@@ -63,7 +63,7 @@ class Explainer:
             # Of the complete reasoner it is known that it sees the contradiction in everything.
             if reasoner.is_complete or _ask(sees, areas[-1]):
                 return _contracted(_first_seen(areas, sees), sees)
-        return Explanation(tuple(said), smallest=False)
+        return Explanation((), smallest=False)
 
     def _sight(self, reasoner: Reasoner, assumed: Sequence[ox.Triple]) -> _Sees:
         """The question whether some axioms contradict each other, which may be put a bounded number of times."""

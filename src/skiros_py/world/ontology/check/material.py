@@ -97,12 +97,13 @@ class Material:
 
     @cached_property
     def parents(self) -> Mapping[str, Sequence[str]]:
-        """The named classes directly above each class: superclasses and equivalents."""
+        """The named classes directly above each class: superclasses, equivalents, and the parts of intersections."""
         found: dict[str, list[str]] = defaultdict(list)
-        for below, above in self.pairs(rdfs("subClassOf")):
-            found[below].append(above)
+        for word in rdfs("subClassOf"), owl("equivalentClass"):
+            for statement in self.about(word):
+                if statement.subject is not None:
+                    found[statement.subject].extend(self._parts(statement.document, statement.triple.object))
         for one, other in self.pairs(owl("equivalentClass")):
-            found[one].append(other)
             found[other].append(one)
         return found
 
@@ -144,6 +145,22 @@ class Material:
     def ancestors(self, class_: str) -> frozenset[str]:
         """Returns a class and all named classes above it."""
         return closure([class_], self.parents)
+
+    def _parts(self, document: Document, node: object) -> Iterator[str]:
+        """The named classes that all of a class expression are of."""
+        waiting, seen = [node], set()
+        while waiting:
+            current = waiting.pop(0)
+            if isinstance(current, ox.NamedNode):
+                yield current.value
+            elif current not in seen:
+                seen.add(current)
+                waiting += self.members(document, self._intersections.get((id(document), current)))
+
+    @cached_property
+    def _intersections(self) -> Mapping[tuple[int, object], object]:
+        """The list of each anonymous intersection."""
+        return {(id(s.document), s.triple.subject): s.triple.object for s in self.about(owl("intersectionOf"))}
 
     def members(self, document: Document, node: object) -> tuple[object, ...]:
         """Returns what an RDF list of a file holds."""

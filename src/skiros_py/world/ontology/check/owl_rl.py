@@ -27,8 +27,10 @@ _Triple = tuple[_Term, _Term, _Term]
 
 _DEPTH = 8
 """How far things that must exist are invented from things invented before."""
+_MERGING = 2
+"""How often things that must be one are looked for after the last is invented."""
 _MANY = 500
-"""Things invented at each step, and identities drawn, where the question is of few individuals."""
+"""Statements about invented things that are added at each step, unless things are invented only once."""
 _WITNESS = "urn:skiros-check:something:"
 _AT_LEAST = (owl("minCardinality"), owl("cardinality"), owl("minQualifiedCardinality"), owl("qualifiedCardinality"))
 _AT_MOST = (owl("maxCardinality"), owl("cardinality"), owl("maxQualifiedCardinality"), owl("qualifiedCardinality"))
@@ -74,7 +76,7 @@ class OwlRl:
         while True:
             left = [class_ for class_ in classes if class_ not in impossible]
             known = [(_iri(class_), _iri(rdfs("subClassOf")), _iri(owl("Nothing"))) for class_ in impossible]
-            facts, found = self._saturated([*base, *known, *_plain(map(one_of, left))], depth=1)
+            facts, found = self._saturated([*base, *known, *_plain(map(one_of, left))], inventing=1)
             alone, entangled = _blamed(facts, found, left)
             new = alone | set(self._among([*base, *known], entangled))
             if not new:
@@ -95,18 +97,21 @@ class OwlRl:
         yield from self._among(base, classes[:half])
         yield from self._among(base, classes[half:])
 
-    def _saturated(self, triples: list[_Triple], depth: int = _DEPTH) -> tuple[Facts, set[str]]:
-        """All that follows, and the individuals at which it contradicts itself."""
+    def _saturated(self, triples: list[_Triple], inventing: int = _DEPTH) -> tuple[Facts, set[str]]:
+        """All that follows, and the individuals at which it contradicts itself; things are invented so many times."""
         reasoner = PyReasoner()
         added = [*triples, *_unions(triples)]
-        for step in range(depth + 1):
+        for step in range(inventing + _MERGING + 1):
             if time.monotonic() > self._deadline:
                 raise NoAnswer("the OWL-RL reasoner found no answer in the time given")
             reasoner.from_graph(added)
             facts = Facts((str(s), str(p), str(o)) for s, p, o in reasoner.reason())
             found = clashes(facts)
-            many = None if depth == 1 else _MANY
-            added = [] if found or step == depth else list(islice(_consequences(facts, step), many))
+            if found:
+                break
+            added = list(_merged(facts))
+            if step < inventing:
+                added += islice(_witnesses(facts, step), None if inventing == 1 else _MANY)
             if not added:
                 break
         return facts, found
@@ -148,11 +153,6 @@ def _unions(triples: list[_Triple]) -> Iterator[_Triple]:
     for union, node in facts.pairs(owl("disjointUnionOf")):
         for member in facts.members(node):
             yield _iri(member), _iri(rdfs("subClassOf")), _iri(union)
-
-
-def _consequences(facts: Facts, depth: int) -> Iterator[_Triple]:
-    yield from _witnesses(facts, depth)
-    yield from _merged(facts)
 
 
 def _witnesses(facts: Facts, depth: int) -> Iterator[_Triple]:

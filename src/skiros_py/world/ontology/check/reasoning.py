@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from skiros_py.world.names import Names
 from skiros_py.world.ontology.check.axioms import Axiom, Axioms, axioms_of, triples_of
 from skiros_py.world.ontology.check.explanation import Explainer, Explanation
-from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity
+from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
 from skiros_py.world.ontology.check.logic import NoAnswer, Reasoner, Verdict, one_of, some
 from skiros_py.world.ontology.check.material import Material, closure
 from skiros_py.world.ontology.check.wording import in_words, line_of
@@ -15,7 +15,11 @@ from skiros_py.world.ontology.check.wording import in_words, line_of
 __all__ = ["logical_findings"]
 
 _CONTRADICTIONS = 10
-"""Contradictions that are explained; the rest shows once these are mended."""
+"""Contradictions that are looked for; the rest shows once these are mended."""
+_CLASSES = 50
+"""Classes that nothing can be of that are told one by one; of more of them, only the number."""
+_STATEMENTS = 30
+"""Statements of an explanation that are shown, should it not be a smallest one."""
 
 
 def logical_findings(material: Material, reasoner: Reasoner, helpers: Sequence[Reasoner] = ()) -> list[Finding]:
@@ -70,19 +74,31 @@ class _Reasoning:
         return self._finding(FindingKind.INCONSISTENT, name, text, at, why)
 
     def _impossible(self, verdict: Verdict, said: Sequence[Axiom]) -> Iterator[Finding]:
+        """The classes that nothing can be of: first those that none above them explains."""
         impossible = frozenset(verdict.unsatisfiable)
-        for class_ in verdict.unsatisfiable:
-            name = self._names.name(class_)
-            above = self._above(class_, impossible)
-            if above is not None:
-                text = f"nothing can be a {name}, because nothing can be a {self._names.name(above)}, which is above it"
-                fault = self._material.declared_at(class_).fault(text, class_)
-                yield Finding(Severity.ERROR, FindingKind.UNSATISFIABLE, name, text, fault.path, fault.line)
-            else:
-                why = self._explainer.explain(said, [class_, some(class_)], [one_of(class_)])
-                at = next((axiom for axiom in why.axioms if axiom.subject == class_), None)
-                text = f"nothing can be a {name}: these statements exclude it"
-                yield self._finding(FindingKind.UNSATISFIABLE, name, text, at, why)
+        above = {class_: self._above(class_, impossible) for class_ in verdict.unsatisfiable}
+        told = sorted(verdict.unsatisfiable, key=lambda class_: above[class_] is not None)
+        for class_ in told[:_CLASSES]:
+            upper = above[class_]
+            yield self._excluded(class_, said) if upper is None else self._below(class_, upper)
+        if len(told) > _CLASSES:
+            text = f"nothing can be of {len(told) - _CLASSES} more classes: mend these first"
+            yield Finding(Severity.ERROR, FindingKind.UNSATISFIABLE, "", text)
+
+    def _below(self, class_: str, above: str) -> Finding:
+        name = self._names.name(class_)
+        text = f"nothing can be a {name}, because nothing can be a {self._names.name(above)}, which is above it"
+        return finding_of(self._material.declared_at(class_).fault(text, class_), FindingKind.UNSATISFIABLE, name)
+
+    def _excluded(self, class_: str, said: Sequence[Axiom]) -> Finding:
+        name = self._names.name(class_)
+        why = self._explainer.explain(said, [class_, some(class_)], [one_of(class_)])
+        at = next((axiom for axiom in why.axioms if axiom.subject == class_), None)
+        text = f"nothing can be a {name}: these statements exclude it"
+        if at is None:
+            fault = self._material.declared_at(class_).fault(text, class_)
+            return finding_of(fault, FindingKind.UNSATISFIABLE, name, why=self._words(why))
+        return self._finding(FindingKind.UNSATISFIABLE, name, text, at, why)
 
     def _above(self, class_: str, impossible: frozenset[str]) -> str | None:
         """A class directly above that is impossible too, unless both are above each other."""
@@ -92,10 +108,17 @@ class _Reasoning:
         return None
 
     def _finding(self, kind: FindingKind, name: str, text: str, at: Axiom | None, why: Explanation) -> Finding:
-        words = tuple(in_words(axiom, self._names) for axiom in why.axioms)
-        more = () if why.smallest else ("(not every one of these may be needed: time or questions ran out)",)
         file = at.document.path if at is not None else None
-        return Finding(Severity.ERROR, kind, name, text, file, line_of(at) if at is not None else None, words + more)
+        line = line_of(at) if at is not None else None
+        return Finding(Severity.ERROR, kind, name, text, file, line, self._words(why))
+
+    def _words(self, why: Explanation) -> tuple[str, ...]:
+        if why.smallest:
+            return tuple(in_words(axiom, self._names) for axiom in why.axioms)
+        shown = [in_words(axiom, self._names) for axiom in why.axioms[:_STATEMENTS]]
+        hidden = len(why.axioms) - len(shown)
+        more = [f"… and {hidden} more"] if hidden else []
+        return (*shown, *more, "(time or questions ran out before it was known which of all statements are needed)")
 
 
 def _without(said: Sequence[Axiom], why: Explanation) -> list[Axiom]:

@@ -1,0 +1,89 @@
+"""``skiros world learned``: what robots were taught."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from skiros_py.cli.exit_status import REACHED
+from skiros_py.cli.options import AUTHOR, DATA, JSON, open_existing
+from skiros_py.errors import UnknownName
+from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
+
+if TYPE_CHECKING:
+    from skiros_py.world.world import World
+
+__all__ = ["command"]
+
+
+@click.group("learned")
+def command() -> None:
+    """Lists what robots were taught, forgets it, or writes it to a file."""
+
+
+@command.command("list", epilog="Example: skiros world learned list --data run/data")
+@DATA
+@JSON
+def list_learned(data: Path, as_json: bool) -> int:
+    """Lists what was learned."""
+    from skiros_py.world.change import ElementEdit
+
+    with open_existing(data) as directory:
+        elements = [directory.world.element(name) for name in _learned(directory.world)]
+    if as_json:
+        click.echo(json.dumps({"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}))
+        return REACHED
+    for element in elements:
+        about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
+        click.echo(f"{element.id} ({element.type}) '{element.label}'{about}")
+    return REACHED
+
+
+@command.command("forget", epilog="Example: skiros world learned forget learned:mug_1 --data run/data")
+@click.argument("concept")
+@DATA
+@AUTHOR
+@JSON
+def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
+    """Forgets CONCEPT with its pieces; skiros world undo brings it back."""
+    from skiros_py.world.change import Writer
+
+    with open_existing(data) as directory:
+        world = directory.world
+        known = _learned(world)
+        if concept not in known:
+            raise UnknownName("learned concept", concept, known)
+        with world.transaction(author, f"forgets {concept}", writer=Writer.PERSON) as tx:
+            tx.remove(concept)
+        (change,) = world.changes_since(world.version - 1)
+    click.echo(json.dumps(change.as_json()) if as_json else f"change {change.number}: {change.reason}")
+    return REACHED
+
+
+@command.command("export", epilog="Example: skiros world learned export mugs.ttl --data run/data")
+@click.argument("file", required=False, type=click.Path(dir_okay=False, path_type=Path))
+@DATA
+def export(file: Path | None, data: Path) -> int:
+    """Writes what was learned as Turtle, to FILE or to stdout.
+
+    Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
+    """
+    from skiros_py.world.scene.atomic import write_atomically
+    from skiros_py.world.scene.learned import learned_turtle
+
+    with open_existing(data) as directory:
+        text = learned_turtle(directory.world.snapshot())
+    if file is None:
+        click.echo(text, nl=False)
+    else:
+        write_atomically(file, text)
+    return REACHED
+
+
+def _learned(world: World) -> list[str]:
+    from skiros_py.world.element import is_learned
+
+    return [name for name in world.abstracts(ELEMENT) if is_learned(name)]

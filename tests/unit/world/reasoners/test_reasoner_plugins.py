@@ -1,0 +1,120 @@
+"""Distributions with reasoners as pip would leave them behind, good, broken and clashing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from skiros_py.plugins import PluginFault
+from skiros_py.world.reasoners.plugins import load_reasoners
+
+Install = Callable[..., None]
+
+COLOURS = """
+from skiros_py.world.reasoners.reasoner import Answer, Reasoner
+
+class Colours(Reasoner):
+    name = "colours"
+    relations = frozenset({"paint:likeColour"})
+
+    def answer(self, view, subject, relation, object_):
+        return Answer(True, "all cats are grey")
+
+class Near(Reasoner):
+    name = "nearer"
+    relations = frozenset({"sk:near"})
+
+class Other(Colours):
+    relations = frozenset()
+
+class Nameless(Reasoner):
+    pass
+
+class Needy(Reasoner):
+    name = "needy"
+
+    def __init__(self, something):
+        pass
+
+class Odd(Reasoner):
+    name = "odd"
+    relations = 5
+
+NUMBER = 5
+OBJECT = Colours()
+"""
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Install:
+    """Installs a distribution with entry points of the group, and one module."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    def make(name: str, text: str, **points: str) -> None:
+        info = tmp_path / f"{name}-0.3.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.3\n", encoding="utf-8")
+        lines = ["[skiros.reasoners]", *(f"{key} = {name}:{value}" for key, value in points.items())]
+        (info / "entry_points.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+
+    return make
+
+
+def loaded() -> tuple[list[str], dict[str, PluginFault]]:
+    reasoners, faults = load_reasoners()
+    return [reasoner.name for reasoner in reasoners], {fault.name: fault for fault in faults}
+
+
+def test_the_built_in_ones_come_by_the_same_door() -> None:
+    names, faults = loaded()
+
+    assert names == ["sizes", "spatial"]
+    assert faults == {}
+
+
+def test_what_a_distribution_brings_comes_after_the_built_in_ones(install: Install) -> None:
+    install("sk_colours", COLOURS, aaa="Colours")
+
+    assert loaded() == (["sizes", "spatial", "colours"], {})
+    assert load_reasoners()[0].of("paint:likeColour").name == "colours"
+
+
+@pytest.mark.parametrize(
+    ("value", "reason"),
+    [
+        ("Near", "reasoners spatial and nearer both compute sk:near"),
+        ("Nameless", "it has no name"),
+        ("NUMBER", "it is a int, nothing for reasoners: name a subclass of Reasoner"),
+        ("OBJECT", "it is a Colours, nothing for reasoners: name a subclass of Reasoner"),
+        ("Needy", "TypeError: "),
+        ("Odd", "TypeError: "),
+        ("Missing", "AttributeError: "),
+    ],
+)
+def test_one_that_cannot_be_used_is_reported_and_hurts_nobody(install: Install, value: str, reason: str) -> None:
+    install(f"sk_bad_{value.lower()}", COLOURS, bad=value, good="Colours")
+
+    names, faults = loaded()
+    assert names == ["sizes", "spatial", "colours"]
+    assert list(faults) == ["bad"]
+    assert faults["bad"].reason.startswith(reason)
+    assert faults["bad"].distribution == f"sk_bad_{value.lower()} 0.3"
+
+
+def test_of_two_of_one_name_the_first_is_used(install: Install) -> None:
+    install("sk_twice", COLOURS, one="Colours", two="Other")
+
+    names, faults = loaded()
+    assert names == ["sizes", "spatial", "colours"]
+    assert faults["two"].reason == "there is a reasoner 'colours' already"
+
+
+def test_a_module_that_breaks_while_it_is_imported_hurts_nobody(install: Install) -> None:
+    install("sk_shattered", "1 / 0", bad="X")
+
+    names, faults = loaded()
+    assert names == ["sizes", "spatial"]
+    assert "ZeroDivisionError" in faults["bad"].traceback
