@@ -41,8 +41,8 @@ from skiros_py.world.world import World
 
 _PARTS, _PLACES = 10_000, 20
 _QUERY_PARTS, _QUERY_PLACES = 16_700, 200
-_QUERY = """SELECT ?part ?class WHERE {
-  ?part a ?class . ?class rdfs:subClassOf* sk:Manipulatable . ?part sk:in scene:store_7 . ?part sk:mass ?mass }"""
+_QUERY = """SELECT ?part ?mass WHERE {
+  ?part a/rdfs:subClassOf* sk:Manipulatable ; sk:in scene:store_7 ; sk:mass ?mass }"""
 
 
 def main() -> int:

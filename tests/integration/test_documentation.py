@@ -54,7 +54,7 @@ def test_the_world_commands_of_the_manual_work(tmp_path, monkeypatch, capsys):
     lines = [line[2:] for block in blocks(ROOT / "docs" / "world.md", "console") for line in block.splitlines()]
 
     for line in lines:
-        status = cli.main(args=shlex.split(line.replace("DIR", "data"))[1:], standalone_mode=False)
+        status = cli.main(args=shlex.split(line.replace("DIR", "data").replace("NEW", "new"))[1:], standalone_mode=False)
         assert not status, line
         assert capsys.readouterr().out or "save" in line or "diff" in line, line
 

@@ -12,7 +12,8 @@ import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
-from skiros_py.errors import UnknownName
+from skiros_py.errors import FileError, UnknownName
+from skiros_py.world.vocabulary import ELEMENT
 
 if TYPE_CHECKING:
     from skiros_py.world.journal import Entry
@@ -49,6 +50,27 @@ class _WorldGroup(click.Group):
 @click.group("world", cls=_WorldGroup)
 def command() -> None:
     """Looks at a world that lives in a data directory, and takes back what was done to it."""
+
+
+# ---------------------------------------------------------------- beginning
+
+
+@command.command("create", epilog="Example: skiros world create kitting --data run/data")
+@click.argument("scene")
+@DATA
+def create(scene: str, data: Path) -> int:
+    """Makes a data directory whose world begins with SCENE, given by name or path.
+
+    A learned.ttl that lies in it already comes along.
+    """
+    from skiros_py.runtime import open_data
+
+    if (data / "journal.db").exists():
+        raise FileError(data, "a world lives here already; 'skiros world show ELEMENT --data …' looks at it")
+    with open_data(data, scene) as directory:
+        world = directory.world
+        click.echo(f"{data}: {len(world.instances(ELEMENT))} elements, {len(world.abstracts(ELEMENT))} abstract ones")
+    return REACHED
 
 
 # ---------------------------------------------------------------- looking

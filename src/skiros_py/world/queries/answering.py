@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -14,7 +14,6 @@ from skiros_py.world.element import Value
 from skiros_py.world.index import Index
 from skiros_py.world.names import Names
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries.computed import mentioned_relations, worked_out
 from skiros_py.world.queries.functions import called_functions
 from skiros_py.world.queries.terms import Binding, bound_term, value_of
 from skiros_py.world.queries.text import QueryText, parsed
@@ -22,7 +21,7 @@ from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.store.store import UNLIMITED, Answer, Most, QuadStore, Rows
 from skiros_py.world.terms import Family
 
-__all__ = ["Constructed", "Question", "Result", "Table", "typed"]
+__all__ = ["Constructed", "Question", "Result", "Table", "mentioned_relations", "typed"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,9 +106,23 @@ class Question:
         """
         if view is None:
             return store.query(self.sparql, most=most)
-        relations = mentioned_relations(view, self.iris)
-        with worked_out(store, view, self.sparql, relations) if relations else nullcontext():
+        with self._worked_out(store, view):
             return store.query(self.sparql, functions=called_functions(view, self.iris), most=most)
+
+    def _worked_out(self, store: QuadStore, view: Index) -> AbstractContextManager[None]:
+        relations = mentioned_relations(view.ontology, self.iris)
+        if not relations:
+            return nullcontext()
+        from skiros_py.world.queries.computed import worked_out  # with rdflib, which most queries do without
+
+        return worked_out(store, view, self.sparql, relations)
+
+
+def mentioned_relations(ontology: Ontology, iris: frozenset[str]) -> frozenset[str]:
+    """Returns the computed relations among what a query mentions, and those below them, as CURIEs."""
+    names = [ontology.names.name(iri) for iri in iris]
+    named = [name for name in names if name in ontology.relations and ontology.family(name) is Family.COMPUTED]
+    return frozenset(below for name in named for below in ontology.sub_relations(name))
 
 
 _A = {"SELECT": "a SELECT", "ASK": "an ASK", "CONSTRUCT": "a CONSTRUCT"}

@@ -13,24 +13,15 @@ from skiros_py.errors import UsageError
 from skiros_py.world.index import Index
 from skiros_py.world.queries.patterns import End, Group, Known, Predicate, Step, known, query_groups
 from skiros_py.world.store.store import COMPUTED_GRAPH, QuadStore, Rows
-from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["MOST_PAIRS", "mentioned_relations", "worked_out"]
+__all__ = ["MOST_PAIRS", "worked_out"]
 
 MOST_PAIRS = 1_000_000
 """Pairs of elements that one query may have looked at."""
 
 _Ids = Collection[str] | None
 """Elements that come into question at one end; None is all."""
-
-
-def mentioned_relations(view: Index, iris: frozenset[str]) -> frozenset[str]:
-    """Returns the computed relations among what a query mentions, and those below them, as CURIEs."""
-    ontology = view.ontology
-    names = [ontology.names.name(iri) for iri in iris]
-    named = [name for name in names if name in ontology.relations and ontology.family(name) is Family.COMPUTED]
-    return frozenset(below for name in named for below in ontology.sub_relations(name))
 
 
 @contextmanager

@@ -13,7 +13,9 @@ __all__ = ["Token", "decoded_iri", "decoded_local", "decoded_text", "tokens"]
 _UCHAR = r"\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8}"
 _LETTER = r"[^\W\d_]"
 _ESCAPED = r"\\[-_~.!$&'()*+,;=/?#@%]"
-_LOCAL = rf"(?:(?:\w|[:·-]|%[0-9A-Fa-f]{{2}}|{_ESCAPED}|\.(?=\.*(?:\w|[:·%\\-])))*)"
+_LOCAL = rf"(?:(?:\w|[:·-]|%[0-9A-Fa-f]{{2}}|{_ESCAPED}|\.+(?=\w|[:·%\\-]))*)"
+
+_LONGEST_PREFIX = 100  # so that looking for one in a long text takes no long time
 
 _TOKEN = re.compile(
     rf"""
@@ -24,8 +26,8 @@ _TOKEN = re.compile(
             | "(?:[^"\\\r\n]|\\.)*" | '(?:[^'\\\r\n]|\\.)*')
   | (?P<parameter>\$\w+)
   | (?P<variable>\?\w+)
-  | (?P<name>(?:{_LETTER}(?:[\w.·-]*[\w·-])?|_)?:{_LOCAL})
-  | (?P<number>(?:\d+\.?\d*|\.\d+)[eE][+-]?\d+|\d*\.\d+|\d+)
+  | (?P<name>(?:{_LETTER}(?:[\w.·-]{{0,{_LONGEST_PREFIX}}}[\w·-])?|_)?:{_LOCAL})
+  | (?P<number>(?:\d+(?:\.\d*)?|\.\d+)[eE][+-]?\d+|\d*\.\d+|\d+)
   | (?P<word>{_LETTER}\w*)
   | (?P<language>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
   | (?P<open>[({{\[])

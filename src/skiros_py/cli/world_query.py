@@ -1,0 +1,183 @@
+"""``skiros world query``: ask a world in SPARQL."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from skiros_py.cli.exit_status import REACHED
+from skiros_py.geometry import Pose
+
+if TYPE_CHECKING:
+    from skiros_py.world.element import Value
+    from skiros_py.world.queries import Binding, Result, Table
+    from skiros_py.world.world import World
+
+__all__ = ["command"]
+
+_MOST_ROWS = 100_000
+
+
+@click.command(
+    "query",
+    epilog="""\b
+Examples:
+  skiros world query kitting 'SELECT ?part { ?part sk:in scene:pallet_a }'
+  skiros world query kitting 'SELECT ?a ?b { ?a sk:near ?b . ?b sk:in $place }' --bind place=pallet_a
+  skiros world query kitting 'ASK { scene:starter_1 sk:placement ?somewhere }' --entailed
+  skiros world query 'SELECT ?robot { ?robot a sk:Robot }' --data run/data --json
+""",
+)
+@click.argument("words", nargs=-1, metavar="[SCENE] [SPARQL]")
+@click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="Ask the world in a data directory.")
+@click.option("--file", metavar="FILE", type=click.File(encoding="utf-8"), help="Read the query from FILE.")
+@click.option("--bind", "bindings", multiple=True, metavar="NAME=VALUE", help="What $NAME stands for; may be repeated.")
+@click.option("--entailed", is_flag=True, help="Count what OWL entails too: inverses, sub-relations, …")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@click.option("--csv", "as_csv", is_flag=True, help="Comma-separated values on stdout (for SELECT).")
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=5.0,
+    metavar="S",
+    help="Give up after S seconds.  [default: 5]",
+)
+def command(
+    words: tuple[str, ...],
+    data: Path | None,
+    file: Any,
+    bindings: tuple[str, ...],
+    entailed: bool,
+    as_json: bool,
+    as_csv: bool,
+    time_limit: float,
+) -> int:
+    """Asks a scene, or with --data the world in a data directory, in SPARQL: SELECT, ASK or CONSTRUCT.
+
+    One query sees ontology, scene, what was learned and computed relations; all prefixes are declared already. SPARQL
+    "-" is read from stdin. In --bind a value is a number, true or false, a text in double quotes, or else a name
+    (pallet_a, kitting:Starter).
+    """
+    from skiros_py.world.queries.outside import Limits, OutsideQueries
+
+    scene, sparql = _scene_and_query(words, data, file)
+    bound = dict(_binding(binding) for binding in bindings)
+    with _world(scene, data) as world, OutsideQueries(world, Limits(rows=_MOST_ROWS)) as queries:
+        result = queries.query(sparql, entailed=entailed, time_limit=time_limit, **bound)
+    if as_json:
+        click.echo(json.dumps(_as_json(result)))
+    else:
+        _show(result, as_csv=as_csv)
+    return REACHED
+
+
+def _scene_and_query(words: tuple[str, ...], data: Path | None, file: Any) -> tuple[str | None, str]:
+    wanted = [name for name, needed in (("SCENE", data is None), ("SPARQL", file is None)) if needed]
+    if len(words) != len(wanted):
+        given = (
+            "--data says which world, --file which query" if data or file else "as in: skiros world query kitting '…'"
+        )
+        raise click.UsageError(f"needs {' and '.join(wanted) or 'no more words'} ({given}); got {len(words)} words")
+    found = dict(zip(wanted, words, strict=True))
+    text = file.read() if file is not None else found["SPARQL"]
+    return found.get("SCENE"), sys.stdin.read() if text == "-" else text
+
+
+@contextmanager
+def _world(scene: str | None, data: Path | None) -> Iterator[World]:
+    from skiros_py.runtime import open_data, open_world
+
+    if data is not None:
+        with open_data(data, create=False) as directory:
+            yield directory.world
+    else:
+        assert scene is not None
+        yield open_world(scene)
+
+
+def _binding(text: str) -> tuple[str, Binding]:
+    name, equals, value = text.partition("=")
+    if not equals or not name.isidentifier():
+        raise click.UsageError(f"--bind needs NAME=VALUE, as in place=pallet_a; got '{text}'")
+    return name, _value(value)
+
+
+def _value(text: str) -> Binding:
+    from skiros_py.world.queries import Text
+
+    if len(text) >= 2 and text[0] == text[-1] == '"':
+        return Text(text[1:-1])
+    if text in ("true", "false"):
+        return text == "true"
+    for number in (int, float):
+        try:
+            return number(text)
+        except ValueError:
+            continue
+    return text
+
+
+# ---------------------------------------------------------------- showing
+
+
+def _show(result: Result, *, as_csv: bool) -> None:
+    from skiros_py.world.queries import Table
+
+    if isinstance(result, bool):
+        click.echo("yes" if result else "no")
+    elif not isinstance(result, Table):
+        click.echo(result.turtle, nl=False)
+    elif as_csv:
+        writer = csv.writer(sys.stdout, lineterminator="\n")
+        writer.writerow(result.variables)
+        writer.writerows([_shown(row[name]) for name in result.variables] for row in result.rows)
+    else:
+        _print_table(result)
+
+
+def _print_table(table: Table) -> None:
+    from rich.console import Console
+    from rich.table import Table as Columns
+    from rich.text import Text
+
+    columns = Columns(box=None, pad_edge=False)
+    for name in table.variables:
+        columns.add_column(name, overflow="fold")
+    for row in table.rows:
+        columns.add_row(*(Text(_shown(row[name])) for name in table.variables))
+    console = Console()
+    console.print(columns)
+    console.print(f"{len(table.rows)} row{'' if len(table.rows) == 1 else 's'}", highlight=False)
+
+
+def _shown(value: Value | None) -> str:
+    from skiros_py.world.literals import ANY_LITERAL, format_value
+
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else format_value(value, ANY_LITERAL)
+
+
+def _as_json(result: Result) -> dict[str, Any]:
+    from skiros_py.world.queries import Table
+
+    if isinstance(result, bool):
+        return {"form": "ASK", "answer": result}
+    if isinstance(result, Table):
+        rows = [{name: _plain(value) for name, value in row.items()} for row in result.rows]
+        return {"form": "SELECT", "variables": list(result.variables), "rows": rows}
+    statements = [[subject, predicate, _plain(value)] for subject, predicate, value in result.statements]
+    return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
+
+
+def _plain(value: Value | None) -> object:
+    if isinstance(value, Pose):
+        return {"position": list(value.position), "orientation": list(value.orientation)}
+    return list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,194 @@
+"""The replica as its parent sees it: a process to start, to hand queries to, and to wait for."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from loky.backend.reduction import dumps
+
+from skiros_py.errors import DeviceError
+from skiros_py.world.change import Change
+from skiros_py.world.index import Index
+from skiros_py.world.queries.wire import Order, receive, send
+
+__all__ = ["Ended", "Pending", "ReplicaProcess"]
+
+_LONGEST_START = 120.0
+"""How long a replica may take to begin with a query [s]: there may be much to write into it first."""
+_GRACE = 1.0
+"""How much later than the kernel we look at the clock [s]."""
+_PIECE = 1 << 16
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+class ReplicaProcess:
+    """A running replica of a world.
+
+    Attributes:
+        version: Number of the last change that it was told of.
+    """
+
+    def __init__(self, version: int, index: Index) -> None:
+        """Starts one with a state, and waits until it is ready.
+
+        Raises:
+            DeviceError: It does not start.
+        """
+        self.version = version
+        state = _packed(version, index)
+        self._control, theirs = socket.socketpair()
+        # In a session of its own, so that Ctrl-C is for us only; it ends when the socket is closed.
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", _program(theirs.fileno())],
+                pass_fds=[theirs.fileno()],
+                env={**os.environ, **_ONE_THREAD},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=None if os.environ.get("SKIROS_DEBUG") else subprocess.DEVNULL,
+                start_new_session=True,
+            )
+        try:
+            self._control.settimeout(_LONGEST_START)
+            send(self._control, state)
+            receive(self._control)
+        except (OSError, EOFError) as error:
+            self.close()
+            why = "SKIROS_DEBUG=1 shows why"
+            raise DeviceError(f"the process for queries from outside does not start ({why}): {error}") from None
+
+    def is_alive(self) -> bool:
+        """Returns True while it runs."""
+        return self._process.poll() is None
+
+    def ask(self, changes: Sequence[Change], order: Order) -> Pending:
+        """Hands it a query.
+
+        Args:
+            changes: What was written after its version.
+            order: The query.
+
+        Raises:
+            DeviceError: It is gone.
+        """
+        payload = dumps((changes, order))
+        (answer, answer_there), (status, status_there) = os.pipe(), os.pipe()
+        pending = Pending(answer, status, self)
+        try:
+            send(self._control, payload, [answer_there, status_there])
+        except OSError as error:
+            pending.close()
+            self.close()
+            raise DeviceError(f"the process for queries from outside is gone: {error}") from None
+        finally:
+            os.close(answer_there)
+            os.close(status_there)
+        if changes:
+            self.version = changes[-1].number
+        return pending
+
+    def close(self) -> None:
+        """Ends it, and the queries that it runs."""
+        self._control.close()
+        try:
+            self._process.wait(_GRACE)
+        except subprocess.TimeoutExpired:
+            self.kill()
+
+    def kill(self) -> None:
+        """Ends it at once."""
+        self._process.kill()
+        self._process.wait()
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """A query that has ended.
+
+    Attributes:
+        answer: What it wrote.
+        code: Its exit status, or the negative number of the signal that ended it.
+    """
+
+    answer: bytes
+    code: int
+
+
+class Pending:
+    """A query that was handed to a replica.
+
+    Args:
+        answer, status: Descriptors of the pipes on which its answer, and what becomes of it, come.
+        replica: What it was handed to.
+    """
+
+    def __init__(self, answer: int, status: int, replica: ReplicaProcess) -> None:
+        self._answer = answer
+        self._status = status
+        self._replica = replica
+
+    def wait(self, time_limit: float) -> Ended:
+        """Waits until it has ended.
+
+        Args:
+            time_limit: How long it may run from when it begins [s]; the kernel ends it then.
+
+        Raises:
+            DeviceError: The replica died.
+        """
+        try:
+            self._read_line(time.monotonic() + _LONGEST_START)
+            deadline = time.monotonic() + time_limit + _GRACE
+            answer = bytearray()
+            while piece := _read(self._answer, deadline):
+                answer += piece
+            return Ended(bytes(answer), int(self._read_line(deadline)))
+        except TimeoutError:  # the replica itself hangs; the next query gets a new one
+            self._replica.kill()
+            return Ended(b"", -signal.SIGALRM)
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Waits no longer."""
+        os.close(self._answer)
+        os.close(self._status)
+
+    def _read_line(self, deadline: float) -> bytes:
+        line = bytearray()
+        while not line.endswith(b"\n"):
+            byte = _read(self._status, deadline, 1)
+            if not byte:
+                raise DeviceError("the process for queries from outside died")
+            line += byte
+        return bytes(line)
+
+
+def _packed(version: int, index: Index) -> bytes:
+    try:
+        packed: bytes = dumps((version, index))
+    except (pickle.PicklingError, TypeError, AttributeError) as error:
+        raise DeviceError(f"the world cannot be copied to another process: {error}") from None
+    return packed
+
+
+def _read(source: int, deadline: float, most: int = _PIECE) -> bytes:
+    waiting = select.poll()
+    waiting.register(source, select.POLLIN)
+    if not waiting.poll(max(0.0, deadline - time.monotonic()) * 1e3):
+        raise TimeoutError
+    return os.read(source, most)
+
+
+def _program(control: int) -> str:
+    start = "from skiros_py.world.queries.replica import main"
+    return f"import sys; sys.path[:] = {sys.path!r}; {start}; main({control})"
