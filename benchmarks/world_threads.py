@@ -165,7 +165,7 @@ class _Reader:
         left, right = (set(seen.subjects("sk:in", box)) for box in _BOXES)
         if left & right:
             yield f"in both boxes: {sorted(left & right)}"
-        if not left | right == set(seen.instances("sk:Manipulatable")):
+        if left | right != set(seen.instances("sk:Manipulatable")):
             yield f"not in one of the boxes: {sorted((left | right) ^ set(seen.instances('sk:Manipulatable')))}"
 
 

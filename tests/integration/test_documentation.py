@@ -46,15 +46,21 @@ def test_the_small_scene_of_the_manual_plans_and_runs(tmp_path, monkeypatch, cap
 def test_the_world_commands_of_the_manual_work(tmp_path, monkeypatch, capsys):
     from skiros_py.runtime import open_data
     from skiros_py.world.change import Writer
+    from skiros_py.world.drafts import learn
 
-    with open_data(tmp_path / "data", "kitting") as data:
-        with data.world.transaction("anna", "by hand", writer=Writer.PERSON) as tx:
-            tx.place("starter_1", "sk:in", "pallet_b")
+    with (
+        open_data(tmp_path / "data", "kitting") as data,
+        data.world.transaction("anna", "by hand", writer=Writer.PERSON) as tx,
+    ):
+        tx.place("starter_1", "sk:in", "pallet_b")
+        learn(tx, "kit_1")
     monkeypatch.chdir(tmp_path)
     lines = [line[2:] for block in blocks(ROOT / "docs" / "world.md", "console") for line in block.splitlines()]
 
     for line in lines:
-        status = cli.main(args=shlex.split(line.replace("DIR", "data").replace("NEW", "new"))[1:], standalone_mode=False)
+        status = cli.main(
+            args=shlex.split(line.replace("DIR", "data").replace("NEW", "new"))[1:], standalone_mode=False
+        )
         assert not status, line
         assert capsys.readouterr().out or "save" in line or "diff" in line, line
 

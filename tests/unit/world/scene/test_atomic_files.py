@@ -75,13 +75,12 @@ def test_a_symbolic_link_goes_on_leading_to_its_file(tmp_path: Path) -> None:
     assert (tmp_path / "real.ttl").read_text(encoding="utf-8") == "new"
 
 
-@pytest.mark.parametrize("name", ["nowhere/new.ttl", "file/new.ttl", "folder", "circle", "x" * 300 + ".ttl", "nul\0.ttl"])
+@pytest.mark.parametrize("name", ["nowhere/new.ttl", "file/new.ttl", "folder", "x" * 300 + ".ttl", "nul\0.ttl"])
 def test_where_nothing_can_be_written_that_is_said_and_nothing_is_left(tmp_path: Path, name: str) -> None:
     (tmp_path / "file").touch()
     (tmp_path / "folder").mkdir()
-    (tmp_path / "circle").symlink_to("circle")
 
     with pytest.raises(FileError, match="cannot be written"):
         write_atomically(tmp_path / name, "new")
 
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["circle", "file", "folder"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["file", "folder"]
