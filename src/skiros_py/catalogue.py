@@ -75,18 +75,19 @@ def load_catalogue() -> Catalogue:
         sources |= {f"{kind}/{plugin.name}": plugin.distribution for plugin in good}
         faults += broken
         faults += [_fault(p, f"it is a {type(p.value).__name__}, nothing for {kind}") for p in plugins if p not in good]
-    reasoners, unusable = load_reasoners()
-    faults += [*unusable, *_ontology_faults()]
+    ontology, misfits = _installed()
+    reasoners, unusable = load_reasoners(ontology)
+    faults += [*unusable, *misfits]
     return Catalogue(
         found["skills"], found["primitives"], found["conditions"], found["planners"], sources, tuple(faults), reasoners
     )
 
 
-def _ontology_faults() -> tuple[PluginFault, ...]:
+def _installed() -> tuple[Ontology | None, tuple[PluginFault, ...]]:
     try:
-        return load_installed(ontology_paths())[1]
+        return load_installed(ontology_paths())
     except FileError:
-        return ()  # no plug-in's fault, and said to whoever opens a scene
+        return None, ()  # no plug-in's fault, and said to whoever opens a scene
 
 
 def fitting(catalogue: Catalogue, ontology: Ontology, reasoners: Reasoners = NO_REASONERS) -> Catalogue:

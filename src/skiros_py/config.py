@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
+import stat
 from pathlib import Path
 
 from skiros_py.errors import FileError, UnknownName, UsageError
@@ -16,6 +18,13 @@ SCENE_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
 _PACKAGE = Path(__file__).parent
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 _LONGEST_SHOWN = 80
+_NO_FILES = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
 
 
 def ontology_paths() -> tuple[Path, ...]:
@@ -76,9 +85,22 @@ def _scene_file(path: str) -> Path:
     file = Path(path)
     if _is_file(file):
         return file
-    what = "is a folder" if os.path.isdir(path) else "does not exist"  # noqa: PTH112  never raises for long names
     known = ", ".join(scene_names())
-    raise FileError(Path(path[-_LONGEST_SHOWN:]), f"the scene file {what}; scenes known by name: {known}")
+    raise FileError(Path(path[-_LONGEST_SHOWN:]), f"the scene file {_what_it_is(file)}; scenes known by name: {known}")
+
+
+def _what_it_is(path: Path) -> str:
+    """Says of what is no file why it is none."""
+    try:
+        mode = path.stat().st_mode
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            return "is a link that leads round in circles"
+        if error.errno == errno.EACCES:
+            return "cannot be reached: permission denied"
+        return "is a link to a file that does not exist" if os.path.islink(path) else "does not exist"  # noqa: PTH114
+    kind = next((name for is_one, name in _NO_FILES if is_one(mode)), "something else")
+    return f"is {kind}, not a file"
 
 
 def _is_file(path: Path) -> bool:

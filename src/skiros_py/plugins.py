@@ -40,6 +40,9 @@ class PluginFault:
     reason: str
     traceback: str
 
+    def __str__(self) -> str:
+        return f"plug-in {self.name} of {self.distribution} did not load: {self.reason}"
+
 
 def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
     """Loads every entry point of a group, in the order of their names.

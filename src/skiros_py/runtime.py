@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
@@ -21,6 +22,7 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.plugins import PluginFault
 from skiros_py.robot.devices import DeviceBoard
 from skiros_py.robot.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
@@ -31,8 +33,9 @@ from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.change import Change
-from skiros_py.world.ontology import load_installed
+from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.vocabulary import AGENT, HAS_A, ROBOT
 from skiros_py.world.world import World
@@ -42,6 +45,8 @@ if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
 __all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
+
+_log = logging.getLogger(__name__)
 
 _PLANNER = "fast-downward"
 _HASH_EVERY = 20
@@ -105,7 +110,9 @@ class Session:
             raise
 
     def _open(self, scene: str) -> None:
-        self.world = open_world(scene)
+        self.world, faults = _opened(scene)
+        # They are known already where the catalogue is that of the installation.
+        self.catalogue = replace(self.catalogue, faults=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
         self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners)
         self.goal = self._own_goal()
         self.spec = read_cell(self.world, self._robots())
@@ -318,18 +325,39 @@ class Session:
 def open_world(scene: str) -> World:
     """Loads the ontology and a scene, with what plug-ins bring of ontologies and reasoners; no robots, no physics.
 
+    A plug-in that does not load is left out, and logged as a warning.
+
     Raises:
         UnknownName: No such scene.
         FileError: A file cannot be read or understood.
     """
+    world, faults = _opened(scene)
+    _warn(faults)
+    return world
+
+
+def _opened(scene: str) -> tuple[World, tuple[PluginFault, ...]]:
     path = find_scene(scene)
-    ontology, _ = load_installed(ontology_paths())
-    reasoners, _ = load_reasoners()
-    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners)
+    ontology, reasoners, faults = _installed()
+    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners), faults
+
+
+def _installed() -> tuple[Ontology, Reasoners, tuple[PluginFault, ...]]:
+    """Loads what plug-ins bring to a world, and the faults of those that do not load."""
+    ontology, misfits = load_installed(ontology_paths())
+    reasoners, unusable = load_reasoners(ontology)
+    return ontology, reasoners, (*unusable, *misfits)
+
+
+def _warn(faults: Sequence[PluginFault]) -> None:
+    for fault in faults:
+        _log.warning("%s", fault)
 
 
 def open_data(path: str | Path, scene: str | None = None, *, create: bool = True) -> DataDirectory:
     """Opens a data directory: a world that is still there when the process is gone. Close it, or use it in a ``with``.
+
+    A plug-in that does not load is left out, and logged as a warning.
 
     Args:
         path: The folder; made where it is missing.
@@ -343,8 +371,8 @@ def open_data(path: str | Path, scene: str | None = None, *, create: bool = True
     from skiros_py.world.journal import DataDirectory  # most runs keep nothing
 
     file = None if scene is None else find_scene(scene)
-    ontology, _ = load_installed(ontology_paths())
-    reasoners, _ = load_reasoners()
+    ontology, reasoners, faults = _installed()
+    _warn(faults)
     return DataDirectory.open(Path(path), ontology, reasoners, file, imports=ontology_paths(), create=create)
 
 

@@ -72,7 +72,7 @@ class RunDisplay:
             for name, skill in sorted(manager.descriptions.items()):
                 self.say(f"skill   {name:8} by {agent}: {skill.help}")
         for fault in session.catalogue.faults:
-            self.say(f"warning plug-in {fault.name} of {fault.distribution} did not load: {fault.reason}")
+            self.say(f"warning {fault}")
         for condition in session.goal:
             self.say(f"goal    {condition}")
 

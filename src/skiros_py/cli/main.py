@@ -12,6 +12,7 @@ import click
 
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED, USAGE
 from skiros_py.cli.stops import ignore_stops, unwind_on_stops
+from skiros_py.cli.warnings import warnings_on_stderr
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName
 
 __all__ = ["cli", "main"]
@@ -59,7 +60,8 @@ def cli() -> None:
 def main() -> None:
     """Runs the command line; faults become one message and an exit status, never a traceback."""
     unwind_on_stops()
-    status = _run(sys.argv[1:])
+    with warnings_on_stderr():
+        status = _run(sys.argv[1:])
     ignore_stops()
     sys.exit(status)
 

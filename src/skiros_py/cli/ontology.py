@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED
+from skiros_py.cli.options import Seconds
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
@@ -41,10 +42,10 @@ def command() -> None:
 )
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=Seconds(),
     default=60.0,
     metavar="S",
-    help="Give a reasoner up after S seconds.  [default: 60]",
+    help="Give a reasoner up after S seconds, 3600 at most.  [default: 60]",
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, as_json: bool) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,7 +13,7 @@ import click
 if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
-__all__ = ["AUTHOR", "DATA", "JSON", "data_option", "open_existing"]
+__all__ = ["AUTHOR", "DATA", "JSON", "Seconds", "data_option", "open_existing"]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -37,6 +38,19 @@ def open_existing(data: Path) -> DataDirectory:
     from skiros_py.runtime import open_data
 
     return open_data(data, create=False)
+
+
+class Seconds(click.FloatRange):
+    """A time [s] that a wait can last: more than none, and no longer than an hour."""
+
+    def __init__(self) -> None:
+        super().__init__(min=0.0, max=3600.0, min_open=True)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        seconds: float = super().convert(value, param, ctx)
+        if math.isnan(seconds):  # it is in every range, for all that comparisons tell
+            self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
+        return seconds
 
 
 def _login() -> str:

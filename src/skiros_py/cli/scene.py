@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from skiros_py.cli.exit_status import DIFFERENT, REACHED
+from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
@@ -54,12 +56,14 @@ def show(scene: str, as_json: bool) -> int:
     world = open_world(scene)
     roots = tree(world)
     if as_json:
-        click.echo(json.dumps({"scene": scene, "goals": list(world.goals), "tree": [_as_json(r) for r in roots]}))
+        head = json.dumps({"scene": scene, "goals": list(world.goals)})
+        click.echo("".join((head[:-1], ', "tree": [', *_json_pieces(roots), "]}")))
         return REACHED
     for root in roots:
-        _print(root, "")
+        for depth, node in root.walk():
+            click.echo(escaped("  " * depth + _told(node)))
     for goal in world.goals:
-        click.echo(f"goal: {goal}")
+        click.echo(escaped(f"goal: {goal}"))
     return REACHED
 
 
@@ -109,7 +113,7 @@ def diff(old: str, new: str, as_json: bool) -> int:
         click.echo(json.dumps({"old": old, "new": new, "edits": [edit.as_json() for edit in edits]}))
     else:
         for line in describe(after.ontology, edits):
-            click.echo(line)
+            click.echo(escaped(line))
     return DIFFERENT if edits else REACHED
 
 
@@ -148,14 +152,22 @@ def _present(folder: Path) -> Index:
         return data.world.snapshot()
 
 
-def _print(node: Branch, indent: str) -> None:
+def _told(node: Branch) -> str:
     relation = f"{node.relation.partition(':')[2]}: " if node.relation else ""
-    click.echo(f"{indent}{relation}{node.element.id} ({node.element.type.partition(':')[2]})")
-    for child in node.children:
-        _print(child, indent + "  ")
+    return f"{relation}{node.element.id} ({node.element.type.partition(':')[2]})"
 
 
-def _as_json(node: Branch) -> dict[str, Any]:
+def _json_pieces(roots: Iterable[Branch]) -> Iterator[str]:
+    """Yields the branches as JSON, piece by piece: the encoder dies of what hangs a thousand deep."""
+    open_ = 0
+    for depth, node in ((depth, node) for root in roots for depth, node in root.walk()):
+        yield "]}" * (open_ - depth)
+        yield ", " if open_ > depth else ""
+        yield f'{_own_json(node)[:-1]}, "children": ['
+        open_ = depth + 1
+    yield "]}" * open_
+
+
+def _own_json(node: Branch) -> str:
     element = node.element
-    own = {"id": element.id, "type": element.type, "label": element.label, "relation": node.relation}
-    return {**own, "children": [_as_json(child) for child in node.children]}
+    return json.dumps({"id": element.id, "type": element.type, "label": element.label, "relation": node.relation})

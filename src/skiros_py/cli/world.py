@@ -12,6 +12,7 @@ import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
+from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.vocabulary import ELEMENT
 
@@ -107,13 +108,13 @@ def _show(world: World, name: str, *, as_json: bool) -> None:
         relations = [{"subject": s, "relation": r, "object": o} for s, r, o in statements]
         click.echo(json.dumps({**own, "relations": relations, "changed": {"change": stamp.change, "time": stamp.time}}))
         return
-    click.echo(f"{element.id} ({element.type}) '{element.label}'")
+    click.echo(escaped(f"{element.id} ({element.type}) '{element.label}'"))
     if stamp.change:
         click.echo(f"  changed last by change {stamp.change}, at {stamp.time:.1f} s")
     for property_, value in sorted(element.properties.items()):
-        click.echo(f"  {property_} {format_value(value, ANY_LITERAL)}")
+        click.echo(escaped(f"  {property_} {format_value(value, ANY_LITERAL)}"))
     for subject, relation, object_ in statements:
-        click.echo(f"  {subject} {relation} {object_}")
+        click.echo(escaped(f"  {subject} {relation} {object_}"))
 
 
 @command.command("history", epilog="Example: skiros world history starter_1 --data run/data --last 10")
@@ -147,10 +148,10 @@ def _print_change(world: World, entry: Entry, element: str | None) -> None:
     from skiros_py.world.scene.diff import describe
 
     change = entry.change
-    click.echo(f"{change.number:6}  {_written(entry)}  {change.author} ({change.writer}): {change.reason}")
+    click.echo(escaped(f"{change.number:6}  {_written(entry)}  {change.author} ({change.writer}): {change.reason}"))
     edits = [edit for edit in change.edits if element is None or element in edit.concerns()]
     for line in list(describe(world.ontology, edits[:_MOST_LINES])):
-        click.echo(f"        {line}")
+        click.echo(escaped(f"        {line}"))
     if len(edits) > _MOST_LINES:
         click.echo(f"        and {len(edits) - _MOST_LINES} more")
 
@@ -172,7 +173,7 @@ def undo(data: Path, author: str, as_json: bool) -> int:
 
     with open_existing(data) as directory:
         change = take_back(directory.world, author)
-    click.echo(json.dumps(change.as_json()) if as_json else f"change {change.number}: {change.reason}")
+    click.echo(json.dumps(change.as_json()) if as_json else escaped(f"change {change.number}: {change.reason}"))
     return REACHED
 
 

@@ -10,6 +10,7 @@ import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON, open_existing
+from skiros_py.cli.text import escaped
 from skiros_py.errors import UnknownName
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
 
@@ -38,7 +39,7 @@ def list_learned(data: Path, as_json: bool) -> int:
         return REACHED
     for element in elements:
         about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
-        click.echo(f"{element.id} ({element.type}) '{element.label}'{about}")
+        click.echo(escaped(f"{element.id} ({element.type}) '{element.label}'{about}"))
     return REACHED
 
 
@@ -59,7 +60,7 @@ def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
         with world.transaction(author, f"forgets {concept}", writer=Writer.PERSON) as tx:
             tx.remove(concept)
         (change,) = world.changes_since(world.version - 1)
-    click.echo(json.dumps(change.as_json()) if as_json else f"change {change.number}: {change.reason}")
+    click.echo(json.dumps(change.as_json()) if as_json else escaped(f"change {change.number}: {change.reason}"))
     return REACHED
 
 

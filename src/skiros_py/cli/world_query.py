@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.exit_status import REACHED
+from skiros_py.cli.options import Seconds
+from skiros_py.cli.text import escaped
+from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
 
 if TYPE_CHECKING:
@@ -37,22 +40,22 @@ Examples:
 )
 @click.argument("words", nargs=-1, metavar="[SCENE] [SPARQL]")
 @click.option("--data", metavar="DIR", type=click.Path(path_type=Path), help="Ask the world in a data directory.")
-@click.option("--file", metavar="FILE", type=click.File(encoding="utf-8"), help="Read the query from FILE.")
+@click.option("--file", metavar="FILE", type=click.Path(path_type=Path), help="Read the query from FILE.")
 @click.option("--bind", "bindings", multiple=True, metavar="NAME=VALUE", help="What $NAME stands for; may be repeated.")
 @click.option("--entailed", is_flag=True, help="Count what OWL entails too: inverses, sub-relations, …")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 @click.option("--csv", "as_csv", is_flag=True, help="Comma-separated values on stdout (for SELECT).")
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=Seconds(),
     default=5.0,
     metavar="S",
-    help="Give up after S seconds.  [default: 5]",
+    help="Give up after S seconds, 3600 at most.  [default: 5]",
 )
 def command(
     words: tuple[str, ...],
     data: Path | None,
-    file: Any,
+    file: Path | None,
     bindings: tuple[str, ...],
     entailed: bool,
     as_json: bool,
@@ -67,9 +70,12 @@ def command(
     """
     from skiros_py.world.queries.outside import Limits, OutsideQueries
 
-    scene, sparql = _scene_and_query(words, data, file)
-    bound = dict(_binding(binding) for binding in bindings)
-    with _world(scene, data) as world, OutsideQueries(world, Limits(rows=_MOST_ROWS)) as queries:
+    if as_json and as_csv:
+        raise click.UsageError("--json and --csv are two ways to show one answer: give one of them")
+    limits = Limits(rows=_MOST_ROWS)
+    scene, sparql = _scene_and_query(words, data, file, limits.text)
+    bound = _bound(bindings)
+    with _world(scene, data) as world, OutsideQueries(world, limits) as queries:
         result = queries.query(sparql, entailed=entailed, time_limit=time_limit, **bound)
     if as_json:
         click.echo(json.dumps(_as_json(result)))
@@ -78,7 +84,9 @@ def command(
     return REACHED
 
 
-def _scene_and_query(words: tuple[str, ...], data: Path | None, file: Any) -> tuple[str | None, str]:
+def _scene_and_query(
+    words: tuple[str, ...], data: Path | None, file: Path | None, longest: int
+) -> tuple[str | None, str]:
     wanted = [name for name, needed in (("SCENE", data is None), ("SPARQL", file is None)) if needed]
     if len(words) != len(wanted):
         given = (
@@ -86,8 +94,27 @@ def _scene_and_query(words: tuple[str, ...], data: Path | None, file: Any) -> tu
         )
         raise click.UsageError(f"needs {' and '.join(wanted) or 'no more words'} ({given}); got {len(words)} words")
     found = dict(zip(wanted, words, strict=True))
-    text = file.read() if file is not None else found["SPARQL"]
-    return found.get("SCENE"), sys.stdin.read() if text == "-" else text
+    source = str(file) if file is not None else "-" if found["SPARQL"] == "-" else None
+    return found.get("SCENE"), found["SPARQL"] if source is None else _read(source, longest)
+
+
+def _read(source: str, longest: int) -> str:
+    """Reads a query from a file, or from stdin for "-"; of one that is too long (or never ends) no more than shows it.
+
+    Raises:
+        FileError: It cannot be read, is no UTF-8 text, or is too long.
+    """
+    path = Path("stdin" if source == "-" else source)
+    try:
+        with click.open_file(source, encoding="utf-8") as file:
+            text = file.read(longest + 1)
+    except UnicodeError as error:
+        raise FileError(path, f"cannot be read as UTF-8 text: {getattr(error, 'reason', error)}") from None
+    except (OSError, ValueError) as error:
+        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if len(text) > longest:
+        raise FileError(path, f"is no query: it has more than {longest} characters, and those are the most")
+    return text
 
 
 @contextmanager
@@ -100,6 +127,15 @@ def _world(scene: str | None, data: Path | None) -> Iterator[World]:
     else:
         assert scene is not None
         yield open_world(scene)
+
+
+def _bound(bindings: Sequence[str]) -> dict[str, Binding]:
+    bound: dict[str, Binding] = {}
+    for name, value in map(_binding, bindings):
+        if name in bound:
+            raise click.UsageError(f"--bind says twice what ${name} stands for: give it once")
+        bound[name] = value
+    return bound
 
 
 def _binding(text: str) -> tuple[str, Binding]:
@@ -130,11 +166,13 @@ def _value(text: str) -> Binding:
 def _show(result: Result, *, as_csv: bool) -> None:
     from skiros_py.world.queries import Table
 
+    if as_csv and not isinstance(result, Table):
+        raise click.UsageError("--csv shows rows, and only SELECT has rows: leave it out, or give --json")
     if isinstance(result, bool):
         click.echo("yes" if result else "no")
     elif not isinstance(result, Table):
         click.echo(result.turtle, nl=False)
-    elif as_csv:
+    elif as_csv:  # data for a program, as they are
         writer = csv.writer(sys.stdout, lineterminator="\n")
         writer.writerow(result.variables)
         writer.writerows([_shown(row[name]) for name in result.variables] for row in result.rows)
@@ -151,7 +189,7 @@ def _print_table(table: Table) -> None:
     for name in table.variables:
         columns.add_column(name, overflow="fold")
     for row in table.rows:
-        columns.add_row(*(Text(_shown(row[name])) for name in table.variables))
+        columns.add_row(*(Text(escaped(_shown(row[name]))) for name in table.variables))
     console = Console()
     console.print(columns)
     console.print(f"{len(table.rows)} row{'' if len(table.rows) == 1 else 's'}", highlight=False)

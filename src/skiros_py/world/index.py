@@ -35,10 +35,12 @@ class Index:
 
     Attributes:
         goals: Texts of the goals that go with the scene, sorted.
+        version: Number of the change that led to this state.
     """
 
     def __init__(self, ontology: Ontology, reasoners: Reasoners = NO_REASONERS) -> None:
         self.goals: tuple[str, ...] = ()
+        self.version = 0
         self._ontology = ontology
         self._reasoners = reasoners
         self._elements: Map[str, Element] = Map()

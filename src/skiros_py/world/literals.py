@@ -130,6 +130,8 @@ def _check_pose(value: object) -> Pose:
 
 
 def _parse_vector(text: str) -> tuple[float, ...]:
+    if "_" in text or not text.isascii():  # Python's float would read "1_0" and digits of other scripts
+        raise ValueError
     return tuple(float(word) for word in text.split())
 
 

@@ -34,12 +34,18 @@ class Lock:
 class Locks:
     """All locks of a world (the paper's lock service, §3.2). They live as long as the process.
 
+    Who locks a thing has its pieces too: the world asks for those and for what they are pieces of.
+
     Args:
         clock: Gives the time [s]; must never go back.
+        known: Tells whether there is an element of an id.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, known: Callable[[str], bool] = lambda _: True
+    ) -> None:
         self._clock = clock
+        self._known = known
         self._guard = threading.RLock()
         self._locks: dict[str, Lock] = {}
 
@@ -53,13 +59,16 @@ class Locks:
 
         Raises:
             Locked: Somebody else has one of them.
-            UsageError: The time is none, or too long, or nobody wants them.
+            UsageError: The time is none, or too long, nobody wants them, or there is no such element.
         """
-        if not 0.0 < seconds <= _LONGEST:
+        if not isinstance(seconds, int | float) or not 0.0 < seconds <= _LONGEST:
             raise UsageError(f"a lock lasts more than 0 s and at most {_LONGEST:.0f} s, not {seconds!r}")
-        if not owner.strip():
+        if not isinstance(owner, str) or not owner.strip():
             raise UsageError("a lock needs an owner: the author of the edits that it allows")
         names = _names(elements)
+        unknown = [name for name in names if not self._known(name)]
+        if unknown:
+            raise UsageError(f"there is nothing to lock by the name of {', '.join(unknown)}")
         with self._guard:
             problems = self._problems(names, owner)
             if problems:

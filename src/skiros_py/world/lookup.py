@@ -116,18 +116,11 @@ def _computed(view: WorldView, relation: str, other: str, candidates: tuple[str,
     name = relation.removeprefix(BACKWARDS)
     found: set[str] = set()
     for below in view.reasoners.narrowest(view.ontology, name):
-        reasoner, declared = view.reasoners.of(below), view.ontology.relation(below)
-        backwards = name != relation
-        fitting = _fitting(view, candidates, declared.ranges if backwards else declared.domains)
-        if backwards:
-            found.update(o for _, o in reasoner.pairs(view, below, (other,), fitting))
+        if name != relation:
+            found.update(o for _, o in view.reasoners.pairs(view, below, (other,), candidates))
         else:
-            found.update(s for s, _ in reasoner.pairs(view, below, fitting, (other,)))
+            found.update(s for s, _ in view.reasoners.pairs(view, below, candidates, (other,)))
     return found
-
-
-def _fitting(view: WorldView, names: tuple[str, ...], end: tuple[tuple[str, ...], ...]) -> tuple[str, ...]:
-    return tuple(name for name in names if not view.ontology.missed_end(view.element(name).type, end))
 
 
 def _is_of(view: WorldView, class_: str, *, abstract: bool) -> _Test:

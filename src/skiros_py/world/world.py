@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
@@ -66,9 +66,10 @@ class World:
             past: What was before, read from a journal; changes are written there before they take effect.
         """
         self.clock = clock
-        self.locks = Locks()
+        self.locks = Locks(known=lambda name: self._index.has(name))
         past = past or Past(abstract_individuals(ontology, reasoners))
-        self._index = past.index
+        self._index = past.index.copy()
+        self._index.version = past.log.version
         self._ids = past.ids
         self._log = past.log
         self._writing = threading.Lock()
@@ -111,7 +112,7 @@ class World:
             StaleVersion: An element was changed or removed since the author saw it.
             Locked: Somebody else has locked one of the elements.
         """
-        write = _Write(_text("author", author), _text("reason", reason), writer, undoes)
+        write = _Write(_text("author", author), _text("reason", reason), _kind(writer), undoes)
         other = self._author_here()
         if other is not None:
             raise WorldError(f"{author} cannot write: {other} has a transaction open in the same thread")
@@ -133,7 +134,7 @@ class World:
     @property
     def version(self) -> int:
         """Number of the last change; 0 for a world that is still empty."""
-        return self._log.version
+        return self._index.version
 
     @property
     def log(self) -> ChangeLog:
@@ -156,7 +157,8 @@ class World:
     def subscribe(self, callback: Callable[[Change], None]) -> Callable[[], None]:
         """Has each later change told to ``callback``, in order, after it is visible; returns what ends that.
 
-        A callback that raises is logged and hurts nobody else. It may write: others are told of that afterwards.
+        A callback that raises is logged and hurts nobody else. It may write: others are told of that afterwards. It
+        runs in the thread that wrote, so it should be quick, and must never wait for another thread that writes.
         """
         key = next(self._subscriptions)
         self._subscribers[key] = callback
@@ -172,10 +174,8 @@ class World:
 
     def state(self) -> tuple[int, Index]:
         """Returns the present version and the state that belongs to it, without what an open transaction wrote."""
-        if self._author_here() is not None:
-            return self._log.version, self._index
-        with self._writing:
-            return self._log.version, self._index
+        index = self._index
+        return index.version, index
 
     @property
     def goals(self) -> tuple[str, ...]:
@@ -288,6 +288,8 @@ class World:
 
     def _check_versions(self, expects: Mapping[str, int]) -> None:
         for name, seen in expects.items():
+            if isinstance(seen, bool) or not isinstance(seen, int):
+                raise UsageError(f"the version of {name or 'the world'} is a whole number, not {seen!r}")
             if name and not self._index.has(name) and self._ids.used(name):
                 raise StaleVersion(f"{name} is gone, and version {seen} was expected: it was removed since")
             now = self.version if name == "" else self._index.stamp(name).change
@@ -305,9 +307,10 @@ class World:
             raise type(error)(f"transaction of {write.author} ({write.reason}) {error}") from None
         if edits:
             change = Change(
-                self.version + 1, write.author, write.reason, self.clock(), edits, write.writer, write.undoes
+                self._log.version + 1, write.author, write.reason, self.clock(), edits, write.writer, write.undoes
             )
             index.mark(change.marks(), Stamp(change.number, change.time))
+            index.version = change.number
             self._log.append(change)  # a journal that cannot write raises here, and nothing has happened
             self._index = index
             self._untold.extend((key, change) for key in tuple(self._subscribers))
@@ -316,7 +319,8 @@ class World:
     def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: _Write) -> None:
         """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""
         if write.writer in (Writer.PERSON, Writer.JOB):
-            locked = self.locks.problems((name for edit in edits for name in edit.concerns()), write.author)
+            concerned = {name for edit in edits for name in edit.concerns()}
+            locked = self.locks.problems((*concerned, *_wholes(before, after, concerned)), write.author)
             if locked:
                 raise Locked(f"refused: {'; '.join(locked)}")
         if self.reasoners.may_veto:
@@ -346,7 +350,29 @@ _LONGEST_TEXT = 1000
 def _text(what: str, text: str) -> str:
     if not isinstance(text, str) or not text.strip():
         raise UsageError(f"a transaction needs its {what}: a text that says {_SAYS[what]}")
+    if not text.isprintable():  # it will stand in a line of somebody's terminal and in a file
+        text = "".join(character if character.isprintable() else " " for character in text)
     return text if len(text) <= _LONGEST_TEXT else f"{text[:_LONGEST_TEXT]}…"
+
+
+def _kind(writer: Writer) -> Writer:
+    try:
+        return Writer(writer)
+    except ValueError:
+        kinds = ", ".join(kind.value for kind in Writer)
+        raise UsageError(f"a writer is one of {kinds}, not {writer!r}") from None
+
+
+def _wholes(before: Index, after: Index, names: Iterable[str]) -> set[str]:
+    """What the named elements are pieces of, and what that is a piece of: who locks a kit has its compartments too."""
+    found: set[str] = set()
+    waiting = list(names)
+    while waiting:
+        name = waiting.pop()
+        owners = {*before.owners(name), *after.owners(name)} - found
+        found |= owners
+        waiting += owners
+    return found
 
 
 _SAYS = {"author": "who writes", "reason": "why, in words for people"}
@@ -355,5 +381,5 @@ _SAYS = {"author": "who writes", "reason": "why, in words for people"}
 def _call(callback: Callable[[Change], None], change: Change) -> None:
     try:
         callback(change)
-    except Exception:  # noqa: BLE001  whatever it is, it is the subscriber's fault and no one else's
+    except (Exception, SystemExit):  # noqa: BLE001  whatever it is, it is the subscriber's fault and no one else's
         _log.exception("a subscriber failed on change %d of the world", change.number)

@@ -136,7 +136,7 @@ class Computed:
             yield from (pair for pair in product(subjects, objects) if self.function(view, *pair))
             return
         for below in view.reasoners.narrowest(view.ontology, self.relation):
-            yield from view.reasoners.of(below).pairs(view, below, subjects, objects)
+            yield from view.reasoners.pairs(view, below, subjects, objects)
 
     def rename(self, names: Mapping[str, str]) -> Computed:
         """Returns the same pattern with other variable names."""

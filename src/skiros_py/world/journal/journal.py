@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -41,6 +42,8 @@ class Journal:
         Raises:
             FileError: The file cannot be opened or made, is damaged or another program's.
         """
+        self._path = path
+        self._process = os.getpid()
         self._database = Database(path)
         try:
             self._snapshot_version = self._stored_snapshot_version()
@@ -79,6 +82,10 @@ class Journal:
         Raises:
             FileError: They cannot be kept, and are not.
         """
+        if os.getpid() != self._process:
+            raise FileError(
+                self._path, f"this data directory is open in process {self._process}; a copy of that cannot write to it"
+            )
         unsure, self._unsure = self._unsure, True
         with self._database.transaction() as connection:
             if unsure:  # the last time was broken off, perhaps just after the file had it: nobody was told so

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 from pathlib import Path
 
@@ -30,6 +31,7 @@ class LearnedFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._stale = False
+        self._taken = False
 
     def read_into(self, world: World) -> None:
         """Lets a world begin with what the file says, if it is there.
@@ -37,6 +39,7 @@ class LearnedFile:
         Raises:
             FileError: It says what the ontology does not allow.
         """
+        self._taken = True
         if not self.path.exists():
             return
         edits = read_learned(world.ontology, self.path)
@@ -49,8 +52,26 @@ class LearnedFile:
     def follow(self, world: World) -> None:
         """Makes the file as the world is, and keeps it so."""
         self._tidy()
+        if not self._taken:
+            self._keep_another(learned_turtle(world.snapshot()))
         self._mirror(world)
         world.subscribe(lambda change: self._on_change(world, change))
+
+    def _keep_another(self, text: str) -> None:
+        """Keeps a file that somebody changed since it was written: it does not count, but is somebody's work."""
+        try:
+            found = self.path.read_bytes() if self.path.exists() else b""
+            if not found.strip() or found == text.encode():
+                return
+            kept = _kept(self.path, found)
+        except OSError:  # nor can it be overwritten
+            return
+        _log.warning(
+            "%s is not as the journal says, which alone counts: it is kept as %s, and written anew; to take over what"
+            " it says, let it be the learned.ttl of a new data directory",
+            self.path,
+            kept.name,
+        )
 
     def _on_change(self, world: World, change: Change) -> None:
         if self._stale or any(is_learned(name) for name in change.marks()):
@@ -74,3 +95,16 @@ class LearnedFile:
         """Removes what a process that was killed while it wrote left behind."""
         for left in self.path.parent.glob(f".{self.path.name}.*.tmp"):
             left.unlink(missing_ok=True)
+
+
+def _kept(path: Path, content: bytes) -> Path:
+    """Puts a copy beside a file, under the next free name; none where the same was kept before."""
+    for number in itertools.count(1):
+        copy = path.with_name(f"{path.name}.kept-{number}")
+        if not copy.exists():
+            with copy.open("xb") as file:
+                file.write(content)
+            return copy
+        if copy.read_bytes() == content:
+            return copy
+    raise AssertionError("numbers do not end")

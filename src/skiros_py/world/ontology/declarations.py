@@ -18,7 +18,7 @@ from skiros_py.world.literals import ANY_LITERAL, DATATYPES, parse_value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.documents import Document
 from skiros_py.world.ontology.expressions import cardinalities, conjuncts, end
-from skiros_py.world.ontology.hierarchy import closure, cycle
+from skiros_py.world.ontology.hierarchy import MOST_ABOVE, closure, cycle, too_deep
 from skiros_py.world.ontology.kinds import DECLARES, Kind
 from skiros_py.world.ontology.statements import Node, Statements, english
 from skiros_py.world.terms import Class, End, Family, PlaceEnd, Property, Relation
@@ -103,6 +103,7 @@ class _Reader:
         """Returns all classes."""
         found = {term: self._class(term) for term in self.declared(Kind.CLASS)}
         self._check_no_cycle({term: class_.parents for term, class_ in found.items()}, "rdfs:subClassOf")
+        self._check_depth({term: (*c.parents, *c.equivalents) for term, c in found.items()}, "rdfs:subClassOf")
         return found
 
     def _class(self, term: str) -> Class:
@@ -164,6 +165,7 @@ class _Reader:
             for term in self.declared(Kind.RELATION)
         }
         self._check_no_cycle(above, "rdfs:subPropertyOf")
+        self._check_depth(above, "rdfs:subPropertyOf")
         return {term: self._relation(term, above) for term in above}
 
     def _relation(self, term: str, above: Mapping[str, tuple[str, ...]]) -> Relation:
@@ -264,6 +266,11 @@ class _Reader:
         if found:
             line = " -> ".join(found)
             raise self._fault(found[0], f"{found[0]} is above itself by {predicate}: {line}", found[1])
+
+    def _check_depth(self, above: Mapping[str, tuple[str, ...]], predicate: str) -> None:
+        deep = too_deep(above)
+        if deep is not None:
+            raise self._fault(deep, f"{deep} has more than {MOST_ABOVE} terms above it by {predicate}", predicate)
 
     def _types(self, said: Mapping[str, Sequence[Node]]) -> list[str]:
         return [self._names.name(node.value) for node in said.get("rdf:type", ()) if isinstance(node, ox.NamedNode)]

@@ -23,6 +23,7 @@ _ONTOLOGY = ox.NamedNode(STANDARD_PREFIXES["owl"] + "Ontology")
 _IMPORTS = ox.NamedNode(STANDARD_PREFIXES["owl"] + "imports")
 
 _SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
+_XML_SUFFIXES = (".owl", ".rdf", ".owx", ".xml")
 _XML_START = re.compile(r"\s*<(?:\?xml|!|[A-Za-z_][\w.-]*(?::[A-Za-z_][\w.-]*)?[\s/>])")
 
 
@@ -84,6 +85,8 @@ def read_document(path: Path) -> Document:
         outline = outline_xml(path, text)
         prefixes, triples = outline.prefixes, parse_xml(path, text, base, outline)
         spelling = XmlSpelling(prefixes, outline.base or base, outline.entities)
+    if not text.strip() and path.suffix in _XML_SUFFIXES:
+        raise FileError(path, "is empty: it should be RDF/XML or OWL/XML")
     document = Document(path, text, _declared_iri(triples) or base, prefixes, triples, spelling)
     _check_literals(document)
     return document

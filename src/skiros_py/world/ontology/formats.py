@@ -8,6 +8,7 @@ from pathlib import Path
 import pyoxigraph as ox
 
 from skiros_py.errors import FileError
+from skiros_py.world.datatype import LONGEST_TEXT
 from skiros_py.world.ontology.guards import XmlOutline
 from skiros_py.world.ontology.owlxml import parse_owl_xml
 
@@ -16,6 +17,7 @@ __all__ = ["parse_turtle", "parse_xml"]
 _RDF_XML = "http://www.w3.org/1999/02/22-rdf-syntax-ns#RDF"
 _OWL_XML = "http://www.w3.org/2002/07/owl#Ontology"
 _ENCODING = re.compile(r"""(<\?xml[^>]*?)\s+encoding\s*=\s*(?:"[^"]*"|'[^']*')""")
+_TOO_LONG = f"a text or a name is too long to be read: a text may have {LONGEST_TEXT} characters"
 _SINGLE_QUOTED = re.compile(r"(<!ENTITY\s+[^\s'\"]+\s+)'([^'\"]*)'")
 
 
@@ -32,6 +34,8 @@ def parse_turtle(path: Path, text: str, base: str) -> tuple[dict[str, str], tupl
     except SyntaxError as error:
         reason = re.sub(r"^Parser error at line \d+.*?: ", "", error.msg)
         raise FileError(path, f"not Turtle at column {error.offset}: {reason[:300]}", line=error.lineno) from None
+    except MemoryError:
+        raise FileError(path, _TOO_LONG) from None
     return dict(parser.prefixes), triples
 
 
@@ -50,6 +54,8 @@ def parse_xml(path: Path, text: str, base: str, outline: XmlOutline) -> tuple[ox
         return tuple([quad.triple for quad in parser])
     except SyntaxError as error:
         raise FileError(path, f"not RDF/XML: {error.msg[:300]}") from None
+    except MemoryError:
+        raise FileError(path, _TOO_LONG) from None
 
 
 def _readable(text: str, outline: XmlOutline) -> str:

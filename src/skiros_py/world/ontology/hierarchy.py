@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
 
-__all__ = ["closure", "cycle", "inverse"]
+__all__ = ["MOST_ABOVE", "closure", "cycle", "inverse", "too_deep"]
+
+MOST_ABOVE = 500
+"""Terms that may be above another: a chain of so many levels was made by no person, and costs its square."""
 
 
 def closure(above: Mapping[str, Sequence[str]], name: str) -> tuple[str, ...]:
@@ -27,6 +30,21 @@ def cycle(above: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
     except CycleError as error:
         return tuple(reversed(error.args[1]))
     return ()
+
+
+def too_deep(above: Mapping[str, Sequence[str]]) -> str | None:
+    """Returns the first name with more than :data:`MOST_ABOVE` above it, or None where there is none."""
+    return next((name for name in above if _has_many(above, name)), None)
+
+
+def _has_many(above: Mapping[str, Sequence[str]], name: str) -> bool:
+    reached = {name}
+    waiting = [name]
+    while waiting and len(reached) <= MOST_ABOVE + 1:
+        new = [upper for upper in above.get(waiting.pop(), ()) if upper not in reached]
+        reached.update(new)
+        waiting.extend(new)
+    return len(reached) > MOST_ABOVE + 1
 
 
 def inverse(lines: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:

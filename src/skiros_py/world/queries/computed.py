@@ -153,7 +153,7 @@ class _Pairs:
             if (relation + below, *ends) not in self._done:
                 self._done.add((relation + below, *ends))
                 self._count(relation, len(ends[0]) * len(ends[1]))
-                found = reasoners.of(below).pairs(self._view, below, *ends)
+                found = reasoners.pairs(self._view, below, *ends)
                 self._store.extend(self._quad(subject, relation, object_) for subject, object_ in found)
 
     def _is_computable(self, relation: str) -> bool:

@@ -22,7 +22,10 @@ from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order
 from skiros_py.world.store.store import Most
 from skiros_py.world.world import World
 
-__all__ = ["Limits", "OutsideQueries"]
+__all__ = ["LONGEST_TIME", "Limits", "OutsideQueries"]
+
+LONGEST_TIME = 3600.0
+"""What any query may take at most [s]."""
 
 _MIB = 1 << 20
 
@@ -62,6 +65,7 @@ class OutsideQueries:
         self._lock = threading.Lock()
         self._turns = threading.BoundedSemaphore(limits.at_once)
         self._replica: ReplicaProcess | None = None
+        self._closed = False
 
     def start(self) -> None:
         """Makes the replica, as the first query does otherwise; of a million triples that takes half a minute."""
@@ -69,8 +73,9 @@ class OutsideQueries:
             self._started()
 
     def close(self) -> None:
-        """Ends the replica, and whatever is still running."""
+        """Ends the replica, and whatever is still running; there are no answers any more."""
         with self._lock:
+            self._closed = True
             self._drop()
 
     def __enter__(self) -> Self:
@@ -96,7 +101,7 @@ class OutsideQueries:
 
         Raises:
             UsageError: It cannot be answered, or not within its limits; the text says which.
-            DeviceError: The replica cannot be started.
+            DeviceError: The replica cannot be started, or this was closed.
         """
         result = self._asked(sparql, "SELECT", bindings, entailed, time_limit)
         assert isinstance(result, Table)
@@ -128,6 +133,8 @@ class OutsideQueries:
         if len(sparql) > self.limits.text:
             raise UsageError(f"the query has {len(sparql)} characters, and {self.limits.text} are the most")
         limit = self.limits.time if time_limit is None else time_limit
+        if not 0.0 < limit <= LONGEST_TIME:
+            raise UsageError(f"a time limit is more than 0 and at most {LONGEST_TIME:g} s, not {limit:g}")
         most = Most(self.limits.rows, self.limits.bytes)
         order = Order(sparql, form, bindings, entailed, limit, self.limits.memory, most)
         if not self._turns.acquire(timeout=limit):
@@ -163,6 +170,8 @@ class OutsideQueries:
             return replica.ask(changes, order)
 
     def _started(self) -> ReplicaProcess:
+        if self._closed:  # whoever was waiting when it was shall not start it again
+            raise DeviceError("no queries are answered any more: whatever answered them was closed")
         if self._replica is None or not self._replica.is_alive():
             self._drop()
             self._replica = ReplicaProcess(*self._world.state())

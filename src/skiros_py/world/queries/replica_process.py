@@ -155,6 +155,9 @@ class Pending:
         except TimeoutError:  # the replica itself hangs; the next query gets a new one
             self._replica.kill()
             return Ended(b"", -signal.SIGALRM)
+        except DeviceError:
+            self._replica.kill()  # its pipes close a moment before it counts as ended
+            raise
         finally:
             self.close()
 

@@ -22,7 +22,7 @@ def computed_objects(view: WorldView, subject: str, relation: str) -> tuple[str,
     found: set[str] = set()
     for below in view.reasoners.narrowest(view.ontology, relation):
         candidates = view.instances(view.ontology.relation(below).range or ELEMENT)
-        found.update(o for _, o in view.reasoners.of(below).pairs(view, below, (subject,), candidates))
+        found.update(o for _, o in view.reasoners.pairs(view, below, (subject,), candidates))
     return tuple(sorted(found))
 
 
@@ -36,5 +36,5 @@ def computed_subjects(view: WorldView, relation: str, object_: str) -> tuple[str
     found: set[str] = set()
     for below in view.reasoners.narrowest(view.ontology, relation):
         candidates = view.instances(view.ontology.relation(below).domain or ELEMENT)
-        found.update(s for s, _ in view.reasoners.of(below).pairs(view, below, candidates, (object_,)))
+        found.update(s for s, _ in view.reasoners.pairs(view, below, candidates, (object_,)))
     return tuple(sorted(found))

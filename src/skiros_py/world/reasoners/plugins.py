@@ -7,8 +7,10 @@ from collections.abc import Sequence
 
 from skiros_py.errors import UsageError
 from skiros_py.plugins import Plugin, PluginFault, load_plugins
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.reasoner import Reasoner
 from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.terms import Family
 
 __all__ = ["GROUP", "load_reasoners"]
 
@@ -18,18 +20,22 @@ GROUP = "skiros.reasoners"
 _OWN = "skiros-py "
 
 
-def load_reasoners() -> tuple[Reasoners, tuple[PluginFault, ...]]:
+def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[PluginFault, ...]]:
     """Loads all reasoners, in the order of their entry points' names, the built-in ones first.
+
+    Args:
+        ontology: What must declare the relations that they compute; None where that does not matter.
 
     Returns:
         Those that can be used together; and the faults of the others, which hurt nobody else: what did not load, is no
-        reasoner, has the name of an earlier one or computes what an earlier one computes.
+        reasoner, has the name of an earlier one, computes what an earlier one computes or what the ontology does not
+        declare as computed.
     """
     plugins, broken = load_plugins(GROUP)
     good: list[Reasoner] = []
     faults = list(broken)
     for plugin in sorted(plugins, key=lambda plugin: not plugin.distribution.startswith(_OWN)):
-        made = _made(plugin, good)
+        made = _made(plugin, good, ontology)
         if isinstance(made, PluginFault):
             faults.append(made)
         else:
@@ -37,14 +43,14 @@ def load_reasoners() -> tuple[Reasoners, tuple[PluginFault, ...]]:
     return Reasoners(good), tuple(faults)
 
 
-def _made(plugin: Plugin, others: Sequence[Reasoner]) -> Reasoner | PluginFault:
+def _made(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | None) -> Reasoner | PluginFault:
     """Returns the reasoner of a plug-in, or why it cannot be used beside the others."""
     class_ = plugin.value
     if not isinstance(class_, type) or not issubclass(class_, Reasoner):
         return _fault(plugin, f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
     try:
         reasoner = class_()
-        problem = _problem(reasoner, others)
+        problem = _problem(reasoner, others) or _undeclared(reasoner, ontology)
     except Exception as error:  # noqa: BLE001 - somebody else's code: whatever it raises is reported, not spread
         return _fault(plugin, f"{type(error).__name__}: {error}", traceback.format_exc())
     return reasoner if problem is None else _fault(plugin, problem)
@@ -60,6 +66,14 @@ def _problem(reasoner: Reasoner, others: Sequence[Reasoner]) -> str | None:
     except UsageError as error:
         return str(error)
     return None
+
+
+def _undeclared(reasoner: Reasoner, ontology: Ontology | None) -> str | None:
+    if ontology is None:
+        return None
+    computed = {name for name, relation in ontology.relations.items() if relation.family is Family.COMPUTED}
+    unknown = sorted(reasoner.relations - computed)
+    return f"no ontology declares {', '.join(unknown)} below {COMPUTED}" if unknown else None
 
 
 def _fault(plugin: Plugin, reason: str, trace: str = "") -> PluginFault:

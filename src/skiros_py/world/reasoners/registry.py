@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+import logging
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
 from skiros_py.world.reasoners.reasoner import Answer, ComputedRelation, Proposal, Reasoner
 
 if TYPE_CHECKING:
@@ -13,6 +14,9 @@ if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 
 __all__ = ["NO_REASONERS", "Reasoners"]
+
+_log = logging.getLogger(__name__)
+_T = TypeVar("_T")
 
 
 class Reasoners(Sequence[Reasoner]):
@@ -79,29 +83,81 @@ class Reasoners(Sequence[Reasoner]):
 
         Raises:
             UnknownName: There is no such element, or no reasoner computes the relation.
+            DescriptionError: Its reasoner failed.
         """
-        view.element(subject)
-        view.element(object_)
-        answers = [self.of(r).answer(view, subject, r, object_) for r in self.narrowest(view.ontology, relation)]
+        answers = [self._answer(view, subject, r, object_) for r in self.narrowest(view.ontology, relation)]
         return next((answer for answer in answers if answer.holds), answers[0])
+
+    def pairs(
+        self, view: WorldView, relation: str, subjects: Iterable[str], objects: Iterable[str]
+    ) -> list[tuple[str, str]]:
+        """Returns the pairs between which exactly this computed relation holds.
+
+        Raises:
+            UnknownName: No reasoner computes the relation.
+            DescriptionError: Its reasoner failed.
+        """
+        reasoner, declared = self.of(relation), view.ontology.relation(relation)
+        first = _fitting(view, subjects, declared.domains)
+        second = _fitting(view, objects, declared.ranges)
+        return _guarded(reasoner, lambda: list(reasoner.pairs(view, relation, first, second)))
 
     def between(self, view: WorldView, subject: str, object_: str) -> tuple[ComputedRelation, ...]:
         """Returns all computed relations that hold from one element to another, reasoner by reasoner.
 
         Those are left out whose declared ends the elements are not.
         """
-        held = (found for reasoner in self._all for found in reasoner.between(view, subject, object_))
+        held = (found for reasoner in self._all for found in _between(reasoner, view, subject, object_))
         return tuple(found for found in held if _may_hold(view, found))
 
     def vetoes(self, proposal: Proposal) -> tuple[str, ...]:
         """Returns why the change must not take effect, in the words of each reasoner that objects."""
-        found = ((reasoner.name, reasoner.veto(proposal)) for reasoner in self._vetoing)
+        found = ((reasoner.name, _objection(reasoner, proposal)) for reasoner in self._vetoing)
         return tuple(f"{name}: {text}" for name, text in found if text)
+
+    def _answer(self, view: WorldView, subject: str, relation: str, object_: str) -> Answer:
+        reasoner, declared = self.of(relation), view.ontology.relation(relation)
+        for name, allowed in ((subject, declared.domains), (object_, declared.ranges)):
+            missed = view.ontology.missed_end(view.element(name).type, allowed)
+            if missed:
+                type_ = view.element(name).type
+                return Answer(False, f"{relation} is about a {' or '.join(missed)}, and {name} is a {type_}")
+        answer = _guarded(reasoner, lambda: reasoner.answer(view, subject, relation, object_))
+        if not isinstance(answer, Answer) or not isinstance(answer.holds, bool):
+            raise DescriptionError(f"reasoner '{reasoner.name}' must answer with an Answer, not with {answer!r:.100}")
+        return answer
 
     @property
     def may_veto(self) -> bool:
         """True when any of them ever objects to a change."""
         return bool(self._vetoing)
+
+
+def _guarded(reasoner: Reasoner, call: Callable[[], _T]) -> _T:
+    """Lets a plug-in fail under its own name."""
+    try:
+        return call()
+    except SkirosError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise DescriptionError(f"reasoner '{reasoner.name}' failed: {type(error).__name__}: {error}") from error
+
+
+def _between(reasoner: Reasoner, view: WorldView, subject: str, object_: str) -> tuple[ComputedRelation, ...]:
+    return _guarded(reasoner, lambda: reasoner.between(view, subject, object_))
+
+
+def _objection(reasoner: Reasoner, proposal: Proposal) -> str | None:
+    """A reasoner that breaks while it is asked has no objection: one bad plug-in must not stop all writing."""
+    try:
+        return _guarded(reasoner, lambda: reasoner.veto(proposal))
+    except SkirosError:
+        _log.exception("reasoner '%s' could not say whether it objects to a change", reasoner.name)
+        return None
+
+
+def _fitting(view: WorldView, names: Iterable[str], end: tuple[tuple[str, ...], ...]) -> tuple[str, ...]:
+    return tuple(name for name in names if not view.ontology.missed_end(view.element(name).type, end))
 
 
 def _may_hold(view: WorldView, found: ComputedRelation) -> bool:

@@ -168,7 +168,14 @@ def test_a_fault_of_an_imported_file_names_that_file(ontology: Ontology, tmp_pat
         load_scene(ontology, path, [tmp_path])
 
 
-LABELS = ['"} ; DROP ALL ; INSERT DATA { ?s ?p ?o . #', "?x sk:on ?y . FILTER(?x)", "\\", "a\tb\r\nc", "\u2028\x85\x0c"]
+LABELS = [
+    """'both" kinds of quotes""",
+    '"} ; DROP ALL ; INSERT DATA { ?s ?p ?o . #',
+    "?x sk:on ?y . FILTER(?x)",
+    "\\",
+    "a\tb\r\nc",
+    "\u2028\x85\x0c",
+]
 
 
 @pytest.mark.parametrize("label", LABELS)
@@ -234,3 +241,28 @@ def test_a_fault_in_rdf_xml_has_a_line_too(ontology: Ontology, tmp_path: Path) -
 
     with pytest.raises(FileError, match=r"mine\.owl:11: unknown individual 'FLOOR'. Did you mean 'floor'"):
         load_scene(ontology, path)
+
+
+def test_a_saved_scene_does_not_import_the_robot_that_is_in_it_a_second_time(root: Path, tmp_path: Path) -> None:
+    robot = tmp_path / "robot.ttl"
+    robot.write_text(
+        f"{HEADER}@prefix my: <https://example.org/my#> .\n"
+        "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .\n"
+        "<https://example.org/my> a owl:Ontology . my:Rover a owl:Class ; rdfs:subClassOf sk:Robot .\n"
+        "scene:rover_1 a my:Rover ; sk:on scene:floor .",
+        encoding="utf-8",
+    )
+    scene = tmp_path / "mine.ttl"
+    scene.write_text(
+        f"{HEADER}<https://example.org/mine> a owl:Ontology ; owl:imports <https://example.org/my> ."
+        " scene:pallet_a a kitting:Pallet ; sk:on scene:floor .",
+        encoding="utf-8",
+    )
+    ontology = Ontology.load([root / "ontologies", robot])
+    world = load_scene(ontology, scene)
+    with world.transaction("drive", "arrived") as tx:
+        tx.place("rover_1", "sk:at", "pallet_a")
+
+    save_scene(world, tmp_path / "saved.ttl")
+
+    assert load_scene(ontology, tmp_path / "saved.ttl").placement("rover_1") == Placement("sk:at", "pallet_a")

@@ -11,8 +11,10 @@ from typing import Literal
 from skiros_py.errors import FileError, UsageError
 from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of, in_order
 from skiros_py.world.ontology.check.hermit import HermiT, java
-from skiros_py.world.ontology.check.logic import NoAnswer, Reasoner
+from skiros_py.world.ontology.check.logic import NoAnswer, NotStarted, Reasoner
 from skiros_py.world.ontology.check.material import Material, read_material
+from skiros_py.world.ontology.check.owl_rl_process import OwlRlProcess
+from skiros_py.world.ontology.check.reasoning import logical_findings
 from skiros_py.world.ontology.check.structure import structural_findings
 from skiros_py.world.ontology.documents import rdf_files
 from skiros_py.world.ontology.ontology import Ontology
@@ -20,6 +22,9 @@ from skiros_py.world.ontology.ontology import Ontology
 __all__ = ["CheckReport", "ReasonerChoice", "check_ontology"]
 
 ReasonerChoice = Literal["auto", "hermit", "owl-rl", "none"]
+
+_NO_REASONING = frozenset({FindingKind.CYCLE, FindingKind.DEPTH})
+"""What makes reasoners take all time and memory, and their answers useless."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +63,7 @@ def check_ontology(
         paths: Files and folders.
         reasoner: ``hermit`` needs Java; ``auto`` takes it where there is Java, else (or where it gives no answer)
             the OWL-RL reasoner, which sees less.
-        time_limit: Time for each reasoner [s]; what the OWL-RL one has begun, it ends.
+        time_limit: Time for each reasoner [s]; it is ended then.
         progress: Told what is being done.
 
     Raises:
@@ -66,23 +71,27 @@ def check_ontology(
     """
     if not rdf_files(paths):
         raise UsageError(f"there is no ontology file below {', '.join(map(str, paths)) or 'nothing'}")
-    choices = _choices(reasoner, time_limit)
+    program = _java(reasoner)
     progress("reading")
     material, findings = read_material(paths)
     findings += structural_findings(material)
-    judged = _Judged(None, "no reasoning was asked for", [])
     start = time.monotonic()
-    for number, choice in enumerate(choices):
-        progress(f"reasoning with {choice.name}")
-        judged = _judge(material, choice, _helpers(choice, time_limit), is_last=number == len(choices) - 1)
-        findings += judged.findings
-        if judged.reasoner is not None:
-            break
+    judged = _reasoned(material, findings, _Asked(reasoner, program, time_limit, progress))
     seconds = time.monotonic() - start
+    findings += judged.findings
     findings += _refusal(paths, findings)
-    note = judged.note or _why(reasoner, choices, judged)
     files = tuple(document.path for document in material.documents)
-    return CheckReport(files, in_order(findings), judged.reasoner, note, seconds)
+    return CheckReport(files, in_order(findings), judged.reasoner, judged.note, seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """Which reasoning was asked for; the path of ``java`` where it may be used."""
+
+    choice: ReasonerChoice
+    java: str | None
+    time_limit: float
+    progress: Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,48 +101,55 @@ class _Judged:
     findings: list[Finding]
 
 
-def _choices(asked: ReasonerChoice, time_limit: float) -> list[Reasoner]:
-    """The reasoners to try, in order."""
+def _java(asked: ReasonerChoice) -> str | None:
     program = java()
     if asked == "hermit" and program is None:
         raise UsageError("--reasoner hermit needs Java, and there is no 'java' on PATH; 'owl-rl' needs none")
-    deadline = time.monotonic() + time_limit
-    chosen: list[Reasoner] = []
-    if asked in ("auto", "hermit") and program is not None:
-        chosen.append(HermiT(program, deadline))
-    if asked in ("auto", "owl-rl"):
-        chosen.append(_owl_rl(time_limit))
-    return chosen
+    return program if asked in ("auto", "hermit") else None
 
 
-def _helpers(choice: Reasoner, time_limit: float) -> list[Reasoner]:
-    return [_owl_rl(time_limit)] if choice.is_complete else []
+def _reasoned(material: Material, findings: Sequence[Finding], asked: _Asked) -> _Judged:
+    """Asks one reasoner after the other until one judges the files; none where their structure forbids it."""
+    if asked.choice == "none":
+        return _Judged(None, "no reasoning was asked for", [])
+    if any(finding.kind in _NO_REASONING for finding in findings):
+        text = "no reasoner was asked: mend the cycles and depths of the hierarchies first"
+        silence = Finding(Severity.WARNING, FindingKind.REASONER, "", text)
+        return _Judged(None, "the structure has errors", [silence])
+    with OwlRlProcess(asked.time_limit) as owl_rl:
+        return _first_answer(material, _choices(asked, owl_rl), owl_rl, asked)
 
 
-def _owl_rl(time_limit: float) -> Reasoner:
-    from skiros_py.world.ontology.check.owl_rl import OwlRl  # rdflib takes its time
-
-    return OwlRl(time.monotonic() + time_limit)
-
-
-def _judge(material: Material, reasoner: Reasoner, helpers: Sequence[Reasoner], *, is_last: bool) -> _Judged:
-    from skiros_py.world.ontology.check.reasoning import logical_findings
-
-    try:
-        return _Judged(reasoner.name, "", logical_findings(material, reasoner, helpers))
-    except NoAnswer as answer:
-        severity = Severity.ERROR if is_last else Severity.WARNING
-        return _Judged(None, str(answer), [Finding(severity, FindingKind.REASONER, "", str(answer))])
+def _choices(asked: _Asked, owl_rl: Reasoner) -> Iterator[Reasoner]:
+    """The reasoners to try, in order; the time of each begins when it is its turn."""
+    if asked.java is not None:
+        yield HermiT(asked.java, time.monotonic() + asked.time_limit)
+    if asked.choice != "hermit":
+        yield owl_rl
 
 
-def _why(asked: ReasonerChoice, choices: Sequence[Reasoner], judged: _Judged) -> str:
-    if asked != "auto":
+def _first_answer(material: Material, choices: Iterator[Reasoner], owl_rl: Reasoner, asked: _Asked) -> _Judged:
+    silences: list[Finding] = []
+    note = _why(asked)
+    for choice in choices:
+        asked.progress(f"reasoning with {choice.name}")
+        try:
+            found = logical_findings(material, choice, [owl_rl] if choice.is_complete else [])
+        except NoAnswer as answer:
+            # Who asked for the complete reasoner alone wants to be sure; the other never is.
+            severity = Severity.ERROR if asked.choice == "hermit" else Severity.WARNING
+            silences.append(Finding(severity, FindingKind.REASONER, "", str(answer)))
+            note = f"{choice.name} {'does not start' if isinstance(answer, NotStarted) else 'gave no answer'}"
+        else:
+            return _Judged(choice.name, note, [*silences, *found])
+    return _Judged(None, "; ".join(finding.text for finding in silences), silences)
+
+
+def _why(asked: _Asked) -> str:
+    """Why the first reasoner is asked."""
+    if asked.choice != "auto":
         return "as asked for"
-    if judged.reasoner == choices[0].name and choices[0].is_complete:
-        return "Java is there"
-    return (
-        "HermiT gave no answer" if choices[0].is_complete else "no Java: contradictions that need a choice are not seen"
-    )
+    return "Java is there" if asked.java is not None else "no Java: contradictions that need a choice are not seen"
 
 
 def _refusal(paths: Sequence[Path], findings: Sequence[Finding]) -> Iterator[Finding]:

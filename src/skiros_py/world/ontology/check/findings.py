@@ -35,6 +35,8 @@ class FindingKind(StrEnum):
     """A range is no class or data type, or an object or value is not of it."""
     CYCLE = "cycle"
     """Something is above, part of or placed in itself."""
+    DEPTH = "depth"
+    """A term has too many above it."""
     PLACEMENT = "placement"
     """A placement relation does not say which end is the place."""
     PARENT = "parent"

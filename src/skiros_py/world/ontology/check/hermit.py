@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -18,13 +19,16 @@ from pathlib import Path
 
 import pyoxigraph as ox
 
-from skiros_py.world.ontology.check.logic import NoAnswer, Verdict
+from skiros_py.world.ontology.check.logic import NoAnswer, NotStarted, Verdict
 from skiros_py.world.ontology.check.owl import owl
 
 __all__ = ["HermiT", "java"]
 
 _MAIN = "org.semanticweb.HermiT.cli.CommandLine"
 _INCONSISTENT = "InconsistentOntologyException"
+_NO_START = re.compile(r"initialization of VM|Could not (?:create the Java|find or load main)|UnsupportedClassVersion")
+_FAULT = re.compile(r"\w(?:Exception|Error)\b")
+_TOO_BIG = re.compile(r"OutOfMemoryError|StackOverflowError|insufficient memory")
 _MEMORY = ("-Xmx2000M", "-Xss256M")  # it goes as deep as classes are deep
 # No shared file of performance counters, and the compiler that is quick for programs of a second.
 _QUICK = ("-XX:-UsePerfData", "-XX:+UseSerialGC", "-XX:TieredStopAtLevel=1")
@@ -80,13 +84,25 @@ class HermiT:
             return output
         if _INCONSISTENT in errors:
             return None
-        raise NoAnswer(f"HermiT does not take these statements: {_reason(errors) or f'it ended with code {code}'}")
+        raise _fault(code, errors)
 
     def _run(self, folder: Path, question: list[str]) -> tuple[int, str, str]:
         path = _class_path()
         options = [*_MEMORY, *_QUICK, f"-Djava.io.tmpdir={folder}", "-cp", path, _MAIN, "--ignoreUnsupportedDatatypes"]
-        with subprocess.Popen(
-            [self._program, *options, *question],
+        with _started([self._program, *options, *question], folder) as process:
+            try:
+                output, errors = process.communicate(timeout=max(self._deadline - time.monotonic(), 0.0))
+            except subprocess.TimeoutExpired as error:
+                raise NoAnswer("HermiT found no answer in the time given") from error
+            finally:
+                _kill(process)
+        return process.returncode, output, errors
+
+
+def _started(command: list[str], folder: Path) -> subprocess.Popen[str]:
+    try:
+        return subprocess.Popen(
+            command,
             cwd=folder,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -95,14 +111,9 @@ class HermiT:
             encoding="utf-8",
             errors="replace",
             start_new_session=True,
-        ) as process:
-            try:
-                output, errors = process.communicate(timeout=max(self._deadline - time.monotonic(), 0.0))
-            except subprocess.TimeoutExpired as error:
-                raise NoAnswer("HermiT found no answer in the time given") from error
-            finally:
-                _kill(process)
-        return process.returncode, output, errors
+        )
+    except OSError as error:
+        raise NotStarted(f"HermiT does not start: {error.strerror or error}") from None
 
 
 def _class_path() -> str:
@@ -121,7 +132,18 @@ def _kill(process: subprocess.Popen[str]) -> None:
         process.wait()
 
 
+def _fault(code: int, errors: str) -> NoAnswer:
+    """What a run without an answer means: a Java that does not start, too little memory, or statements refused."""
+    reason = _reason(errors)
+    if _TOO_BIG.search(errors) or code == -signal.SIGKILL:
+        return NoAnswer(f"HermiT needs more memory than it may take ({_MEMORY[0].removeprefix('-Xmx')})")
+    if _NO_START.search(errors) or not reason:
+        said = " ".join(line.strip() for line in errors.splitlines() if line.strip())[:300]
+        return NotStarted(f"HermiT does not start: {said or f'Java ended with status {code}'}")
+    return NoAnswer(f"HermiT does not take these statements: {reason}")
+
+
 def _reason(errors: str) -> str:
-    """The first line of a Java fault, without the names of its classes."""
-    line = next((line for line in errors.splitlines() if "Exception" in line or "Error" in line), "")
-    return line.rpartition("Exception: ")[2].strip()[:300]
+    """The first line of a fault of HermiT's own, without the names of its classes; nothing where there is none."""
+    line = next((line for line in errors.splitlines() if _FAULT.search(line)), "")
+    return (line.rpartition("Exception: ")[2] or line).strip()[:300]

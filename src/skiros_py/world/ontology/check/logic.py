@@ -10,11 +10,15 @@ import pyoxigraph as ox
 
 from skiros_py.world.ontology.check.owl import rdf
 
-__all__ = ["NoAnswer", "Reasoner", "Verdict", "one_of", "some"]
+__all__ = ["NoAnswer", "NotStarted", "Reasoner", "Verdict", "one_of", "some"]
 
 
 class NoAnswer(Exception):
     """A reasoner could not answer: too little time, or statements that it does not take; the text says which."""
+
+
+class NotStarted(NoAnswer):
+    """A reasoner could not even be started, whatever the statements are; the text says why."""
 
 
 @dataclass(frozen=True, slots=True)

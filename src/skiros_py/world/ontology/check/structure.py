@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from itertools import chain
 
 from skiros_py.world.ontology.check.cycles import cycles
+from skiros_py.world.ontology.check.depth import depths
 from skiros_py.world.ontology.check.ends import bad_ends
 from skiros_py.world.ontology.check.families import house_rules
 from skiros_py.world.ontology.check.findings import Finding
@@ -19,6 +20,7 @@ _CHECKS: tuple[Callable[[Material], Iterator[Finding]], ...] = (
     undeclared_terms,
     bad_ends,
     cycles,
+    depths,
     house_rules,
     misfits,
 )

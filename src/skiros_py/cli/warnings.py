@@ -1,0 +1,36 @@
+"""What is logged as a warning while a command runs, said on stderr."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import click
+
+from skiros_py.cli.text import escaped
+
+__all__ = ["warnings_on_stderr"]
+
+
+@contextmanager
+def warnings_on_stderr() -> Iterator[None]:
+    """Says each warning once, in one line, while it lasts; stdout stays the answer's."""
+    logger, handler = logging.getLogger("skiros_py"), _Stderr(logging.WARNING)
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+
+
+class _Stderr(logging.Handler):
+    def __init__(self, level: int) -> None:
+        super().__init__(level)
+        self._said: set[str] = set()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        text = record.getMessage()
+        if text not in self._said:  # a command that opens two worlds meets the same plug-ins twice
+            self._said.add(text)
+            click.echo(escaped(f"skiros: {record.levelname.lower()}: {text}"), err=True)

@@ -1,0 +1,153 @@
+"""``skiros world query`` as people type it."""
+
+from __future__ import annotations
+
+import io
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skiros_py.cli.main import main
+from skiros_py.runtime import open_data
+
+SKIROS = Path(sys.executable).parent / "skiros"
+PARTS = "SELECT ?part { ?part sk:in $place } ORDER BY ?part"
+IN_PALLET_A = ["alternator_1", "relay_box_1", "starter_1"]
+
+
+@pytest.fixture(autouse=True)
+def _signals() -> Iterator[None]:
+    """The command ignores stops while it ends; the tests after it shall not."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+class Command:
+    """Types a command without the start of another interpreter."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+        self._monkeypatch = monkeypatch
+        self._capsys = capsys
+
+    def run(self, *arguments: str, stdin: str = "") -> tuple[object, str, str]:
+        self._monkeypatch.setattr("sys.argv", ["skiros", "world", "query", *arguments])
+        self._monkeypatch.setattr("sys.stdin", io.StringIO(stdin))
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return ended.value.code, *self._capsys.readouterr()
+
+    def json(self, *arguments: str, stdin: str = "") -> dict[str, Any]:
+        status, out, err = self.run(*arguments, "--json", stdin=stdin)
+        assert (status, err) == (0, "")
+        parsed: dict[str, Any] = json.loads(out)
+        return parsed
+
+    def refusal(self, *arguments: str) -> str:
+        """The one message of an error."""
+        status, out, err = self.run(*arguments)
+        assert (status, out) == (2, "")
+        assert "Traceback" not in err
+        assert err.count("skiros: ") + err.count("Error: ") == 1
+        return err
+
+
+@pytest.fixture
+def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    return Command(monkeypatch, capsys)
+
+
+def test_a_scene_is_asked_from_a_shell_and_a_table_comes() -> None:
+    result = subprocess.run(
+        [str(SKIROS), "world", "query", "kitting", "-", "--bind", "place=pallet_a"],
+        input=PARTS,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert (result.returncode, result.stderr) == (0, "")
+    assert [line.strip() for line in result.stdout.splitlines()] == ["part", *IN_PALLET_A, "3 rows"]
+
+
+def test_what_is_wrong_ends_a_shell_command_with_one_line_and_status_two() -> None:
+    result = subprocess.run(
+        [str(SKIROS), "world", "query", "kitting", "ASK { ?s ?p }"], capture_output=True, text=True, check=False
+    )
+
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr.startswith("skiros: the query does not parse: line 1: ")
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_the_answer_as_json_has_columns_rows_and_typed_values(command: Command) -> None:
+    asked = "SELECT ?s ?w ?pose { ?s sk:width ?w OPTIONAL { ?s sk:missing ?pose } FILTER(?w = $w) }"
+
+    assert command.json("kitting", asked, "--bind", "w=320") == {
+        "form": "SELECT",
+        "variables": ["s", "w", "pose"],
+        "rows": [{"s": "camera_1", "w": 320, "pose": None}],
+    }
+
+
+def test_the_query_comes_from_stdin_and_a_text_is_bound_in_quotes(command: Command) -> None:
+    asked = "ASK { ?s rdfs:label $label }"
+
+    assert command.json("kitting", "-", "--bind", 'label="rack"', stdin=asked) == {"form": "ASK", "answer": True}
+
+
+def test_what_owl_entails_counts_where_it_is_wanted(command: Command) -> None:
+    asked = "ASK { scene:starter_1 sk:placement scene:pallet_a }"
+
+    assert command.run("kitting", asked, "--entailed", "--time-limit", "20") == (0, "yes\n", "")
+
+
+def test_the_present_world_of_a_data_directory_is_asked_and_a_construct_is_turtle(
+    command: Command, tmp_path: Path
+) -> None:
+    with open_data(tmp_path / "data", "kitting") as data, data.world.transaction("test", "carried over") as tx:
+        tx.place("starter_1", "sk:in", "pallet_b")
+    query = "CONSTRUCT WHERE { ?part sk:in $place }"
+
+    status, out, err = command.run(query, "--data", str(tmp_path / "data"), "--bind", "place=pallet_b")
+
+    assert (status, err) == (0, "")
+    said = [line for line in out.splitlines() if not line.startswith("@prefix")]
+    assert sorted(said) == [
+        f"scene:{part} sk:in scene:pallet_b ." for part in ("compressor_1", "relay_box_2", "starter_1")
+    ]
+
+
+def test_a_query_that_runs_for_ever_ends_at_its_time_limit(command: Command) -> None:
+    for_ever = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }"
+
+    assert "took longer than 0.3 s" in command.refusal("kitting", for_ever, "--time-limit", "0.3")
+
+
+def test_an_error_is_json_where_json_is_wanted(command: Command) -> None:
+    status, out, err = command.run("kitting", "DROP ALL", "--json")
+
+    said = json.loads(out)
+    assert (status, said["status"]) == (2, 2)
+    assert "DROP changes triples" in said["error"]
+    assert "Traceback" not in err
+
+
+def test_wrong_use_is_refused_before_anything_is_started(command: Command, tmp_path: Path) -> None:
+    nowhere = tmp_path / "nowhere"
+
+    assert "needs SCENE and SPARQL" in command.refusal("kitting")
+    assert "needs SPARQL" in command.refusal("kitting", "ASK {}", "--data", str(nowhere))
+    assert "--bind needs NAME=VALUE" in command.refusal("kitting", "ASK {}", "--bind", "place")
+    assert "--bind needs NAME=VALUE" in command.refusal("kitting", "ASK {}", "--bind", "a b=1")
+    assert "--time-limit" in command.refusal("kitting", "ASK {}", "--time-limit", "0")
+    assert "kiting" in command.refusal("kiting", "ASK {}")
+    assert "is no data directory" in command.refusal("ASK {}", "--data", str(nowhere))
+    assert not nowhere.exists()

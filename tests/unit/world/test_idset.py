@@ -1,0 +1,79 @@
+"""Sets of ids answer as Python's sets do, sorted, and none ever changes."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_py.world.idset import EMPTY, IdSet
+
+NAMES = [f"part_{number}" for number in range(80)]
+steps = st.lists(st.tuples(st.sampled_from(NAMES), st.booleans()), max_size=200)
+
+
+def built(names: list[str]) -> IdSet:
+    found = EMPTY
+    for name in names:
+        found = found.with_(name)
+    return found
+
+
+def same(found: IdSet, expected: set[str]) -> bool:
+    return (
+        found.ids() == tuple(sorted(expected))
+        and len(found) == len(expected)
+        and all((name in found) == (name in expected) for name in NAMES)
+    )
+
+
+@given(st.sets(st.sampled_from(NAMES)), steps)
+def test_a_set_of_ids_does_as_a_set_of_python_does_whatever_comes_and_goes(
+    first: set[str], steps: list[tuple[str, bool]]
+) -> None:
+    found, expected = built(sorted(first)), set(first)
+    for name, comes in steps:
+        found = found.with_(name) if comes else found.without(name)
+        (expected.add if comes else expected.discard)(name)
+
+    assert same(found, expected)
+
+
+@given(st.sets(st.sampled_from(NAMES)), st.sampled_from(NAMES))
+def test_a_set_stays_as_it_is_when_another_is_made_from_it(names: set[str], name: str) -> None:
+    found = built(sorted(names))
+
+    more, less = found.with_(name), found.without(name)
+
+    assert same(found, names)
+    assert same(more, names | {name})
+    assert same(less, names - {name})
+
+
+def test_few_and_many_ids_give_the_same_answers_on_both_sides_of_the_limit() -> None:
+    for size in (31, 32, 33, 34):
+        names = set(NAMES[:size])
+        found = built(sorted(names, reverse=True))
+
+        assert same(found, names)
+        assert same(found.without(NAMES[0]), names - {NAMES[0]})
+        assert same(found.without(NAMES[0]).with_(NAMES[0]), names)
+
+
+def test_what_makes_no_difference_makes_no_other_set() -> None:
+    for size in (3, 60):
+        found = built(NAMES[:size])
+
+        assert found.with_(NAMES[0]) is found
+        assert found.without("nobody") is found
+
+
+def test_the_empty_set_holds_nothing() -> None:
+    assert EMPTY.ids() == ()
+    assert len(EMPTY) == 0
+    assert "part_1" not in EMPTY
+    assert EMPTY.without("part_1") is EMPTY
+
+
+def test_what_is_no_text_is_in_no_set() -> None:
+    assert 5 not in built(NAMES[:3])
+    assert None not in built(NAMES)
