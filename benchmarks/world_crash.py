@@ -34,9 +34,9 @@ def main() -> int:
         "world crash",
         [
             Figure("processes killed", f"{outcome.rounds}, in {time.perf_counter() - started:.0f} s"),
-            Figure("changes acknowledged before", f"{outcome.acknowledged:,}"),
+            Figure("changes acknowledged before", f"{outcome.acknowledged:,}", "> 0", outcome.acknowledged > 0),
             Figure("changes kept though nobody was told", f"{outcome.unacknowledged:,}"),
-            Figure("compactions done", f"{outcome.compactions:,}"),
+            Figure("compactions done", f"{outcome.compactions:,}", "> 0", outcome.compactions > 0),
             Figure("lost, half, doubled or wrong", f"{faults}", "0", faults == 0),
         ],
     )

@@ -357,8 +357,8 @@ def _child(folder: Path, ontology: Ontology, seed: int) -> None:
             _say({"work": work})
             given = _do(data, work)
             _say({"given": given, "version": data.world.version})
-    except SkirosError as error:
-        _say({"fault": str(error)})
+    except BaseException as error:  # noqa: BLE001  whatever it is, it is no kill
+        _say({"fault": f"{type(error).__name__}: {error}"})
 
 
 def _say(line: dict[str, Any]) -> None:

@@ -114,6 +114,7 @@ class Session:
         # They are known already where the catalogue is that of the installation.
         self.catalogue = replace(self.catalogue, faults=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
         self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners)
+        _warn(self.catalogue.faults)
         self.goal = self._own_goal()
         self.spec = read_cell(self.world, self._robots())
         if _PLANNER not in self.catalogue.planners:

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from skiros_py.catalogue import load_catalogue
-from skiros_py.cli.main import cli
+from skiros_py.cli.main import cli, main
 from skiros_py.plugins import PluginFault
 from skiros_py.runtime import Options, Session
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
@@ -167,6 +167,40 @@ def test_a_skill_that_asks_for_what_no_reasoner_computes_is_left_out_and_reporte
     with opened(tmp_path) as session:
         assert "drop" not in session.catalogue.skills
         assert "no reasoner computes tiny:fitsIn" in faults_of(session.catalogue.faults, "sk_asking")["drop"]
+
+
+BROKEN = {"reasoners": {"far": "Far", "paint": "Paint"}, "ontologies": {"words": "WORDS"}}
+PAINT = """
+from skiros_py.world.reasoners.reasoner import Reasoner
+WORDS = 5
+
+class Paint(Reasoner):
+    name = "paint"
+    relations = frozenset({"paint:likeColour"})
+"""
+
+
+@pytest.mark.parametrize("command", [["scene", "check"], ["scene", "show"], ["plan"]])
+def test_whoever_opens_a_world_is_told_once_on_stderr_which_plug_ins_did_not_load(
+    install: Install,
+    command: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    install("sk_faulty", BROKEN, PAINT)
+    monkeypatch.setattr("sys.argv", ["skiros", *command, str(tiny_scene(tmp_path)), "--json"])
+
+    with pytest.raises(SystemExit):
+        main()
+
+    out, err = capsys.readouterr()
+    json.loads(out)
+    told = [line for line in err.splitlines() if "of sk_faulty 0.3 did not load: " in line]
+    assert [line.split()[:4] for line in sorted(told)] == [
+        ["skiros:", "warning:", "plug-in", name] for name in ("far", "paint", "words")
+    ]
+    assert any("no ontology declares paint:likeColour below sk:computed" in line for line in told)
 
 
 def test_faults_are_listed_by_the_command_line(install: Install) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -48,7 +49,7 @@ def test_a_scene_file_that_is_not_there_is_named(tmp_path: Path) -> None:
 def test_a_folder_is_no_scene_file(tmp_path: Path) -> None:
     (tmp_path / "folder.ttl").mkdir()
 
-    with pytest.raises(FileError, match=r"folder\.ttl: the scene file is a folder"):
+    with pytest.raises(FileError, match=r"folder\.ttl: the scene file is a folder, not a file"):
         find_scene(str(tmp_path / "folder.ttl"))
 
 
@@ -132,3 +133,20 @@ def test_a_link_out_of_the_scene_folder_is_no_scene_of_it(tmp_path: Path, monkey
     assert not {"outside", "circle", "dangling", "folder"} & set(scene_names())
     with pytest.raises(FileError, match="symbolic link out of"):
         find_scene("outside")
+
+
+def test_what_is_no_file_is_called_what_it_is(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.ttl")
+    (tmp_path / "device.ttl").symlink_to("/dev/zero")
+    (tmp_path / "circle.ttl").symlink_to("circle.ttl")
+    (tmp_path / "dangling.ttl").symlink_to("nowhere.ttl")
+
+    for name, what in (
+        ("pipe", "is a pipe, not a file"),
+        ("device", "is a device, not a file"),
+        ("circle", "is a link that leads round in circles"),
+        ("dangling", "is a link to a file that does not exist"),
+        ("nothing", "does not exist"),
+    ):
+        with pytest.raises(FileError, match=f"the scene file {what}"):
+            find_scene(str(tmp_path / f"{name}.ttl"))

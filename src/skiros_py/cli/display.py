@@ -71,8 +71,6 @@ class RunDisplay:
         for agent, manager in sorted(session.managers.items()):
             for name, skill in sorted(manager.descriptions.items()):
                 self.say(f"skill   {name:8} by {agent}: {skill.help}")
-        for fault in session.catalogue.faults:
-            self.say(f"warning {fault}")
         for condition in session.goal:
             self.say(f"goal    {condition}")
 

@@ -47,6 +47,7 @@ class Seconds(click.FloatRange):
         super().__init__(min=0.0, max=3600.0, min_open=True)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Reads the time that was given."""
         seconds: float = super().convert(value, param, ctx)
         if math.isnan(seconds):  # it is in every range, for all that comparisons tell
             self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)

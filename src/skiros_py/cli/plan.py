@@ -8,7 +8,6 @@ from pathlib import Path
 import click
 
 from skiros_py.cli.exit_status import NO_PLAN, REACHED
-from skiros_py.cli.text import escaped
 from skiros_py.errors import UsageError
 
 __all__ = ["command"]
@@ -32,8 +31,6 @@ def command(scene: str, goals: tuple[str, ...], robot: str | None, folder: Path 
     from skiros_py.runtime import Options, Session
 
     with Session(scene, Options(robot=robot, fake=True, goal=goals)) as session:
-        for fault in session.catalogue.faults:
-            click.echo(escaped(f"skiros: warning: {fault}"), err=True)
         planned = session.plan()
     outcome, texts = planned.outcome, planned.texts
     assert texts is not None  # every element of a goal just read is there

@@ -6,7 +6,7 @@ __all__ = ["escaped"]
 
 
 def escaped(text: str) -> str:
-    """Returns a line in which everything that cannot be printed is written out, as in ``\\x1b`` or ``\\n``.
+    r"""Returns a line in which everything that cannot be printed is written out, as in ``\x1b`` or ``\n``.
 
     Labels, authors and reasons come from anywhere; what they say must not steer the terminal or look like more lines.
     """

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["command"]
 
 _MOST_ROWS = 100_000
+_NUMBERS: Mapping[Callable[[str], Binding], re.Pattern[str]] = {  # as SPARQL tells them apart
+    int: re.compile(r"[+-]?[0-9]{1,4000}"),
+    Decimal: re.compile(r"[+-]?[0-9]*\.[0-9]+"),
+    float: re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)[eE][+-]?[0-9]+"),
+}
 
 
 @click.command(
@@ -107,7 +114,7 @@ def _read(source: str, longest: int) -> str:
     path = Path("stdin" if source == "-" else source)
     try:
         with click.open_file(source, encoding="utf-8") as file:
-            text = file.read(longest + 1)
+            text: str = file.read(longest + 1)
     except UnicodeError as error:
         raise FileError(path, f"cannot be read as UTF-8 text: {getattr(error, 'reason', error)}") from None
     except (OSError, ValueError) as error:
@@ -152,11 +159,9 @@ def _value(text: str) -> Binding:
         return Text(text[1:-1])
     if text in ("true", "false"):
         return text == "true"
-    for number in (int, float):
-        try:
+    for number, pattern in _NUMBERS.items():
+        if pattern.fullmatch(text):
             return number(text)
-        except ValueError:
-            continue
     return text
 
 

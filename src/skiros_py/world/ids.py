@@ -24,7 +24,7 @@ def is_valid_id(element_id: str) -> bool:
 
 
 class Ids:
-    """Which ids were ever given. A transaction keeps a book of its own and hands it in when it takes effect."""
+    """Which ids were ever given. A transaction keeps a book of its own beside it."""
 
     def __init__(self, before: Ids | None = None) -> None:
         self._before = before
@@ -55,12 +55,6 @@ class Ids:
         """Returns the highest number ever given after a stem ("relay_box"), or 0."""
         before = self._before.highest(stem) if self._before is not None else 0
         return max(before, self._last.get(stem, 0))
-
-    def absorb(self, later: Ids) -> None:
-        """Takes over what another book noted."""
-        self._used |= later._used
-        for stem, number in later._last.items():
-            self._raise(stem, number)
 
     def _raise(self, stem: str, number: int) -> None:
         self._last[stem] = max(number, self._last.get(stem, 0))

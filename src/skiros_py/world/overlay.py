@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import with_value
 from skiros_py.world.ontology import Ontology
@@ -37,11 +38,11 @@ class Overlay:
         Raises:
             UnknownName: There is no such element, place or relation.
         """
-        self.unplace(element)
         self.element(place)
         placement = Placement(relation, place)
-        self._placements[element] = placement
         subject, object_ = self.ontology.placement_pair(element, placement)
+        self.unplace(element)
+        self._placements[element] = placement
         self._suppose(subject, relation, object_)
 
     def unplace(self, element: str) -> None:
@@ -61,7 +62,10 @@ class Overlay:
 
         Raises:
             UnknownName: There is no such element or relation.
+            UsageError: It is computed by a reasoner: nothing can make it hold but what it is computed from.
         """
+        if self.ontology.family(relation) is Family.COMPUTED:
+            raise UsageError(f"{relation} is computed by a reasoner: suppose what it is computed from")
         if self.ontology.is_placement(relation):
             element, placement = self.ontology.placed(subject, relation, object_)
             self.place(element, relation, placement.place)
@@ -90,8 +94,9 @@ class Overlay:
         """Sets an element's own value of a property; None takes it away.
 
         Raises:
-            UnknownName: There is no such element.
+            UnknownName: There is no such element or property.
         """
+        self.value(element, property_)
         self._elements[element] = with_value(self.element(element), property_, value)
 
     # ------------------------------------------------------------ the world view
@@ -142,6 +147,8 @@ class Overlay:
         """
         if element_id not in self._elements:
             return self._base.value(element_id, property_)
+        if property_ not in self.ontology.properties:
+            raise UnknownName("property", property_, self.ontology.properties)
         element = self._elements[element_id]
         own = element.properties.get(property_)
         return self.ontology.class_value(element.type, property_) if own is None else own

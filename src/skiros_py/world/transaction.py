@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from skiros_py.errors import WorldError
-from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
+from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
 from skiros_py.world.checks import (
     checked_value,
     class_problem,
@@ -30,9 +30,14 @@ __all__ = ["Transaction"]
 
 
 class Transaction:
-    """Made by :meth:`World.transaction`; its methods never raise for a wrong write, the end of the block does."""
+    """Made by :meth:`World.transaction`; its methods never raise for a wrong write, the end of the block does.
+
+    Attributes:
+        change: What it changed, once it has taken effect; None before, and where that is nothing.
+    """
 
     def __init__(self, base: Index, ids: Ids) -> None:
+        self.change: Change | None = None
         self._work = Workspace(base)
         self._view = self._work.view
         self._ids = Ids(ids)
@@ -164,8 +169,8 @@ class Transaction:
         """Returns everything wrong with the transaction so far, as (element, sentence)."""
         return [*self._problems, *state_problems(self._view, self._work.touched, self._work.places)]
 
-    def finish(self) -> tuple[Index, Ids, tuple[Edit, ...]]:
-        """Ends the transaction and returns the new state, the ids given and the net edits.
+    def finish(self) -> tuple[Index, tuple[Edit, ...]]:
+        """Ends the transaction and returns the new state and the net edits.
 
         Raises:
             WorldError: Something is wrong; the text names all of it.
@@ -174,7 +179,7 @@ class Transaction:
         problems = list(dict.fromkeys(sentence for _, sentence in self.problems()))
         if problems:
             raise WorldError(_refusal(problems))
-        return self._view, self._ids, self._work.edits()
+        return self._view, self._work.edits()
 
     def close(self) -> None:
         """Lets nothing more be written."""

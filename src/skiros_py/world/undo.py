@@ -41,7 +41,9 @@ def undo(world: World, author: str) -> Change:
     with world.transaction(author, reason, writer=Writer.PERSON, undoes=last.number) as tx:
         _check(last, world.log.about(subjects_of(last), after=last.number))  # in here nobody else writes
         tx.apply([edit.inverse() for edit in reversed(last.edits)])
-    return next(change for change in world.log.by_people() if change.undoes == last.number)
+    if tx.change is None:
+        raise WorldError(f"change {last.number} ({last.author}: {last.reason}) has no effect left that could be undone")
+    return tx.change
 
 
 def _check(change: Change, later: Sequence[Change]) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from skiros_py.errors import Locked, StaleVersion, UsageError, WorldError
 from skiros_py.world.abstract import abstract_individuals
-from skiros_py.world.change import Change, Edit, Writer
+from skiros_py.world.change import Change, Edit, ElementEdit, Writer
 from skiros_py.world.element import Element, Placement, Stamp, Value
 from skiros_py.world.index import Index
 from skiros_py.world.locks import Locks
@@ -80,6 +80,7 @@ class World:
         self._telling = threading.RLock()
         self._told_by_me = False
         self._store: TripleStore | None = None
+        self._making_store = threading.Lock()
 
     # ------------------------------------------------------------ writing
 
@@ -185,11 +186,12 @@ class World:
     @property
     def store(self) -> TripleStore:
         """The same content as RDF triples; made when first asked for, brought up to date whenever it is queried."""
-        if self._store is None:
-            from skiros_py.world.store import TripleStore  # most runs never query
+        from skiros_py.world.store import TripleStore  # most runs never query
 
-            self._store = TripleStore(self)
-        return self._store
+        with self._making_store:
+            if self._store is None:
+                self._store = TripleStore(self)
+            return self._store
 
     # ------------------------------------------------------------ the world view
 
@@ -300,7 +302,7 @@ class World:
     def _publish(self, tx: Transaction, write: _Write) -> None:
         before = self._index
         try:
-            index, ids, edits = tx.finish()
+            index, edits = tx.finish()
             if edits:
                 self._check_outside(before, index, edits, write)
         except WorldError as error:
@@ -313,8 +315,11 @@ class World:
             index.version = change.number
             self._log.append(change)  # a journal that cannot write raises here, and nothing has happened
             self._index = index
+            tx.change = change
+            for edit in edits:
+                if isinstance(edit, ElementEdit) and edit.new is not None:
+                    self._ids.claim(edit.element)  # what came and went in one transaction was never seen
             self._untold.extend((key, change) for key in tuple(self._subscribers))
-        self._ids.absorb(ids)
 
     def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: _Write) -> None:
         """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""

@@ -238,3 +238,83 @@ def test_a_shape_that_makes_no_sense_is_reported_by_file_and_line(
     err = capsys.readouterr().err
     assert re.search(r"tiny\.ttl:\d+: sk:solid of box_a", err)
     assert reason in err
+
+
+def test_a_scene_a_thousand_pallets_deep_is_shown_to_its_end(tmp_path: Path) -> None:
+    deep = "".join(
+        f"scene:p_{i} a tiny:Box ; sk:on scene:{'floor' if i == 0 else f'p_{i - 1}'} .\n" for i in range(1200)
+    )
+    scene = tiny_scene(tmp_path, deep)
+
+    told = invoke("scene", "show", str(scene))
+    as_json = invoke("scene", "show", str(scene), "--json")
+
+    assert (told.exit_code, as_json.exit_code) == (0, 0)
+    assert f"{'  ' * 1200}on: p_1199 (Box)" in told.output.splitlines()
+    text = as_json.output
+    assert '"id": "p_1199"' in text
+    assert (text.count("["), text.count("{")) == (text.count("]"), text.count("}"))
+
+
+def test_control_characters_in_a_scene_never_reach_the_terminal(tmp_path: Path) -> None:
+    plain = tiny_scene(tmp_path)
+    (tmp_path / "evil").mkdir()
+    evil = tiny_scene(
+        tmp_path / "evil", 'scene:ball_9 a tiny:Ball ; sk:in scene:box_a ; rdfs:label "\\u001b[2J\\n\\r" .'
+    )
+
+    told = [
+        invoke("scene", "diff", str(plain), str(evil)).output,
+        invoke("world", "show", "ball_9", "--scene", str(evil)).output,
+        invoke("world", "query", str(evil), "SELECT ?l { scene:ball_9 rdfs:label ?l }").output,
+    ]
+
+    assert all("\\x1b[2J\\n\\r" in text and "\x1b" not in text and "\r" not in text for text in told)
+
+
+@pytest.mark.parametrize("limit", ["nan", "inf", "1e308", "0", "3601"])
+@pytest.mark.parametrize(
+    "command", [["world", "query", "kitting", "ASK {}"], ["ontology", "check"]], ids=lambda c: c[0]
+)
+def test_a_time_limit_is_a_time_that_can_pass(
+    command: list[str], limit: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert status_of(monkeypatch, *command, "--time-limit", limit) == 2
+    assert "is not in the range 0.0<x<=3600.0" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["ASK { $a sk:in $a }", "--bind", "a=box_a", "--bind", "a=box_b"], "--bind says twice what $a stands for"),
+        (["ASK {}", "--json", "--csv"], "--json and --csv are two ways"),
+        (["ASK {}", "--csv"], "only SELECT has rows"),
+        (["CONSTRUCT WHERE { scene:ball_1 sk:in ?x }", "--csv"], "only SELECT has rows"),
+        (["--file", "/dev/zero"], "/dev/zero: is no query: it has more than 65536 characters"),
+        (["--file", "{folder}"], "cannot be read: Is a directory"),
+        (["--file", "{folder}/nowhere.rq"], "nowhere.rq: cannot be read: No such file or directory"),
+        (["--file", "{folder}/latin1.rq"], "latin1.rq: cannot be read as UTF-8 text"),
+    ],
+)
+def test_a_question_asked_wrongly_is_refused_in_one_message(
+    arguments: list[str],
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "latin1.rq").write_bytes("ASK { ?x rdfs:label 'Größe' }".encode("latin-1"))
+    given = [argument.replace("{folder}", str(tmp_path)) for argument in arguments]
+
+    status = status_of(monkeypatch, "world", "query", str(tiny_scene(tmp_path)), *given)
+
+    _, err = capsys.readouterr()
+    assert status == 2
+    assert message in err
+    assert "Traceback" not in err
+
+
+def test_a_query_is_read_from_a_file(tmp_path: Path) -> None:
+    (tmp_path / "in.rq").write_text("ASK { scene:ball_1 sk:in scene:box_a }", encoding="utf-8")
+
+    assert invoke("world", "query", str(tiny_scene(tmp_path)), "--file", str(tmp_path / "in.rq")).output == "yes\n"

@@ -191,7 +191,7 @@ def test_a_place_that_is_locked_takes_and_gives_nothing(world: World) -> None:
             tx.place(part, "sk:in", place)
 
 
-def test_what_hangs_on_a_locked_element_is_locked_only_as_far_as_it_is_touched(world: World) -> None:
+def test_the_whole_of_a_locked_piece_is_edited_but_not_removed(world: World) -> None:
     world.locks.acquire(["kit_1_a"], "ann", 60)
 
     write_label(world, "kit_1")

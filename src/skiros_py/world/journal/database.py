@@ -88,6 +88,12 @@ class Database:
                     connection.execute("ROLLBACK")
                 raise
 
+    @contextmanager
+    def reading(self) -> Iterator[None]:
+        """Lets nobody write while the block lasts: several queries in it see one state of the file."""
+        with self._guard:
+            yield
+
     def rows(self, sql: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
         """Returns the answer to a query.
 

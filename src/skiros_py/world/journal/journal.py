@@ -102,22 +102,23 @@ class Journal:
         Raises:
             WorldError: Some of them are remembered no longer.
         """
-        if version < self._first - 1:
-            raise WorldError(
-                f"the changes after version {version} are not remembered: the journal was compacted and begins with"
-                f" change {self._first}"
-            )
-        recent = self._recent.since(version)
-        if recent is not None:
-            return recent
-        return tuple(entry.change for entry in select_after(self._database, version))
+        with self._database.reading():  # a compaction meanwhile would look like damage
+            if version < self._first - 1:
+                raise WorldError(
+                    f"the changes after version {version} are not remembered: the journal was compacted and begins"
+                    f" with change {self._first}"
+                )
+            recent = self._recent.since(version)
+            if recent is not None:
+                return recent
+            return tuple(entry.change for entry in select_after(self._database, version))
 
     def by_people(self) -> Iterator[Change]:
         """Yields the remembered changes that people made or that took others back, the last first."""
         before = self.version + 1
         while True:
             condition = f"({_PEOPLE}) AND number < ? ORDER BY number DESC LIMIT ?"
-            entries = select(self._database, condition, (before, _PAGE))
+            entries = self._select(condition, (before, _PAGE))
             for entry in entries:
                 yield entry.change
             if len(entries) < _PAGE:
@@ -130,7 +131,7 @@ class Journal:
             "number IN (SELECT number FROM marks WHERE number > ?"
             " AND element IN (SELECT value FROM json_each(?))) ORDER BY number"
         )
-        entries = select(self._database, condition, (after, json.dumps(sorted(subjects))))
+        entries = self._select(condition, (after, json.dumps(sorted(subjects))))
         return tuple(entry.change for entry in entries)
 
     # ------------------------------------------------------------ history
@@ -145,7 +146,7 @@ class Journal:
         condition = "number IN (SELECT number FROM marks WHERE element = ?)" if element is not None else "1"
         values = [] if element is None else [element]
         limit = -1 if last is None else last
-        entries = select(self._database, f"{condition} ORDER BY number DESC LIMIT ?", (*values, limit))
+        entries = self._select(f"{condition} ORDER BY number DESC LIMIT ?", (*values, limit))
         return tuple(reversed(entries))
 
     def was_given(self, element: str) -> bool:
@@ -189,6 +190,8 @@ class Journal:
     def compact(self, version: int, state: Index, keep: int | None = None) -> None:
         """Keeps a state as a whole, so that opening is quick, and forgets old changes.
 
+        Where a later state is kept already, as another thread may have done just now, nothing happens.
+
         Args:
             version: Number of the last change that led to the state.
             state: The state.
@@ -200,20 +203,27 @@ class Journal:
         """
         if keep is not None and keep < 0:
             raise UsageError(f"keep: how many changes are remembered, a number from 0, not {keep}")
-        with self._database.transaction() as connection:
-            connection.execute("DELETE FROM snapshot")
-            rows = ((part, version, *texts) for part, texts in enumerate(snapshot_pieces(state)))
-            connection.executemany("INSERT INTO snapshot VALUES (?, ?, ?, ?)", rows)
+        with self._database.reading():  # others must not read between the file and what we know of it
+            if version < self._snapshot_version:
+                return
+            with self._database.transaction() as connection:
+                connection.execute("DELETE FROM snapshot")
+                rows = ((part, version, *texts) for part, texts in enumerate(snapshot_pieces(state)))
+                connection.executemany("INSERT INTO snapshot VALUES (?, ?, ?, ?)", rows)
+                if keep is not None:
+                    delete_until(connection, version - keep)
+            self._snapshot_version = version
             if keep is not None:
-                delete_until(connection, version - keep)
-        self._snapshot_version = version
-        if keep is not None:
-            self._first = max(self._first, version - keep + 1)
-            self._shrink()
+                self._first = max(self._first, version - keep + 1)
+                self._shrink()
 
     def close(self) -> None:
         """Closes the file; may be called twice."""
         self._database.close()
+
+    def _select(self, condition: str, values: Sequence[object]) -> list[Entry]:
+        with self._database.reading():  # a change may lie in several tables
+            return select(self._database, condition, values)
 
     def _shrink(self) -> None:
         try:

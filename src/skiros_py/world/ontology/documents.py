@@ -80,13 +80,13 @@ def read_document(path: Path) -> Document:
     if path.suffix == ".ttl" or not _XML_START.match(text):
         check_turtle(path, text)
         prefixes, triples = parse_turtle(path, text, base)
+        if not triples and path.suffix in _XML_SUFFIXES:
+            raise FileError(path, "says nothing: it should be RDF/XML or OWL/XML")
         spelling: TurtleSpelling | XmlSpelling = TurtleSpelling(prefixes)
     else:
         outline = outline_xml(path, text)
         prefixes, triples = outline.prefixes, parse_xml(path, text, base, outline)
         spelling = XmlSpelling(prefixes, outline.base or base, outline.entities)
-    if not text.strip() and path.suffix in _XML_SUFFIXES:
-        raise FileError(path, "is empty: it should be RDF/XML or OWL/XML")
     document = Document(path, text, _declared_iri(triples) or base, prefixes, triples, spelling)
     _check_literals(document)
     return document

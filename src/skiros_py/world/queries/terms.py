@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
+
 import pyoxigraph as ox
 
 from skiros_py.errors import UsageError
@@ -18,8 +20,9 @@ class Text(str):
     __slots__ = ()
 
 
-Binding = Value
-"""What a parameter may stand for."""
+Binding = Value | Decimal
+"""What a parameter may stand for. A pattern is met by a number of the same type only: of an ``xsd:decimal`` property, a
+Decimal. ``FILTER`` compares numbers of all types."""
 
 
 def bound_term(names: Names, value: Binding) -> ox.NamedNode | ox.Literal:
@@ -37,10 +40,14 @@ def bound_term(names: Names, value: Binding) -> ox.NamedNode | ox.Literal:
             return ox.NamedNode(names.iri(value))
         except ValueError as error:
             raise UsageError(f"'{value[:100]}' is no name: {error}") from None
+    if isinstance(value, Decimal) and value.is_finite():
+        return ox.Literal(f"{value:f}", datatype=ox.NamedNode(names.iri("xsd:decimal")))
     try:
-        return literal(names, value)
+        return literal(names, value)  # type: ignore[arg-type]  # what is no value raises
     except ValueError:
-        raise UsageError(f"{value!r} is no value: bind a name, Text, bool, int, float, Pose or vector") from None
+        raise UsageError(
+            f"{value!r} is no value: bind a name, Text, bool, int, float, Decimal, Pose or vector"
+        ) from None
 
 
 def literal(names: Names, value: Value) -> ox.Literal:

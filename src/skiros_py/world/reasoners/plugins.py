@@ -11,6 +11,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.reasoner import Reasoner
 from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.terms import Family
+from skiros_py.world.vocabulary import COMPUTED
 
 __all__ = ["GROUP", "load_reasoners"]
 

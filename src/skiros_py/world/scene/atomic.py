@@ -25,6 +25,10 @@ def write_atomically(path: Path, text: str) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise FileError(path, f"cannot be written ({reason}); nothing was changed") from error
+    try:
+        _flush_folder(Path(os.path.realpath(path)).parent)
+    except OSError as error:
+        raise FileError(path, f"is written, but may not survive a power cut ({error.strerror})") from error
 
 
 def _replace(path: Path, content: bytes) -> None:
@@ -37,7 +41,6 @@ def _replace(path: Path, content: bytes) -> None:
     except BaseException:
         new.unlink(missing_ok=True)
         raise
-    _flush_folder(path.parent)
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -87,9 +87,8 @@ def load_into(
     """
     wanted = load_scene(world.ontology, path, ontology_paths, reasoners=world.reasoners).snapshot()
     with world.transaction(author, f"loaded {path.name}", writer=writer) as tx:
-        before, edits = world.version, diff(world.snapshot(), wanted)
-        tx.apply(edits)
-    return world.changes_since(before)[0] if edits else None
+        tx.apply(diff(world.snapshot(), wanted))
+    return tx.change
 
 
 def scene_goals(world: World) -> tuple[str, ...]:

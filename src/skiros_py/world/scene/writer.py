@@ -37,6 +37,10 @@ def scene_turtle(index: Index) -> str:
     return writer.file(SCENE_GRAPH, [this, *writer.elements(index.instances(ELEMENT))])
 
 
+_MANY = 1000
+"""Elements from which on it is quicker to go through all statements than to look up those of each."""
+
+
 class TurtleWriter:
     """Writes elements of a state as paragraphs of Turtle, and keeps account of the words that they use."""
 
@@ -64,10 +68,11 @@ class TurtleWriter:
 
     def elements(self, ids: Iterable[str]) -> Iterator[str]:
         """Yields a paragraph for each element."""
+        names = list(ids)
         related: dict[str, list[tuple[str, str]]] = {}
-        for subject, relation, object_ in self._index.statements():
+        for subject, relation, object_ in self._statements(names):
             related.setdefault(subject, []).append((relation, self._token(object_)))
-        for name in ids:
+        for name in names:
             element = self._index.element(name)
             yield self.paragraph(name, element.type, [*self._values(element), *related.get(name, ())])
 
@@ -85,6 +90,12 @@ class TurtleWriter:
         plain = '"' in text and "'" not in text and "\\" not in text and text.isprintable()
         quoted = f"'{text}'" if plain else str(ox.Literal(text))
         return quoted if type_ == "xsd:string" else f"{quoted}^^{self._token(type_)}"
+
+    def _statements(self, names: list[str]) -> Iterable[tuple[str, str, str]]:
+        """What is stated of the elements, and perhaps of others: of many, it is quicker to go through everything."""
+        if len(names) > _MANY:
+            return self._index.statements()
+        return (said for name in names for said in self._index.statements_about(name) if said[0] == name)
 
     def _values(self, element: Element) -> Iterator[tuple[str, str]]:
         yield LABEL, self.literal(LABEL, element.label)

@@ -213,6 +213,29 @@ def test_the_journal_is_the_truth_about_what_was_learned(open_tiny: Open, folder
     assert file.read_text(encoding="utf-8") == text
 
 
+def test_a_learned_file_edited_by_hand_is_kept_once_and_what_counts_is_said(
+    open_tiny: Open, folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    data = open_tiny()
+    teach(data.world)
+    data.close()
+    file = folder / "learned.ttl"
+    text = file.read_text(encoding="utf-8")
+    open_tiny().close()
+    assert not list(folder.glob("learned.ttl.*"))
+
+    for label in ("jug", "cup", "jug"):
+        file.write_text(text.replace("mug", label), encoding="utf-8")
+        open_tiny().close()
+
+    kept = sorted(folder.glob("learned.ttl.*"))
+    assert [path.name for path in kept] == ["learned.ttl.kept-1", "learned.ttl.kept-2"]
+    assert [path.read_text(encoding="utf-8") for path in kept] == [text.replace("mug", n) for n in ("jug", "cup")]
+    assert file.read_text(encoding="utf-8") == text
+    assert "is kept as learned.ttl.kept-1, and written anew" in caplog.text
+    assert "let it be the learned.ttl of a new data directory" in caplog.text
+
+
 def test_a_learned_file_that_cannot_be_understood_stops_a_new_directory_before_it_begins(
     folder: Path, tmp_path: Path
 ) -> None:

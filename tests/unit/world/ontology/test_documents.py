@@ -200,3 +200,16 @@ def test_a_folder_gives_all_that_speaks_rdf_or_owl(tmp_path: Path) -> None:
     found = [str(path.relative_to(tmp_path)) for path in rdf_files([tmp_path, tmp_path / "b.ttl"])]
 
     assert found == ["b.ttl", "c.rdf", "d.owx", "deep/a.owl", "e.xml"]
+
+
+@pytest.mark.parametrize("name", ["long.ttl", "long.rdf"])
+def test_a_text_longer_than_a_parser_can_hold_is_refused_with_the_limit(name: str, tmp_path: Path) -> None:
+    long = "x" * 20_000_000
+    content = (
+        PREFIX + f'e:x e:p "{long}" .'
+        if name == "long.ttl"
+        else xml(f'<owl:Class rdf:about="#A"><p>{long}</p></owl:Class>')
+    )
+
+    with pytest.raises(FileError, match=rf"{name}.*{LONGEST_TEXT}"):
+        read_document(written(tmp_path, name, content))

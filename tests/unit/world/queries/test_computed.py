@@ -5,18 +5,21 @@ from __future__ import annotations
 import re
 import zlib
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from pathlib import Path
 from typing import ClassVar
 
 import pyoxigraph as ox
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries import Table, select
+from skiros_py.world.queries import Table, ask, construct, select
 from skiros_py.world.queries.answering import Question, mentioned_relations, typed
 from skiros_py.world.reasoners.reasoner import Answer, Reasoner
 from skiros_py.world.reasoners.registry import Reasoners
@@ -213,3 +216,158 @@ def test_a_query_answers_as_rdflib_does_where_every_pair_is_stored(group: str) -
     sparql = f"SELECT DISTINCT ?a ?b ?c {{ {group} }}"
 
     assert counted(select(WORLD, sparql)) == oracle(WORLD, sparql, RdflibStore)
+
+
+# ---------------------------------------------------------------- only what is mentioned, only for that query
+
+
+@pytest.fixture
+def asked() -> Iterator[list[tuple[int, int]]]:
+    """How many subjects and objects the reasoner was asked about, each time."""
+    Lottery.asked.clear()
+    yield Lottery.asked
+    Lottery.asked.clear()
+
+
+@pytest.mark.parametrize(
+    "sparql",
+    [
+        "SELECT ?b { scene:part_0 sk:near ?b }",
+        "SELECT ?b { scene:part_0 <https://w3id.org/skiros-py/core#near> ?b }",
+        "SELECT ?b { scene:part_0 <https://w3id.org/skiros-py/core#n\\u0065ar> ?b }",
+        "PREFIX other: <https://w3id.org/skiros-py/core#n> SELECT ?b { scene:part_0 other:ear ?b }",
+        "SELECT ?b { ?b ^sk:near scene:part_0 }",
+        "SELECT ?b { ?a sk:near ?b FILTER(?a = scene:part_0) }",
+        "SELECT ?b { VALUES ?a { scene:part_0 } ?a sk:near ?b }",
+        "SELECT ?b { BIND(scene:part_0 AS ?a) ?a sk:near ?b }",
+    ],
+)
+def test_however_it_is_spelt_a_bound_end_is_looked_at_alone(sparql: str, asked: list[tuple[int, int]]) -> None:
+    everything = WORLD.instances("sk:SpatialThing")
+
+    found = {row["b"] for row in select(WORLD, sparql)}
+
+    assert found == {b for b in everything if drawn("part_0", "sk:near", b)}
+    assert asked == [(1, len(everything))]
+
+
+def test_a_parameter_may_name_the_relation_and_its_ends(asked: list[tuple[int, int]]) -> None:
+    ends = {"a": "part_0", "b": "part_3"}
+
+    assert ask(WORLD, "ASK { $a $how $b }", how="sk:leftOf", **ends) == drawn("part_0", "sk:leftOf", "part_3")
+    assert asked == [(1, 1)]
+
+
+def test_what_is_said_around_a_pattern_narrows_what_is_looked_at(asked: list[tuple[int, int]]) -> None:
+    starters = WORLD.instances("kitting:Starter")
+
+    select(WORLD, "SELECT * { ?a a kitting:Starter OPTIONAL { ?a sk:near ?b . ?b a kitting:Alternator } }")
+    select(WORLD, "SELECT * { ?a a kitting:Starter FILTER NOT EXISTS { ?a sk:near scene:part_1 } }")
+
+    assert asked == [(len(starters), len(WORLD.instances("kitting:Alternator"))), (len(starters), 1)]
+
+
+def test_what_is_mentioned_nowhere_is_never_worked_out(asked: list[tuple[int, int]]) -> None:
+    select(WORLD, "SELECT * { ?a ?p ?b }")
+    select(WORLD, "SELECT * { ?a rdfs:label 'sk:near' } # sk:near")
+    select(WORLD, "SELECT * { ?a sk:in/sk:on ?b }", entailed=True)
+
+    assert asked == []
+
+
+def test_what_was_worked_out_is_seen_by_no_later_query() -> None:
+    everything = "SELECT * { ?a ?p ?b }"
+    before = counted(select(WORLD, everything))
+    select(WORLD, "SELECT * { ?a sk:near ?b }")
+    with pytest.raises(UsageError):
+        select(WORLD, "SELECT * { ?a sk:near ?b FILTER(?) }")
+
+    assert counted(select(WORLD, everything)) == before
+    with WORLD.store.opened() as store:
+        assert store.quads(COMPUTED_GRAPH) == []
+
+
+def test_every_thread_sees_its_own_query_alone() -> None:
+    wanted = {r: len(select(WORLD, f"SELECT * {{ ?a {r} ?b }}")) for r in RELATIONS}
+
+    def count_both(relation: str) -> bool:
+        other = next(r for r in RELATIONS if r != relation)
+        stray = f"{{ ?a {relation} ?b }} UNION {{ ?a ?p ?b FILTER(STR(?p) = '{ONTOLOGY.names.iri(other)}') }}"
+        return len(select(WORLD, f"SELECT * {{ {stray} }}")) == wanted[relation]
+
+    with ThreadPoolExecutor(4) as threads:
+        assert all(threads.map(count_both, RELATIONS * 20))
+
+
+def test_a_move_shows_in_the_next_answer() -> None:
+    world = a_world()
+    query = "SELECT ?a { ?a sk:near scene:floor ; sk:in scene:pallet_b } ORDER BY ?a"
+    select(world, query)
+    with world.transaction("test", "moved") as tx:
+        for part in world.instances("kitting:Part"):
+            tx.place(part, "sk:in", "pallet_b")
+
+    near = [part for part in world.instances("kitting:Part") if drawn(part, "sk:near", "floor")]
+    assert [row["a"] for row in select(world, query)] == sorted(near)
+
+
+def test_a_relation_above_holds_where_one_below_does() -> None:
+    found = {row["b"] for row in select(WORLD, "SELECT ?b { scene:part_0 sk:computed ?b }")}
+
+    everything = WORLD.instances("sk:SpatialThing")
+    assert found == {b for b in everything if any(drawn("part_0", r, b) for r in RELATIONS)}
+
+
+def test_computed_and_entailed_go_together() -> None:
+    found = select(WORLD, "SELECT ?a { ?a sk:near scene:part_0 ; sk:placement ?b ; a kitting:Part }", entailed=True)
+
+    near = {part for part in WORLD.instances("kitting:Part") if drawn(part, "sk:near", "part_0")}
+    assert {row["a"] for row in found} == near
+
+
+def test_what_is_constructed_may_be_computed() -> None:
+    made = construct(WORLD, "CONSTRUCT { ?a sk:near ?b } WHERE { ?a sk:near ?b . ?a a kitting:Starter }")
+
+    pairs = {(a, b) for a in WORLD.instances("kitting:Starter") for b in WORLD.instances("sk:SpatialThing")}
+    assert {(s, o) for s, _, o in made.statements} == {(a, b) for a, b in pairs if drawn(a, "sk:near", b)}
+    assert "sk:near" in made.turtle
+
+
+# ---------------------------------------------------------------- what cannot be worked out
+
+
+def test_too_many_pairs_are_refused_before_they_are_looked_at(asked: list[tuple[int, int]]) -> None:
+    world = a_world(parts=1001)
+
+    with pytest.raises(UsageError, match=r"sk:near .* pairs of elements, and 1,000,000 are the most: bind an end"):
+        select(world, "SELECT * { ?a sk:near ?b }")
+    assert asked == []
+    assert select(world, "SELECT * { scene:part_0 sk:near ?b } LIMIT 1") != []
+
+
+def test_a_relation_that_no_reasoner_computes_is_named() -> None:
+    with pytest.raises(UnknownName, match="computed relation 'sk:above'"):
+        select(WORLD, "SELECT * { ?a sk:above ?b }")
+
+
+# ---------------------------------------------------------------- functions
+
+
+def test_a_reasoners_function_can_be_called_in_a_query() -> None:
+    query = "SELECT ?n { BIND(sk:letters(scene:floor, scene:part_0) AS ?n) }"
+    longest = "SELECT ?a { ?a a kitting:Pallet FILTER(sk:letters(?a, scene:floor) > 12.5) }"
+
+    assert select(WORLD, query) == [{"n": 11.0}]
+    assert {row["a"] for row in select(WORLD, longest)} == {"pallet_a", "pallet_b"}
+
+
+@pytest.mark.parametrize(
+    "call", ["sk:letters(scene:floor, scene:floor)", "sk:letters(1, 2)", "sk:letters(scene:floor)"]
+)
+def test_a_function_without_an_answer_leaves_its_variable_unbound(call: str) -> None:
+    assert select(WORLD, f"SELECT ?n {{ BIND({call} AS ?n) }}") == [{"n": None}]
+
+
+def test_a_function_that_nobody_has_is_named() -> None:
+    with pytest.raises(UsageError, match="core#nothing"):
+        select(WORLD, "SELECT ?n { BIND(sk:nothing(1) AS ?n) }")

@@ -139,6 +139,12 @@ def test_a_query_that_is_long_but_not_deep_is_answered_or_refused(outside: Outsi
         assert outside.ask("ASK { ?robot a sk:Robot }")
 
 
+@pytest.mark.parametrize("limit", [float("nan"), float("inf"), 1e308, 0.0, -1.0])
+def test_a_time_limit_is_a_time_that_can_pass(outside: OutsideQueries, limit: float) -> None:
+    with pytest.raises(UsageError, match="a time limit is more than 0 and at most 3600 s"):
+        outside.ask("ASK {}", time_limit=limit)
+
+
 def test_a_text_that_is_too_long_is_refused_unread(outside: OutsideQueries) -> None:
     said = refusal(outside, "ASK {}" + " " * LIMITS.text)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
@@ -120,13 +121,14 @@ def test_a_value_comes_back_as_it_was_bound(marked: World, value: Value) -> None
 
 def test_a_number_finds_and_compares_numbers(world: World) -> None:
     assert select(world, "SELECT ?s { ?s sk:width $width }", width=320) == [{"s": "camera_1"}]
+    assert select(world, "SELECT ?s { ?s sk:mass $mass }", mass=Decimal("0.90")) == [{"s": "kitting:Alternator"}]
     assert ask(world, "ASK { scene:starter_1 a/rdfs:subClassOf* ?c . ?c ?p ?m FILTER($low < $high) }", low=-1, high=2.5)
     assert not ask(world, "ASK { FILTER($low < $high) }", low=3, high=2.5)
 
 
-@pytest.mark.parametrize("value", [None, object(), [1, 2], {"a": 1}, b"bytes"])
+@pytest.mark.parametrize("value", [None, object(), Decimal("NaN"), [1, 2], {"a": 1}, b"bytes"])
 def test_what_is_no_value_is_refused(marked: World, value: Value) -> None:
-    with pytest.raises(UsageError, match=r"is no value: bind a name, Text, bool, int, float, Pose or vector"):
+    with pytest.raises(UsageError, match=r"is no value: bind a name, Text, bool, int, float, Decimal, Pose or vector"):
         ask(marked, "ASK { ?s ?p $value }", value=value)
 
 

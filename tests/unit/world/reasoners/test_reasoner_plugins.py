@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.plugins import PluginFault
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.plugins import load_reasoners
 
 Install = Callable[..., None]
@@ -102,6 +103,23 @@ def test_one_that_cannot_be_used_is_reported_and_hurts_nobody(install: Install, 
     assert list(faults) == ["bad"]
     assert faults["bad"].reason.startswith(reason)
     assert faults["bad"].distribution == f"sk_bad_{value.lower()} 0.3"
+
+
+def test_one_whose_relations_no_ontology_declares_as_computed_is_left_out(install: Install, ontology: Ontology) -> None:
+    install(
+        "sk_undeclared",
+        f"{COLOURS}\nclass On(Reasoner):\n    name = 'on'\n    relations = frozenset({{'sk:on'}})",
+        a="Colours",
+        b="On",
+    )
+
+    reasoners, faults = load_reasoners(ontology)
+
+    assert [reasoner.name for reasoner in reasoners] == ["sizes", "spatial"]
+    assert {fault.name: fault.reason for fault in faults} == {
+        "a": "no ontology declares paint:likeColour below sk:computed",
+        "b": "no ontology declares sk:on below sk:computed",
+    }
 
 
 def test_of_two_of_one_name_the_first_is_used(install: Install) -> None:

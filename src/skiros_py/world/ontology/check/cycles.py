@@ -15,6 +15,8 @@ __all__ = ["cycles"]
 
 _MANY = 50
 """Cycles reported of one kind: more of them help nobody."""
+_SHOWN = 50
+"""Statements of one cycle that are shown."""
 
 _Edges = dict[tuple[str, str], Statement]
 
@@ -69,9 +71,12 @@ def _one_cycle(edges: _Edges) -> list[str] | None:
 def _finding(material: Material, edges: _Edges, cycle: list[str], says: str) -> Finding:
     names = [material.names.name(term) for term in cycle]
     why = []
-    for one, other in pairwise(cycle):
+    for one, other in pairwise(cycle[: _SHOWN + 1]):
         statement = edges[one, other]
         fault = statement.fault("", statement.object)
         why.append(f"{material.names.name(one)} {says} {material.names.name(other)} ({str(fault).removesuffix(': ')})")
+    if len(names) > _SHOWN + 1:
+        why.append(f"… and so on, {len(names) - 1} statements in all")
+        names = [*names[:_SHOWN], "…", names[-1]]
     fault = edges[cycle[0], cycle[1]].fault(f"{f' {says} '.join(names)}: a cycle", cycle[1])
     return finding_of(fault, FindingKind.CYCLE, names[0], why=tuple(why))

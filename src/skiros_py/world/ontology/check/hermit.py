@@ -84,7 +84,7 @@ class HermiT:
             return output
         if _INCONSISTENT in errors:
             return None
-        raise _fault(code, errors)
+        raise _fault(code, f"{errors}\n{output}")  # Java says on either why it does not start
 
     def _run(self, folder: Path, question: list[str]) -> tuple[int, str, str]:
         path = _class_path()

@@ -34,10 +34,10 @@ Check = Callable[..., CheckReport]
 def check(tmp_path: Path) -> Check:
     """Checks what is added to the toys, with the core."""
 
-    def run(added: str, reasoner: ReasonerChoice = "none") -> CheckReport:
+    def run(added: str, reasoner: ReasonerChoice = "none", time_limit: float = 60.0) -> CheckReport:
         file = tmp_path / "toys.ttl"
         file.write_text(HEAD + added, encoding="utf-8")
-        return check_ontology([CORE, file], reasoner)
+        return check_ontology([CORE, file], reasoner, time_limit)
 
     return run
 

@@ -1,0 +1,131 @@
+"""Reasoners are limited in time and memory, and what they cannot judge costs no other finding."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pyoxigraph as ox
+import pytest
+
+from skiros_py.world.ontology.check import CheckReport, FindingKind
+from skiros_py.world.ontology.check.hermit import HermiT
+from skiros_py.world.ontology.check.logic import NoAnswer, NotStarted
+from skiros_py.world.ontology.check.owl_rl_process import OwlRlProcess
+
+Check = Callable[..., CheckReport]
+
+_ABOVE = ox.NamedNode("http://www.w3.org/2000/01/rdf-schema#subClassOf")
+_APART = ":Ball owl:disjointWith :Doll . :x a :Ball , :Doll ."
+_NO_HEAP = "Error occurred during initialization of VM\nCould not reserve enough space for object heap"
+_REFUSED = "java.lang.IllegalArgumentException: Non-simple property"
+
+
+def _ring(size: int) -> list[ox.Triple]:
+    classes = [ox.NamedNode(f"http://c#C{number}") for number in range(size)]
+    return [ox.Triple(one, _ABOVE, classes[number - 1]) for number, one in enumerate(classes)]
+
+
+def _children() -> set[str]:
+    return {child for task in Path("/proc/self/task").iterdir() for child in (task / "children").read_text().split()}
+
+
+def _fake_java(folder: Path, errors: str) -> Path:
+    program = folder / "java"
+    program.write_text(f"#!/bin/sh\necho '{errors}' >&2\nexit 1\n", encoding="utf-8")
+    program.chmod(0o755)
+    return program
+
+
+def test_owl_rl_is_ended_when_its_time_is_over_and_leaves_no_process() -> None:
+    before, start = _children(), time.monotonic()
+
+    with OwlRlProcess(2.0) as reasoner, pytest.raises(NoAnswer, match="OWL-RL reasoner found no answer in the time"):
+        reasoner.consistent(_ring(3000))
+
+    assert time.monotonic() - start < 8.0
+    assert _children() <= before
+
+
+def test_owl_rl_that_wants_too_much_memory_is_ended_and_not_asked_again() -> None:
+    before = _children()
+
+    with OwlRlProcess(60.0, memory=64 << 20) as reasoner:
+        for _ in range(2):
+            with pytest.raises(NoAnswer, match="needs more than 64 MiB of memory"):
+                reasoner.consistent(_ring(3000))
+
+    assert _children() <= before
+
+
+def test_one_process_answers_several_questions() -> None:
+    with OwlRlProcess(60.0) as reasoner:
+        assert reasoner.consistent(_ring(3))
+        first = _children()
+        assert reasoner.judge(_ring(3), ["http://c#C0"]).consistent
+        assert _children() == first
+
+
+def test_an_owl_rl_given_up_is_a_warning_and_other_findings_stand(check: Check) -> None:
+    added = ":likes rdfs:range :Nowhere ."
+
+    report = check(added, "owl-rl", time_limit=0.01)
+
+    assert {f.kind for f in check(added).findings} < {f.kind for f in report.findings}
+    (silence,) = (f for f in report.findings if f.kind is FindingKind.REASONER)
+    assert not silence.is_error
+    assert "OWL-RL" in silence.text
+    assert report.reasoner is None
+
+
+def test_no_reasoner_is_asked_about_a_cycle_and_the_cycle_is_told(check: Check) -> None:
+    report = check(":Toy rdfs:subClassOf :Ball . " + _APART, "owl-rl")
+
+    assert [f.kind for f in report.findings] == [FindingKind.CYCLE, FindingKind.REASONER]
+    assert report.reasoner is None
+    assert "no reasoner was asked" in report.findings[1].text
+
+
+def test_too_many_levels_are_told_with_line_and_no_reasoner_is_asked(check: Check, head_lines: int) -> None:
+    chain = "\n".join(f":C{n} a owl:Class ; rdfs:subClassOf :C{n - 1} ." for n in range(1, 1500))
+
+    report = check(":C0 a owl:Class .\n" + chain, "auto")
+
+    found = [f for f in report.findings if f.kind is FindingKind.DEPTH]
+    assert [(f.term, f.line) for f in found] == [("toy:C501", head_lines + 502)]
+    assert report.reasoner is None
+
+
+def test_a_java_that_does_not_start_is_no_refusal_and_the_other_reasoner_judges(
+    check: Check, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _fake_java(tmp_path, _NO_HEAP)
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    report = check(_APART, "auto")
+
+    assert (report.reasoner, report.note) == ("OWL-RL", "HermiT does not start")
+    assert [f.kind for f in report.findings] == [FindingKind.INCONSISTENT, FindingKind.REASONER]
+    assert "HermiT does not start: Error occurred during initialization of VM" in report.findings[1].text
+
+
+@pytest.mark.parametrize(
+    ("errors", "kind", "says"),
+    [
+        (_NO_HEAP, NotStarted, "does not start: .*object heap"),
+        ("", NotStarted, "Java ended with status 1"),
+        ("java.lang.OutOfMemoryError: Java heap space", NoAnswer, "needs more memory"),
+        (_REFUSED, NoAnswer, "does not take these statements: Non-simple"),
+    ],
+)
+def test_what_keeps_hermit_from_an_answer_is_told_apart(
+    tmp_path: Path, errors: str, kind: type[NoAnswer], says: str
+) -> None:
+    program = _fake_java(tmp_path, errors)
+
+    with pytest.raises(NoAnswer, match=says) as raised:
+        HermiT(os.fspath(program), time.monotonic() + 20.0).consistent([])
+
+    assert raised.type is kind
