@@ -2,7 +2,7 @@
 
     uv run --group test python benchmarks/world_threads.py [--seconds 60]
 
-Half of the threads write: each moves three parts of its own back and forth, adds and removes parts, and all of them count
+Half of the threads write: each moves three parts of its own here and there, adds and removes parts, and all count
 up one value that they share. The others take snapshots and look for states that no transaction left.
 """
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from skiros_py.errors import FileError, UsageError
+from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of, in_order
 from skiros_py.world.ontology.check.hermit import HermiT, java
 from skiros_py.world.ontology.check.logic import NoAnswer, NotStarted, Reasoner
@@ -18,6 +19,8 @@ from skiros_py.world.ontology.check.reasoning import logical_findings
 from skiros_py.world.ontology.check.structure import structural_findings
 from skiros_py.world.ontology.documents import rdf_files
 from skiros_py.world.ontology.ontology import Ontology
+from skiros_py.world.reasoners.registry import NO_REASONERS
+from skiros_py.world.vocabulary import ELEMENT
 
 __all__ = ["CheckReport", "ReasonerChoice", "check_ontology"]
 
@@ -157,6 +160,8 @@ def _refusal(paths: Sequence[Path], findings: Sequence[Finding]) -> Iterator[Fin
     if any(finding.is_error for finding in findings):
         return
     try:
-        Ontology.load(paths)
+        ontology = Ontology.load(paths)
+        if ELEMENT in ontology.classes:
+            abstract_individuals(ontology, NO_REASONERS)
     except FileError as fault:
         yield finding_of(fault, FindingKind.UNREADABLE, fault.path.name)
