@@ -21,8 +21,10 @@ Expected outcomes ("no plan", "part not found", "condition does not hold") are v
 from __future__ import annotations
 
 import difflib
+import string
 from bisect import bisect_left
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from pathlib import Path
 
 __all__ = [
@@ -65,7 +67,7 @@ class UnknownName(UsageError):
     Attributes:
         kind: What was looked for, in the user's words ("scene", "condition", ...).
         name: The name given.
-        known: The names that exist, sorted; of very many, some that are like the given one.
+        known: The names that exist, sorted; of very many, those that are like the given one.
         nearest: The known name most like the given one, or None.
     """
 
@@ -74,26 +76,51 @@ class UnknownName(UsageError):
         self.name = name
         given = str(name)[:_LONGEST_SHOWN]
         place = f" {where[:_LONGEST_SHOWN]}" if where else ""
-        names = sorted(known)
+        names = known if isinstance(known, Mapping | AbstractSet) else sorted(known)
         many = len(names) > _MANY
-        self.known = tuple(_around(given, names) if many else names)
+        self.known = tuple(sorted(_alike(given, names) if many else names))
         self.nearest = _nearest(given, self.known)
         hint = f" Did you mean '{self.nearest}'?" if self.nearest else ""
         shown = ", ".join(self.known[:20]) + (", …" if many or len(self.known) > 20 else "")
-        there_is = f" Known: {shown}." if self.known else " There is none."
+        there_is = f" Known: {shown}." if self.known else f" None of {len(names)} is like it." if many else _NONE
         cut = "…" if len(str(name)) > len(given) else ""
         super().__init__(f"unknown {kind} '{given}{cut}'{place}.{hint}{there_is}")
 
 
 _MANY = 1000
 """Of more names than these, only so many are compared with the given one: that takes 10 ms, and all seconds."""
+_TOO_MANY = 20_000
+"""More names than these are not even looked through: that takes 10 ms."""
 _LONGEST_SHOWN = 100
+_NONE = " There is none."
 
 
 def _nearest(name: str, known: Iterable[str]) -> str | None:
     folded = {candidate.casefold(): candidate for candidate in known}
     close = difflib.get_close_matches(name.casefold(), list(folded), n=1, cutoff=0.4)
     return folded[close[0]] if close else None
+
+
+def _alike(name: str, known: Collection[str]) -> Iterable[str]:
+    if len(known) > _TOO_MANY and isinstance(known, Mapping | AbstractSet):
+        return {spelling for spelling in _misspelt(name) if spelling in known}
+    return _around(name, sorted(known))
+
+
+def _misspelt(name: str) -> Iterator[str]:
+    """Yields the names that one slip of the finger, or capitals, may have turned into the given one."""
+    for text in {name, name.casefold()}:
+        yield text
+        for at in range(len(text) + 1):
+            before, after = text[:at], text[at:]
+            yield before + after[1:]
+            yield before + after[1:2] + after[:1] + after[2:]
+            for letter in _LETTERS:
+                yield before + letter + after
+                yield before + letter + after[1:]
+
+
+_LETTERS = string.ascii_letters + string.digits + "_:"
 
 
 def _around(name: str, names: list[str]) -> list[str]:

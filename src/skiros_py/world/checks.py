@@ -72,8 +72,7 @@ def element_problem(view: Index, element_id: str) -> str | None:
     ontology = view.ontology
     if any(element_id in terms for terms in (ontology.classes, ontology.relations, ontology.properties)):
         return f"'{element_id}' is a term of the ontology, and {_UNCHANGED}"
-    writable = (name for name in view.ids() if not is_abstract(name) or is_learned(name))
-    return str(UnknownName("element", element_id, writable))
+    return str(view.unknown(element_id))
 
 
 def relation_problem(view: Index, subject: str, relation: str, object_: str) -> str | None:

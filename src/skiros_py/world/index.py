@@ -86,8 +86,12 @@ class Index:
         """
         element = self._elements.get(element_id)
         if element is None:
-            raise UnknownName("element", element_id, self._elements)
+            raise self.unknown(element_id)
         return element
+
+    def unknown(self, element_id: str) -> UnknownName:
+        """Returns the fault that says that there is no element of that id, and which there are."""
+        return UnknownName("element", element_id, self._elements)
 
     def has(self, element_id: str) -> bool:
         """Returns True when there is an element of that id."""

@@ -50,12 +50,12 @@ def resolve(
         UnknownName: There is no such class, property, relation or element.
         UsageError: A property can never have such a value.
     """
-    tests = [_is_of(view, class_, abstract=abstract), *_value_tests(view, properties)]
+    stated, computed = _by_family(view, relations)
+    tests = [_is_of(view, class_, abstract=abstract)] if stated else []  # else nothing but these is gone through
     if label is not None:
         tests.append(lambda name: view.element(name).label == label)
-    stated, computed = _by_family(view, relations)
     found: Iterable[str] = _smallest(view, class_, stated, abstract=abstract)
-    for test in tests:
+    for test in (*tests, *_value_tests(view, properties)):
         found = filter(test, found)
     for relation, other in computed:
         found = _computed(view, relation, other, tuple(sorted(found)))

@@ -206,7 +206,7 @@ class Transaction:
 
     def _apply_element(self, edit: ElementEdit) -> None:
         if edit.new is None:
-            if self._writable(edit.element):
+            if self._writable(edit.element) and not self._holds_guests(edit.element):
                 self._work.erase(edit.element)
             return
         problem = class_problem(self._view.ontology, edit.new.type) or id_problem(edit.element)
@@ -217,6 +217,12 @@ class Transaction:
             self._refused.add(edit.element)
             return
         self._put_new(edit.element, edit.new.type, {**edit.new.properties, LABEL: edit.new.label})
+
+    def _holds_guests(self, element_id: str) -> bool:
+        """What is learned may be nowhere, so nobody else would say that it was left so."""
+        learned = [guest for guest in self._view.contents(element_id) if is_abstract(guest)]
+        self._problems += [(guest, f"{guest} is placed in {element_id}, which would be gone") for guest in learned]
+        return bool(learned)
 
     def _put_new(self, element_id: str, class_: str, values: Mapping[str, Value]) -> None:
         self._ids.claim(element_id)
@@ -243,8 +249,8 @@ class Transaction:
         return problem is None
 
     def _writable(self, element_id: str) -> bool:
-        if element_id in self._refused:
-            return False  # what is wrong with it was said when it was added
+        if element_id in self._refused or len(self._problems) >= _ENOUGH:
+            return False  # what is wrong was said
         problem = element_problem(self._view, element_id)
         if problem:
             self._refuse(element_id, problem)
@@ -258,6 +264,8 @@ class Transaction:
             raise WorldError("the transaction is over: write inside its 'with' block")
 
 
+_ENOUGH = 1000
+"""After so many faults the rest of a write is not looked at: it is refused, and nobody reads more."""
 _MOST_SHOWN = 20
 _LONGEST_SHOWN = 1000
 

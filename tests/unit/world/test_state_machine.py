@@ -330,8 +330,12 @@ class Model:
         return names
 
     def concerns(self, before: Model) -> set[str]:
-        ends = {end for s, _, o in self.facts ^ before.facts for end in (s, o)}
-        return self.marks(before) | ends
+        """What differs, where that is or was, and all that they are or were pieces of."""
+        found = self.marks(before) | {end for s, _, o in self.facts ^ before.facts for end in (s, o)}
+        owns = {(s, o) for s, r, o in self.facts | before.facts if r == "sk:hasA"}
+        while more := {s for s, o in owns if o in found} - found:
+            found |= more
+        return found
 
     def same(self, other: Model) -> bool:
         return not self.marks(other) and self.goals == other.goals
@@ -442,6 +446,21 @@ class WorldMachine(RuleBasedStateMachine):
         values = {MASS: VALUES[MASS][0][0]} if mass else {}
         steps = [("add", class_, None, values, False), ("place", "NEW", "sk:on", "floor")]
         self._write("ann", Writer.PERSON, steps[: data.draw(st.sampled_from([2, 2, 1]))], None)
+
+    @rule(data=st.data(), writer=st.sampled_from(Writer))
+    def remove_one(self, data: st.DataObject, writer: Writer) -> None:
+        """Something, with its pieces; what was in it moves out, and poses in its frame are lost."""
+        self._write("bob", writer, [self._step(data, "right", "remove")], None)
+
+    @rule(data=st.data(), author=st.sampled_from(AUTHORS), writer=st.sampled_from(Writer))
+    def touch_what_is_locked(self, data: st.DataObject, author: str, writer: Writer) -> None:
+        """It, a piece of it, or what holds a piece of it."""
+        locked = {name for name in self.locked if self._locker(name) and name in self.model.types}
+        names = sorted({piece for name in locked for piece in self.model.pieces(name)})
+        if names:
+            self._write(
+                author, writer, [("set", data.draw(st.sampled_from(names)), FLAG, data.draw(st.booleans()))], None
+            )
 
     @rule(author=st.sampled_from(AUTHORS))
     def undo_last(self, author: str) -> None:
@@ -615,6 +634,7 @@ class WorldMachine(RuleBasedStateMachine):
     def _take_over(self, model: Model) -> None:
         """The world did it: the model is what is now, and there is a change if anything changed."""
         before, self.model = self.model, model
+        model.used = before.used | model.types.keys()  # what came and went in one transaction was never seen
         self.gone = model.used - model.types.keys()
         if model.same(before):
             assert len(self.told) == self.world.version == len(self.history)

@@ -18,7 +18,7 @@ _PLACE = re.compile(r"^error at (\d+):\d+: ")
 """The engine's columns are not those of the text that somebody wrote: names were written out since."""
 _LONGEST_FAULT = 200
 
-_PIECE = 50_000
+_PIECE = 100_000
 """Quads loaded at once: the loader sorts them in memory, twice as much of it for all at once."""
 
 

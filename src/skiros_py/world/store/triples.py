@@ -63,10 +63,11 @@ class Triples:
 
     def element(self, element: Element) -> Iterator[ox.Quad]:
         """Yields what an element is by itself: type, label, own values."""
-        yield self.relation(element.id, "rdf:type", element.type)
-        yield self.value(element.id, LABEL, element.label)
+        subject, graph = self._element(element.id), _graph(element.id)
+        yield ox.Quad(subject, self._node("rdf:type"), self._node(element.type), graph)
+        yield ox.Quad(subject, self._node(LABEL), ox.Literal(element.label), graph)
         for name, value in element.properties.items():
-            yield self.value(element.id, name, value)
+            yield ox.Quad(subject, self._node(name), self._literal(name, value), graph)
 
     def relation(self, subject: str, relation: str, object_: str) -> ox.Quad:
         """Returns one relation."""
@@ -74,9 +75,7 @@ class Triples:
 
     def value(self, element: str, property_: str, value: Value) -> ox.Quad:
         """Returns one property value."""
-        range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
-        literal = ox.Literal(format_value(value, range_), datatype=self._node(literal_type(value, range_)))
-        return ox.Quad(self._element(element), self._node(property_), literal, _graph(element))
+        return ox.Quad(self._element(element), self._node(property_), self._literal(property_, value), _graph(element))
 
     def before(self, edit: Edit) -> list[ox.Quad]:
         """Returns the triples that an edit takes away."""
@@ -105,6 +104,10 @@ class Triples:
             return []
         subject, object_ = self._ontology.placement_pair(element, placement)
         return [self.relation(subject, placement.relation, object_)]
+
+    def _literal(self, property_: str, value: Value) -> ox.Literal:
+        range_ = "xsd:string" if property_ == LABEL else self._ontology.properties[property_].range
+        return ox.Literal(format_value(value, range_), datatype=self._node(literal_type(value, range_)))
 
     def _node(self, name: str) -> ox.NamedNode:
         """The IRI of a word of the ontology: there are few, and they come again and again."""
