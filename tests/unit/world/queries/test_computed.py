@@ -195,12 +195,39 @@ def apart(sparql: str) -> str:
     return re.sub(r"_:x|\?z", lambda name: f"{name[0]}{next(number)}", sparql)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150, deadline=None, derandomize=True)  # some by lot would take for ever
 @given(groups.map(apart))
 def test_a_query_answers_as_if_every_pair_were_stored(group: str) -> None:
     sparql = f"SELECT * {{ {group} }}"
 
     assert counted(select(WORLD, sparql)) == oracle(WORLD, sparql)
+
+
+HARD = {
+    "what_is_optional_need_not_hold": "{ ?c a kitting:Pallet OPTIONAL { ?b sk:on ?c } } { ?b sk:near ?c }",
+    "what_is_outside_says_nothing_of_an_option": "?b a kitting:Starter { ?c sk:on ?d OPTIONAL { ?b sk:leftOf ?c } }",
+    "nor_of_what_is_taken_away": "?b a kitting:Starter { ?c rdfs:label ?d MINUS { ?b sk:leftOf ?c } }",
+    "nor_of_what_must_not_be": "?b a kitting:Starter { ?c rdfs:label ?d FILTER NOT EXISTS { ?b sk:leftOf ?c } }",
+    "nor_of_what_is_counted": "?a a kitting:Starter { SELECT ?b (COUNT(?a) AS ?n) { ?a sk:near ?b } GROUP BY ?b }",
+    "nor_of_what_is_cut_off": "?a a kitting:Starter { SELECT ?a { ?a sk:near ?b } ORDER BY DESC(?a) LIMIT 5 }",
+    "nor_of_names_within_a_subquery": "?a a kitting:Alternator { SELECT ?b { ?a sk:near ?b } }",
+    "one_choice_is_not_the_other": "{ { ?a a kitting:Starter } UNION { ?a a kitting:Pallet } } { ?a sk:near ?b }",
+    "stations_of_two_paths_are_two": "?a sk:in/sk:on ?b OPTIONAL { ?d sk:on/rdf:type ?e ; sk:near ?a }",
+    "an_option_within_an_option": "?a sk:on ?b OPTIONAL { ?c sk:near ?a OPTIONAL { ?d sk:leftOf ?c ; sk:in ?b } }",
+    "a_variable_stands_for_all_mentioned": "VALUES ?p { sk:near sk:leftOf } scene:part_0 ?p ?b",
+    "all_but_one_stand_for_the_others": "scene:part_0 !sk:near ?b . ?b sk:leftOf* ?c",
+    "a_blank_node_is_a_variable": "[] sk:near ?a ; sk:in [ sk:leftOf ?b ] .",
+}
+
+
+@pytest.mark.parametrize("group", HARD.values(), ids=HARD)
+def test_what_holds_around_a_pattern_is_never_taken_for_more_than_it_is(group: str) -> None:
+    sparql = f"SELECT * {{ {group} }}"
+
+    found = counted(select(WORLD, sparql))
+
+    assert found == oracle(WORLD, sparql)
+    assert found
 
 
 plain = blocks.filter(lambda block: "!" not in block)  # it cannot read inverses there
@@ -210,7 +237,7 @@ simple = st.one_of(simple, st.builds("{} MINUS {{ {} }}".format, plain, plain))
 simple = st.one_of(simple, st.builds("{} FILTER NOT EXISTS {{ {} }}".format, plain, plain))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, derandomize=True)
 @given(simple.map(apart))
 def test_a_query_answers_as_rdflib_does_where_every_pair_is_stored(group: str) -> None:
     sparql = f"SELECT DISTINCT ?a ?b ?c {{ {group} }}"
