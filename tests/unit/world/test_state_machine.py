@@ -359,9 +359,9 @@ NO_ONE = ("nobody_1", "kitting:Kit", "sk:on", "", "learned:nothing_1", "x" * 300
 FURNITURE: list[tuple[Any, ...]] = [
     ("add", "sk:Floor", "floor", {}, False),
     *(("add", class_, None, {}, False) for class_ in ("tiny:Box", "tiny:Box", "t:Tray", "tiny:Slot", "tiny:Slot")),
-    *(("add", class_, None, {}, False) for class_ in ("t:Cart", "sk:Gripper", "tiny:Ball", "tiny:Ball", "tiny:Ball")),
+    *(("add", class_, None, {}, False) for class_ in ("t:Cart", "t:Cart", "sk:Gripper", *4 * ["tiny:Ball"])),
     *(("add", class_, None, {}, True) for class_ in ("tiny:Box", "tiny:Ball")),
-    *(("place", name, "sk:on", "floor") for name in ("box_1", "tray_1", "cart_1", "ball_1")),
+    *(("place", name, "sk:on", "floor") for name in ("box_1", "tray_1", "cart_1", "cart_2", "ball_1")),
     ("place", "box_2", "sk:in", "box_1"),
     ("place", "ball_2", "sk:in", "slot_1"),
     ("place", "ball_3", "tiny:carries", "cart_1"),
@@ -369,6 +369,8 @@ FURNITURE: list[tuple[Any, ...]] = [
     ("relate", "tray_1", "sk:hasA", "slot_1"),
     ("relate", "tray_1", "sk:hasA", "slot_2"),
     ("relate", "cart_1", "sk:hasA", "gripper_1"),
+    ("place", "ball_4", "sk:heldBy", "gripper_1"),
+    ("relate", "cart_1", "t:owns", "slot_1"),
     ("relate", "slot_1", "sk:poseFrame", "tray_1"),
     ("relate", "ball_2", "sk:poseFrame", "box_2"),
     *(("set", name, POSE, VALUES[POSE][0][0]) for name in ("slot_1", "ball_2")),
@@ -435,7 +437,11 @@ class WorldMachine(RuleBasedStateMachine):
         names = st.sampled_from([*self._names(), "NEW"])
         self._write("pick", Writer.SKILL, [("relate", data.draw(names), relation, data.draw(names))], None)
 
-    @rule(data=st.data(), relation=st.sampled_from([*OTHERS, "tiny:carries"]), author=st.sampled_from(AUTHORS))
+    @rule(
+        data=st.data(),
+        relation=st.sampled_from([*OTHERS, "tiny:carries", "sk:heldBy"]),
+        author=st.sampled_from(AUTHORS),
+    )
     def relate_well(self, data: st.DataObject, relation: str, author: str) -> None:
         """Two things of the right classes; numbers, cycles and locks may still forbid it."""
         self._write(author, Writer.PERSON, [("relate", *self._ends(data.draw, relation))], None)
@@ -446,6 +452,16 @@ class WorldMachine(RuleBasedStateMachine):
         values = {MASS: VALUES[MASS][0][0]} if mass else {}
         steps = [("add", class_, None, values, False), ("place", "NEW", "sk:on", "floor")]
         self._write("ann", Writer.PERSON, steps[: data.draw(st.sampled_from([2, 2, 1]))], None)
+
+    @rule(data=st.data(), deep=st.booleans())
+    def put_a_place_into_what_is_there(self, data: st.DataObject, deep: bool) -> None:
+        """Or into what is in what is there."""
+        inside = [(name, at.place) for name in self._names() if (at := self.model.place_of(name)) is not None]
+        if deep:
+            inside = [(name, above) for name, place in inside for lower, above in inside if lower == place]
+        fitting = [(place, "sk:in", name) for name, place in inside if self.model.fits(place, "sk:in", name)]
+        if fitting:
+            self._write("ann", Writer.PERSON, [("place", *data.draw(st.sampled_from(sorted(fitting))))], None)
 
     @rule(data=st.data(), writer=st.sampled_from(Writer))
     def remove_one(self, data: st.DataObject, writer: Writer) -> None:
@@ -752,7 +768,7 @@ class WorldMachine(RuleBasedStateMachine):
 
 
 WorldMachine.TestCase.settings = settings(
-    max_examples=40, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck)
+    max_examples=120, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck)
 )
 
 
