@@ -6,11 +6,13 @@ import errno
 import os
 import re
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 
 from skiros_py.errors import FileError, UnknownName, UsageError
+from skiros_py.plugins import Entry, PluginFault, files_of, installation, unambiguous
 
-__all__ = ["SCENE_SUFFIXES", "find_scene", "named_scene", "ontology_paths", "scene_names"]
+__all__ = ["SCENE_SUFFIXES", "find_scene", "named_scene", "ontology_paths", "plugin_scenes", "scene_names"]
 
 SCENE_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
 """How the names of scene files end; of two files of one name the first kind counts."""
@@ -36,14 +38,21 @@ def ontology_paths() -> tuple[Path, ...]:
 
 
 def scene_paths() -> tuple[Path, ...]:
-    """Returns the folders with scenes; ``SKIROS_SCENES`` adds more, separated by ':'."""
+    """Returns the folders with scenes; ``SKIROS_SCENES`` adds more, separated by ':'.
+
+    Plug-ins bring more: entry points of the group ``skiros.scenes`` name packages with scenes, or a file.
+    """
     return (*_from_environment("SKIROS_SCENES"), _folder("scenes"))
 
 
 def scene_names() -> tuple[str, ...]:
-    """Returns the names of all scenes."""
-    files = (file for folder in scene_paths() for suffix in SCENE_SUFFIXES for file in folder.glob(f"*{suffix}"))
-    return tuple(sorted({f.stem for f in files if _NAME.fullmatch(f.stem) and _is_file(f) and _is_within(f)}))
+    """Returns the names of all scenes; no plug-in is loaded for it."""
+    return tuple(sorted({file.stem for folder in scene_paths() for file in _scenes_in(folder)} | set(plugin_scenes())))
+
+
+def _scenes_in(folder: Path) -> Iterator[Path]:
+    files = (file for suffix in SCENE_SUFFIXES for file in folder.glob(f"*{suffix}"))
+    yield from (file for file in files if _NAME.fullmatch(file.stem) and _is_file(file) and _is_within(file))
 
 
 def find_scene(scene: str) -> Path:
@@ -58,11 +67,11 @@ def find_scene(scene: str) -> Path:
 
 
 def named_scene(name: str) -> Path:
-    """Returns the file of a scene given by name: one in the scene folders, never one elsewhere.
+    """Returns the file of a scene given by name: one in the scene folders or of a plug-in, never one elsewhere.
 
     Raises:
         UnknownName: There is no scene of that name.
-        UsageError: It cannot be a name.
+        UsageError: It cannot be a name; or the plug-in that it is from is broken, or is not the only one to have it.
         FileError: Its file is a symbolic link out of the scene folders.
     """
     if not _NAME.fullmatch(name):
@@ -76,7 +85,37 @@ def named_scene(name: str) -> Path:
                 if not _is_within(file):
                     raise FileError(file, f"is a symbolic link out of {folder}; give the path of the file it leads to")
                 return file
-    raise UnknownName("scene", name, scene_names())
+    return _plugin_scene(name)
+
+
+def _plugin_scene(name: str) -> Path:
+    entries = plugin_scenes().get(name, [])
+    if not entries:
+        raise UnknownName("scene", name, scene_names())
+    if len(entries) > 1:
+        raise UsageError(f"more than one plug-in has a scene '{name}': {' and '.join(map(str, entries))}")
+    places = files_of(entries[0])
+    if isinstance(places, PluginFault):
+        raise UsageError(str(places))
+    candidates = (p if _is_file(p) else p / f"{name}{suffix}" for p in places for suffix in SCENE_SUFFIXES)
+    for file in candidates:
+        if file.suffix in SCENE_SUFFIXES and _is_file(file):
+            return file
+    raise UsageError(f"scene '{name}' of {entries[0]}: there is no scene file {places[0]}")
+
+
+def plugin_scenes() -> dict[str, list[Entry]]:
+    """Returns who brings each scene: an entry point for an object one of its own name, one for a package all in it."""
+    found: dict[str, list[Entry]] = {}
+    for entry in unambiguous(installation().of("skiros.scenes"))[0]:
+        for name in [entry.name] if entry.attribute else _names_in_package(entry):
+            found.setdefault(name, []).append(entry)
+    return found
+
+
+def _names_in_package(entry: Entry) -> set[str]:
+    places = files_of(entry)
+    return set() if isinstance(places, PluginFault) else {file.stem for p in places for file in _scenes_in(p)}
 
 
 def _scene_file(path: str) -> Path:

@@ -11,6 +11,7 @@
     │   ├── StaleVersion      ... because the author had not seen the latest change
     │   └── Locked            ... because somebody else has locked an element
     ├── DescriptionError      a skill, primitive or robot is described wrongly (its author must mend it)
+    ├── ModuleError           a skill or primitive broke while it ran, or was stopped with everything else
     ├── PlanningError         a planner broke (not: "there is no plan", which is an answer)
     ├── DeviceError           a device or the simulation broke
     └── MissingSystemLibrary  a library that pip cannot install is absent
@@ -34,6 +35,7 @@ __all__ = [
     "GoalSyntaxError",
     "Locked",
     "MissingSystemLibrary",
+    "ModuleError",
     "PlanningError",
     "SkirosError",
     "StaleVersion",
@@ -177,6 +179,10 @@ class Locked(WorldError):
 
 class DescriptionError(SkirosError):
     """A skill, primitive, condition or robot is described wrongly; its author must mend it."""
+
+
+class ModuleError(SkirosError):
+    """A skill or primitive broke while it ran (tried to end the program, held the control cycle), or was halted."""
 
 
 class PlanningError(SkirosError):

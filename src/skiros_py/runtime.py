@@ -6,12 +6,12 @@ import hashlib
 import json
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 
@@ -19,8 +19,10 @@ from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
 from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
-from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.execution.running import RunningModule
+from skiros_py.execution.watchdog import Watchdog
 from skiros_py.planning.service import Planned, PlanningService
 from skiros_py.plugins import PluginFault
 from skiros_py.robot.devices import DeviceBoard
@@ -28,6 +30,10 @@ from skiros_py.robot.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.questions import Questions
+from skiros_py.skills.sensing import BoardSensors
 from skiros_py.system import check_system_libraries
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.report import ConditionReport, GoalReport
@@ -37,7 +43,7 @@ from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.scene import load_scene
-from skiros_py.world.vocabulary import AGENT, HAS_A, ROBOT
+from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
@@ -47,6 +53,7 @@ if TYPE_CHECKING:
 __all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
 
 _log = logging.getLogger(__name__)
+T = TypeVar("T")
 
 _PLANNER = "fast-downward"
 _HASH_EVERY = 20
@@ -64,6 +71,8 @@ class Options:
         pace: Simulated seconds per wall second; None for as fast as possible.
         gui: True to open PyBullet's window.
         goal: Goal text or texts; empty for the goal that goes with the scene.
+        driver: Name of a cell driver that a plug-in brings; None for the simulation (or the fake).
+        config: Values of configuration parameters by "module.key".
     """
 
     seed: int = 0
@@ -72,6 +81,8 @@ class Options:
     pace: float | None = None
     gui: bool = False
     goal: str | tuple[str, ...] = ()
+    driver: str | None = None
+    config: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
@@ -91,18 +102,23 @@ class Session:
         cell: The driver: simulation or fake.
         spec: The cell as brought up.
         cycle: The control cycle.
+        managers: The skill managers by the id of their subsystem.
+        questions: What the robots ask a person.
+        stopped: True when somebody asked for a stop.
     """
 
     def __init__(self, scene: str, options: Options = Options(), *, catalogue: Catalogue | None = None) -> None:
         self._stack = ExitStack()
         self._stop_wanted = False
         self._closed = False
+        self.stopped = False
         self._digest = hashlib.sha256()
         self._on_plan: list[Callable[[Planned], None]] = []
         self.options = options
         self.scene = scene
         self.catalogue = catalogue or load_catalogue()
         self.monitor = Monitor()
+        self.questions = Questions()
         try:
             self._open(scene)
         except BaseException:
@@ -112,19 +128,20 @@ class Session:
     def _open(self, scene: str) -> None:
         self.world, faults = _opened(scene)
         # They are known already where the catalogue is that of the installation.
-        self.catalogue = replace(self.catalogue, faults=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
-        self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners)
+        self.catalogue = replace(self.catalogue, early=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
+        fake = None if self.options.driver else self.options.fake  # what a driver is for is known when it is there
+        self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners, fake=fake)
         _warn(self.catalogue.faults)
         self.goal = self._own_goal()
         self.spec = read_cell(self.world, self._robots())
-        if _PLANNER not in self.catalogue.planners:
-            raise UsageError(f"planner '{_PLANNER}' did not load: skiros skills says why")
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
         board = DeviceBoard(self.cell)
         self.world.clock = lambda: board.snapshot.time
+        self.world.sensors = BoardSensors(board)
         self.world.subscribe(self._digest_change)
         self.cycle = ControlCycle(board, self.options.pace)
+        self._stack.enter_context(Watchdog(self.cycle))
         self.cycle.observe(self._digest_state)
         context = RunContext(
             world=self.world,
@@ -134,10 +151,15 @@ class Session:
             rng=np.random.default_rng([self.options.seed, 1]),
             lockstep=self.options.pace is None,
             report=lambda _module, _code, _text: None,
+            clock=board,
+            questions=self.questions,
+            waiting=self.cycle.pulse.waiting,
         )
-        self.managers = self._start_managers(context)
+        self.managers = self._open_managers(context)
+        watchdog = self._stack.enter_context(Watchdog(self.cycle))
+        watchdog.on_lost(self.managers.lose)
         self._watch()
-        planner = self._stack.enter_context(closing(self.catalogue.planners[_PLANNER]()))
+        planner = self._stack.enter_context(closing(self.catalogue.planner(_PLANNER)))
         self.planning = PlanningService(planner, scene_title(scene), lockstep=self.options.pace is None)
         self.tasks = TaskManager(self.world, self.managers, self.planning, self.cycle, on_plan=self._tell_plan)
 
@@ -177,6 +199,10 @@ class Session:
         return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
 
     def _start_cell(self) -> CellDriver:
+        if self.options.driver is not None:
+            make = self.catalogue.drivers[self.options.driver]
+            cell: CellDriver = self._stack.enter_context(closing(make(self.spec, seed=self.options.seed)))
+            return cell
         if self.options.fake:
             from skiros_py.simulation.fake.cell import FakeCell
 
@@ -185,27 +211,25 @@ class Session:
 
         return self._stack.enter_context(closing(PyBulletCell(self.spec, seed=self.options.seed, gui=self.options.gui)))
 
-    def _start_managers(self, context: RunContext) -> dict[str, SkillManager]:
+    def _open_managers(self, context: RunContext) -> Managers:
         """One skill manager for each subsystem of each robot (paper §3.3)."""
-        managers = {}
-        for robot in self.spec.robots:
-            for agent in self.world.objects(robot.id, HAS_A):
-                if self.world.ontology.is_a(self.world.element(agent).type, AGENT):
-                    managers[agent] = self._manager(agent, context)
-        return managers
-
-    def _manager(self, agent: str, context: RunContext) -> SkillManager:
         skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
-        manager = SkillManager(
-            agent, skills, self.catalogue.primitives, context, self.cycle, self.monitor, driver=self.cell.kind
+        managers = Managers(
+            skills,
+            self.catalogue.primitives,
+            context,
+            self.cycle,
+            self.monitor,
+            driver=self.cell.kind,
+            config=self.options.config,
         )
-        manager.register()
-        return manager
+        managers.open_all([robot.id for robot in self.spec.robots])
+        return managers
 
     def _watch(self) -> None:
         """Starts what runs in the background; a stop ends it with everything else."""
-        for manager in self.managers.values() if not self.options.fake else ():
-            manager.watch()
+        if not self.options.fake:
+            self.managers.watch()
 
     # ------------------------------------------------------------------ use
 
@@ -244,22 +268,67 @@ class Session:
         wanted = self._conditions(goal)
         self._digest = hashlib.sha256() if self.options.fake else hashlib.sha256(self.simulation.state_bytes())
         started = time.perf_counter(), self.cycle.board.snapshot.time
-        task = self.cycle.start(self.tasks.pursue(wanted))
+        task = self.cycle.start(self._patient(self.tasks.pursue(wanted)), "the task manager")
         while not task.done and not self._stop_wanted:
             self.cycle.step()
-        if task.done:
+        why = self.cycle.halted
+        if task.done and not why:
             report = task.result
         else:
-            self.cycle.stop_all()
-            self._stop_wanted = False
-            self._watch()
-            report = self._stopped_report(wanted, *started)
+            self._halt()
+            report = self._stopped_report(wanted, why, *started)
         report = replace(report, digest=self._digest.hexdigest()[:16])
         return report if self.options.fake else report.with_truth(self._truths(wanted))
 
+    def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
+        """Starts one skill or primitive by itself; step the cycle until it is done.
+
+        Args:
+            module: Its name.
+            arguments: Its parameters; what is left out is inferred.
+            agent: Id of the subsystem; None for the first that can.
+
+        Raises:
+            UnknownName: There is no such module or subsystem.
+            UsageError: It cannot be started now.
+        """
+        if agent is not None and agent not in self.managers:
+            raise UnknownName("skill manager", agent, self.managers)
+        manager = self.managers.who_runs(module) if agent is None else self.managers[agent]
+        return manager.start(module, arguments)
+
+    def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
+        """Runs one skill or primitive by itself to its end, or until :meth:`stop`; see :meth:`start_module`."""
+        running = self.start_module(module, arguments, agent)
+        while not running.done and not self._stop_wanted:
+            self.cycle.step()
+        if not running.done:
+            self._halt()
+        return running.result
+
+    def _halt(self) -> None:
+        """Stops everything, waits for standstill, and makes ready for the next run."""
+        self.cycle.stop_all("a stop was asked for")
+        self._stop_wanted = False
+        if self.cycle.board.still:
+            self.cycle.reset()
+            self._watch()
+
+    def _patient(self, work: Execution[T]) -> Execution[T]:
+        """Passes work through whose ticks may take long: it plans, and commands nothing itself."""
+        with closing(work):
+            while True:
+                with self.cycle.pulse.waiting():
+                    try:
+                        next(work)
+                    except StopIteration as end:
+                        result: T = end.value
+                        return result
+                yield
+
     def stop(self) -> None:
         """Asks the run to stop: everything halts in the next cycle; safe to call from a signal handler."""
-        self._stop_wanted = True
+        self._stop_wanted = self.stopped = True
 
     def _conditions(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
         if self._closed:
@@ -277,10 +346,12 @@ class Session:
             )
         return conditions
 
-    def _stopped_report(self, goal: Sequence[Condition], wall: float, simulated: float) -> GoalReport:
-        conditions = tuple(ConditionReport(str(c), bool(c.evaluate(self.world)), None, 0, "stopped") for c in goal)
+    def _stopped_report(self, goal: Sequence[Condition], why: str, wall: float, simulated: float) -> GoalReport:
+        """Reports on a run that somebody stopped, or that was halted for a reason."""
+        reason = why or "stopped"
+        conditions = tuple(ConditionReport(str(c), bool(c.evaluate(self.world)), None, 0, reason) for c in goal)
         used = self.cycle.board.snapshot.time - simulated, time.perf_counter() - wall
-        return GoalReport(conditions, tuple(self.tasks.steps), *used, stopped=True)
+        return GoalReport(conditions, tuple(self.tasks.steps), *used, stopped=not why)
 
     def _truths(self, goal: Sequence[Condition]) -> tuple[bool, ...]:
         from skiros_py.judgement import judge

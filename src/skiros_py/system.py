@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import sys
+from collections.abc import Iterator
 from importlib.util import find_spec
+from pathlib import Path
 
 from skiros_py.errors import MissingSystemLibrary, UsageError
 
-__all__ = ["check_display", "check_system_libraries"]
+__all__ = ["check_display", "check_system_libraries", "memory", "missing_system_libraries", "processors"]
 
 _NEEDED = (
     # (used by, shared library, Debian package)
@@ -18,6 +21,7 @@ _NEEDED = (
     ("open3d", "libgomp.so.1", "libgomp1"),
     ("pinocchio", "libgomp.so.1", "libgomp1"),
 )
+_CONTAINER = Path("/sys/fs/cgroup/memory.max")
 
 
 def check_system_libraries() -> None:
@@ -26,6 +30,12 @@ def check_system_libraries() -> None:
     Raises:
         MissingSystemLibrary: One is absent; the message says which package brings it.
     """
+    for missing in missing_system_libraries():
+        raise missing
+
+
+def missing_system_libraries() -> Iterator[MissingSystemLibrary]:
+    """Yields the system libraries that are absent, as the faults that they would be."""
     if sys.platform != "linux":
         return
     for package, library, debian in _NEEDED:
@@ -33,8 +43,22 @@ def check_system_libraries() -> None:
             continue
         try:
             ctypes.CDLL(library)
-        except OSError as error:
-            raise MissingSystemLibrary(package, library, debian) from error
+        except OSError:
+            yield MissingSystemLibrary(package, library, debian)
+
+
+def processors() -> int:
+    """Returns on how many processors this process may run."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
+def memory() -> int:
+    """Returns how much memory this process may take [bytes]: what there is, or what a container leaves of it."""
+    there_is = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    try:
+        return min(there_is, int(_CONTAINER.read_text(encoding="ascii")))
+    except (OSError, ValueError):  # no such file, or "max" in it
+        return there_is
 
 
 def check_display(display: str | None) -> None:

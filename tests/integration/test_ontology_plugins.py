@@ -84,7 +84,7 @@ def test_the_files_of_an_entry_point_are_part_of_the_ontology(
         ("sk_g", {"sk_g/__init__.py": ""}, None, "there is no ontology file below"),
         ("sk_h", {"sk_h.py": ""}, None, "name a package"),
         ("sk_i", {"sk_i.py": "X = 5"}, "sk_i:X", "it is a int, nothing for ontologies"),
-        ("sk_j", {"sk_j.py": "1 / 0"}, None, "ZeroDivisionError"),
+        ("sk_j", {"sk_j.py": "1 / 0"}, "sk_j:HERE", "ZeroDivisionError"),
         ("sk_k", {"sk_k/a.ttl": ON_GARDEN.replace("garden:S", "garden:T")}, None, "unknown class 'garden:Tpade'"),
         ("sk_l", {"sk_l/a.ttl": "@prefix sk: <http://example.org/sk#> ."}, None, "prefix 'sk:' stands for"),
         ("sk_m", {"sk_m/a.ttl": GARDEN.replace("example.org/garden>", "example.org/other>")}, None, ""),

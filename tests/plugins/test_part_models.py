@@ -52,7 +52,8 @@ def test_a_model_has_the_shape_that_the_ontology_gives(kitting: World) -> None:
 def test_the_grasp_is_what_the_ontology_says(kitting: World) -> None:
     grasp = models.grasp_of(kitting, "starter_1")
 
-    assert (grasp.height, grasp.width) == (0.032, 0.049)
+    assert grasp.width == 0.049
+    assert grasp.poses[0].position == pytest.approx((0.0, 0.0, 0.032))
 
 
 def test_every_part_of_the_scene_can_be_grasped_within_its_own_height(kitting: World) -> None:
@@ -61,7 +62,8 @@ def test_every_part_of_the_scene_can_be_grasped_within_its_own_height(kitting: W
 
     assert parts
     for element in parts:
-        assert 0.0 < models.grasp_of(kitting, element).height < heights[kitting.element(element).type]
+        tool = models.grasp_of(kitting, element).poses[0]
+        assert 0.0 < tool.position[2] < heights[kitting.element(element).type]
 
 
 @pytest.mark.parametrize(
@@ -77,8 +79,11 @@ def test_every_part_of_the_scene_can_be_grasped_within_its_own_height(kitting: W
     ids=["upright", "turned about its axis", "lying", "off the axis", "block", "with a block"],
 )
 def test_a_part_that_looks_the_same_from_all_sides_may_be_taken_from_eight(blocks: tuple[str, ...], turns: int) -> None:
-    yaws = models.grasp_of(part(*blocks), "p").yaws
+    poses = models.grasp_of(part(*blocks), "p").poses
 
+    yaws = sorted(pose.yaw % (2.0 * math.pi) for pose in poses)
+    assert all(pose.position == pytest.approx((0.0, 0.0, 0.03)) for pose in poses)
+    assert len(poses) == turns
     assert yaws == pytest.approx([2.0 * math.pi * k / turns for k in range(turns)])
 
 

@@ -8,26 +8,23 @@ from typing import Any
 
 import numpy as np
 
+from skiros_primitives.fingers import firm_force, move_fingers
+from skiros_primitives.playback import Playback
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.robot.cell import ArmSpec, GripperSpec, RobotSpec
-from skiros_py.robot.devices import Arm
+from skiros_py.robot.devices import Arm, Gripper
 from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
-from skiros_py.robot.values import ArmTarget
+from skiros_py.robot.values import ArmTarget, GripperState
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A
 
-__all__ = ["ArmPrimitive", "downward"]
+__all__ = ["ArmPrimitive"]
 
 
 _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""
-
-
-def downward(x: float, y: float, z: float, yaw: float) -> Pose:
-    """Returns a tool pose that points straight down; the tool's x axis has the given heading [m, rad]."""
-    return Pose.of(x, y, z, roll=math.pi, yaw=yaw)
 
 
 class ArmPrimitive(Primitive[Any]):
@@ -73,6 +70,11 @@ class ArmPrimitive(Primitive[Any]):
         """Everything not to touch."""
         return obstacles(self.context, parts=True, without=without)
 
+    def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
+        """Opens the fingers as far as they go."""
+        spec = self.gripper_spec
+        return (yield from move_fingers(self.context, gripper, spec.max_gap, firm_force(spec)))
+
     def plan(
         self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None = None, speed: float = 1.0
     ) -> Execution[MotionPlan | NoMotion]:
@@ -95,9 +97,13 @@ class ArmPrimitive(Primitive[Any]):
         return (yield from self.wait(planner.plan(request)))
 
     def follow(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
-        """Sends a trajectory, one sample per cycle, until the arm stands; returns why it did not get there."""
-        for positions, velocities in zip(trajectory.positions[1:], trajectory.velocities[1:], strict=True):
-            self.arm.command(ArmTarget(tuple(positions.tolist()), tuple(velocities.tolist())))
+        """Sends a trajectory, one sample per cycle, until the arm stands; returns why it did not get there.
+
+        It goes by the clock of the run: when that slows down because the run is paused, the arm brakes along its way.
+        """
+        playback = Playback(trajectory, self.context.board.period, self.context.now)
+        while not playback.ended:
+            self.arm.command(playback.target(self.context.now))
             yield
         deadline = self.context.now + 0.5
         last = tuple(trajectory.positions[-1].tolist())

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from skiros_py.robot.cell import GripperSpec
 from skiros_py.robot.devices import Gripper
 from skiros_py.robot.values import GripperState, GripperTarget
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Execution
 
-__all__ = ["move_fingers"]
+__all__ = ["firm_force", "move_fingers"]
 
 _STILL_FOR = 0.1
 _PATIENCE = 2.0
+_FIRM = 0.5
+"""Share of a gripper's greatest force that parts are held with: enough for what it may carry, and gentle."""
+
+
+def firm_force(gripper: GripperSpec) -> float:
+    """Returns the force per finger that parts are held with [N]."""
+    return _FIRM * gripper.max_force
 
 
 def move_fingers(context: RunContext, gripper: Gripper, gap: float, force: float) -> Execution[GripperState]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.arm_moves import ArmPrimitive, downward
-from skiros_primitives.fingers import move_fingers
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.fingers import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of
+from skiros_primitives.poses import level
 from skiros_py.geometry import Pose
 from skiros_py.robot.devices import Gripper
 from skiros_py.robot.motion import LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
@@ -27,7 +28,6 @@ _GAP_TOLERANCE = 0.007
 """The gap over a grasped part differs from its width by at most this [m]."""
 _FIRM = 2.0
 """A held part is pressed with at least this force per finger [N]."""
-_FORCE = 30.0
 
 
 class Grasp(ArmPrimitive):
@@ -58,15 +58,15 @@ class Grasp(ArmPrimitive):
         return (yield from self._take(planned, part_pose, grasp))
 
     def _routes(self, part: Pose, grasp: GraspData) -> list[Route]:
-        x, y, z = part.position
+        above = Pose((0.0, 0.0, _LIFT))
         place = self.world.placement(self.params.part)
         touching = frozenset({self.params.part, *([place.place] if place else [])})
         routes: list[Route] = []
-        for yaw in grasp.yaws:
-            at = downward(x, y, z + grasp.height, part.yaw + yaw)
-            above = downward(x, y, z + grasp.height + _LIFT, part.yaw + yaw)
-            down, up = LineMove(at, speed=0.20, touching=touching), LineMove(above, speed=0.20, touching=touching)
-            routes.append((PoseMove(above), down, up))
+        for pose in grasp.poses:
+            at = level(part) @ pose
+            high = above @ at
+            down, up = LineMove(at, speed=0.20, touching=touching), LineMove(high, speed=0.20, touching=touching)
+            routes.append((PoseMove(high), down, up))
         return routes
 
     def _take(self, planned: MotionPlan, part_pose: Pose, grasp: GraspData) -> Execution[Outcome]:
@@ -81,7 +81,7 @@ class Grasp(ArmPrimitive):
             yield from self.recover()
             return Failure(refusal.reason)
         self.progress(2, "closing")
-        yield from move_fingers(self.context, gripper, 0.0, _FORCE)
+        yield from move_fingers(self.context, gripper, 0.0, firm_force(self.gripper_spec))
         tool = yield from self.tool_pose()
         self.progress(3, "lifting")
         self._lifting = True
@@ -109,7 +109,7 @@ class Grasp(ArmPrimitive):
             yield from self.follow_from_here(_reversed(self._retreat))
             self._lifting = False
         gripper = Gripper(self.context.board, self.params.gripper)
-        yield from move_fingers(self.context, gripper, self.gripper_spec.max_gap, _FORCE)
+        yield from self.open_wide(gripper)
         yield from self.follow_from_here(self._retreat)
         self._retreat = None
 
@@ -121,7 +121,7 @@ class Grasp(ArmPrimitive):
         if gripper.state.force >= _FIRM:  # something is held, only not as it should be: it must not be dropped
             yield from self.follow(_reversed(up))
             self._retreat, self._lifting = up, False
-        yield from move_fingers(self.context, gripper, self.gripper_spec.max_gap, _FORCE)
+        yield from self.open_wide(gripper)
         yield from self.recover()
         return Failure(
             f"{self.params.part} is not in the gripper after the lift: {felt}, expected {grasp.width * 1e3:.0f}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.fingers import move_fingers
+from skiros_primitives.fingers import firm_force, move_fingers
 from skiros_py.robot.devices import Gripper
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -28,13 +28,20 @@ class GripperControl(Primitive["GripperControl.Params"]):
         gap: float | None = param(
             "number", "Wanted gap between the pads; left out: wide open.", kind=Kind.OPTIONAL, default=None, unit="m"
         )
-        force: float = param("number", "Greatest force per finger.", kind=Kind.OFFLINE, default=30.0, unit="N")
+        force: float | None = param(
+            "number",
+            "Greatest force per finger; left out: as parts are held.",
+            kind=Kind.OPTIONAL,
+            default=None,
+            unit="N",
+        )
 
     def execute(self) -> Execution[Outcome]:
         """Moves the fingers."""
         gripper = Gripper(self.context.board, self.params.gripper)
         grippers = (g for robot in self.context.cell.robots for g in robot.grippers)
-        widest = next(g.max_gap for g in grippers if g.id == self.params.gripper)
-        gap = widest if self.params.gap is None else self.params.gap
-        state = yield from move_fingers(self.context, gripper, gap, self.params.force)
+        spec = next(g for g in grippers if g.id == self.params.gripper)
+        gap = spec.max_gap if self.params.gap is None else self.params.gap
+        force = firm_force(spec) if self.params.force is None else self.params.force
+        state = yield from move_fingers(self.context, gripper, gap, force)
         return Success(f"gap {state.gap * 1e3:.0f} mm")

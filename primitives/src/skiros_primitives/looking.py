@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from skiros_primitives.arm_moves import ArmPrimitive, downward
+from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import part_models
+from skiros_primitives.poses import downward
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.robot.cell import CameraSpec

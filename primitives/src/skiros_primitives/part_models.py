@@ -5,28 +5,31 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from skiros_primitives.poses import downward
 from skiros_py.errors import DescriptionError
-from skiros_py.geometry import Solid
+from skiros_py.geometry import Pose, Solid
 from skiros_py.robot.perception import PartModel
+from skiros_py.skills.surroundings import solid_of
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import GRASP_HEIGHT, GRASP_WIDTH, MANIPULATABLE, SOLID
+from skiros_py.world.vocabulary import GRASP_HEIGHT, GRASP_POSE, GRASP_WIDTH, MANIPULATABLE, SOLID
 
 __all__ = ["Grasp", "grasp_of", "part_models"]
+
+_ROUND_TURNS = 8
+"""From so many sides a round part is tried."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grasp:
-    """How to take a part from above, across its y axis.
+    """How to take a part.
 
     Attributes:
-        height: Height of the finger tips above the support [m].
-        width: Width of the part there [m].
-        yaws: Headings of the tool relative to the part that do equally well [rad].
+        poses: Poses of the tool in the part's frame that do equally well.
+        width: Finger gap there when the part is held [m].
     """
 
-    height: float
+    poses: tuple[Pose, ...]
     width: float
-    yaws: tuple[float, ...]
 
 
 def part_models(view: WorldView) -> tuple[PartModel, ...]:
@@ -40,17 +43,27 @@ def part_models(view: WorldView) -> tuple[PartModel, ...]:
 
 
 def grasp_of(view: WorldView, part: str) -> Grasp:
-    """Returns how to grasp a part.
+    """Returns how to grasp a part: as it says itself, else as was taught for its class, else as its class says.
 
     Raises:
-        DescriptionError: The ontology does not say how.
+        DescriptionError: Nobody says how.
     """
-    height, width = view.value(part, GRASP_HEIGHT), view.value(part, GRASP_WIDTH)
-    if not isinstance(height, float) or not isinstance(width, float):
-        raise DescriptionError(f"{view.element(part).type} has no sk:graspHeight and sk:graspWidth: give it both")
-    solid = Solid.from_json(str(view.value(part, SOLID)))
-    turns = 8 if _is_round(solid) else 2
-    return Grasp(height, width, tuple(2.0 * math.pi * k / turns for k in range(turns)))
+    pose, height, width = (view.value(part, name) for name in (GRASP_POSE, GRASP_HEIGHT, GRASP_WIDTH))
+    own = view.element(part).properties
+    if not isinstance(pose, Pose) or (GRASP_HEIGHT in own and GRASP_POSE not in own):
+        pose = downward(0.0, 0.0, height, 0.0) if isinstance(height, float) else None
+    if pose is None or not isinstance(width, float):
+        missing = f"{view.element(part).type} has no sk:graspHeight and sk:graspWidth"
+        raise DescriptionError(f"{missing}: give it both, or teach a grasp")
+    return Grasp(_alike(pose, solid_of(view, part)), width)
+
+
+def _alike(pose: Pose, solid: Solid | None) -> tuple[Pose, ...]:
+    """The grasp itself and with the fingers exchanged; from all sides of a part that looks the same from them."""
+    if solid is not None and _is_round(solid):
+        turns = (Pose.of(0.0, 0.0, 0.0, yaw=2.0 * math.pi * k / _ROUND_TURNS) for k in range(_ROUND_TURNS))
+        return tuple(turn @ pose for turn in turns)
+    return (pose, pose @ Pose.of(0.0, 0.0, 0.0, yaw=math.pi))
 
 
 def _is_round(solid: Solid) -> bool:

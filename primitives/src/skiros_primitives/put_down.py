@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_primitives.fingers import move_fingers
+from skiros_primitives.fingers import firm_force, move_fingers
+from skiros_primitives.poses import level
 from skiros_primitives.regions import inner_region
 from skiros_py.geometry import Pose
 from skiros_py.robot.devices import Gripper
@@ -16,7 +17,17 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, owner, set_pose
-from skiros_py.world.vocabulary import ARM, CONTAINER, GRASP_WIDTH, GRIPPER, HAS_A, MANIPULATABLE, ON, UNKNOWN_LOCATION
+from skiros_py.world.vocabulary import (
+    ARM,
+    CONTAINER,
+    GRASP_WIDTH,
+    GRIPPER,
+    HAS_A,
+    MANIPULATABLE,
+    ON,
+    PLACING_POSE,
+    UNKNOWN_LOCATION,
+)
 
 __all__ = ["PutDown"]
 
@@ -26,7 +37,6 @@ _DROP = 0.004
 """Height above the floor at which the part is released [m]."""
 _OPEN = 0.016
 """How far the fingers open past the part's width [m]; more could touch the walls."""
-_FORCE = 30.0
 
 
 class PutDown(ArmPrimitive):
@@ -59,19 +69,24 @@ class PutDown(ArmPrimitive):
         return (yield from self._release(planned))
 
     def _routes(self, floor: Pose, held: Held) -> list[Route]:
-        """Four headings: the part's sides along the compartment's."""
         kit = owner(self.world, self.params.compartment, CONTAINER)
         inside = {self.params.part, self.params.compartment, kit or ""} | set(self.world.subjects(HAS_A, kit or ""))
         above = Pose((0.0, 0.0, _LIFT))
         routes: list[Route] = []
-        for quarter in range(4):
-            part = floor @ Pose.of(0.0, 0.0, _DROP, yaw=quarter * math.pi / 2.0)
-            level = Pose.of(*part.position, yaw=part.yaw)
-            tool = level @ held.pose.inverse()
+        for pose in self._places():
+            tool = level(floor @ pose) @ held.pose.inverse()
             high = above @ tool
             down = LineMove(tool, speed=0.20, touching=frozenset(inside))
             routes.append((PoseMove(high), down, LineMove(high, speed=0.20, touching=frozenset(inside))))
         return routes
+
+    def _places(self) -> list[Pose]:
+        """Where in the compartment the part may be let go: as was taught, else in its middle, sides along sides."""
+        placing = self.world.value(self.params.compartment, PLACING_POSE)
+        if isinstance(placing, Pose):
+            x, y, z = placing.position
+            return [Pose((x, y, max(z, _DROP)), placing.orientation)]
+        return [Pose.of(0.0, 0.0, _DROP, yaw=quarter * math.pi / 2.0) for quarter in range(4)]
 
     def _release(self, planned: MotionPlan) -> Execution[Outcome]:
         gripper = Gripper(self.context.board, self.params.gripper)
@@ -88,7 +103,7 @@ class PutDown(ArmPrimitive):
         self.progress(2, "releasing")
         before = gripper.state.gap
         gap = min(self.gripper_spec.max_gap, (width if isinstance(width, float) else before) + _OPEN)
-        state = yield from move_fingers(self.context, gripper, gap, _FORCE)
+        state = yield from move_fingers(self.context, gripper, gap, firm_force(self.gripper_spec))
         opened = state.gap >= before + 0.5 * _OPEN
         if opened:
             self._write_released()

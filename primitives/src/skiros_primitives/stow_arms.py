@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_primitives.move_arm import MoveArm
+from skiros_py.robot.cell import ArmSpec
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -18,9 +18,13 @@ _STOWED = 0.05
 
 
 class StowArms(Primitive["StowArms.Params"]):
-    """A base must not drive with an arm stretched out: its paths are planned for its outline alone."""
+    """Brings all arms into their travelling posture: a base must not drive with one stretched out.
+
+    The base's paths are planned for its outline alone.
+    """
 
     name: ClassVar[str] = "stow_arms"
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
 
     @dataclass(frozen=True, slots=True)
     class Params:
@@ -32,10 +36,13 @@ class StowArms(Primitive["StowArms.Params"]):
         """Moves the arms one after the other."""
         robot = next(r for r in self.context.cell.robots if r.id == self.params.robot)
         for arm in robot.arms:
-            now = self.context.board.snapshot.arms[arm.id].positions
-            if max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _STOWED:
+            if self._is_stowed(arm):
                 continue
-            outcome = yield from MoveArm(self.context, MoveArm.Params(arm=arm.id)).execute()
+            outcome = yield from self.call("move_arm", arm=arm.id)
             if isinstance(outcome, Failure):
                 return outcome
         return Success("stowed")
+
+    def _is_stowed(self, arm: ArmSpec) -> bool:
+        now = self.context.board.snapshot.arms[arm.id].positions
+        return max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _STOWED

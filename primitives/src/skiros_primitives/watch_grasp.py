@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from skiros_py.robot.devices import Gripper
 from skiros_py.skills.outcome import Outcome
-from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import set_pose
 from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
@@ -30,7 +30,7 @@ class WatchGrasp(Primitive["WatchGrasp.Params"]):
     class Params:
         """Parameters."""
 
-        device: str = param(GRIPPER, "The gripper to watch.", kind=Kind.HARDWARE)
+        device: str = param(GRIPPER, "The gripper to watch; it is not taken from those who move it.")
 
     def execute(self) -> Execution[Outcome]:
         """Reads the gap in every cycle; a part that slipped out is on the floor, as far as anybody can feel."""

@@ -33,7 +33,7 @@ __all__ = [
 ALTERNATOR: Final = ClassName("kitting:Alternator")
 """An alternator standing upright, its pulley on top."""
 BOX: Final = ClassName("kitting:Box")
-"""A load carrier with parts in it."""
+"""A small open load carrier of 0.40 x 0.30 m with walls 0.06 m high, for a table; its frame lies under its bottom."""
 COMPARTMENT: Final = ClassName("kitting:Compartment")
 """One hollow of a kit; its solid is the inner volume, standing on the hollow's floor."""
 COMPRESSOR: Final = ClassName("kitting:Compressor")

@@ -91,8 +91,8 @@ class RunDisplay:
             if event.status is Status.ERROR:
                 self.say(f"{event.time:8.1f} s    {event.module} failed: {event.text}")
             return
-        self._primitive = ""
-        if event.status is Status.STARTED:
+        self._primitive = event.text if event.status is Status.RUNNING else ""
+        if event.status in (Status.STARTED, Status.RUNNING):
             self._skill = f"{event.module} {event.target}"
         else:
             mark = {Status.TERMINATED: "done", Status.ERROR: "failed", Status.PREEMPTED: "stopped"}[event.status]

@@ -7,13 +7,14 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.stops import STOPS, ignore_stops, raise_interrupt
 from skiros_py.errors import UsageError
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from skiros_py.runtime import Session
     from skiros_py.tasks.report import GoalReport
 
-__all__ = ["command"]
+__all__ = ["command", "stopping"]
 
 
 _SLOWEST, _FASTEST = 0.01, 1000.0
@@ -57,6 +58,9 @@ class _Pace(click.ParamType[float | None]):
     help="Contact sheet of the key moments (.png) or animation (.gif, .webp).",
 )
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
+@click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
+@click.option("--config", "config", multiple=True, metavar="MODULE.KEY=VALUE", help="A configuration parameter.")
+@ask_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def command(
     scene: str,
@@ -67,6 +71,9 @@ def command(
     gui: bool,
     record: Path | None,
     fake: bool,
+    driver: str | None,
+    config: tuple[str, ...],
+    ask: bool | None,
     as_json: bool,
 ) -> int:
     """Plans and does the goal of SCENE (a name, or a path to a .ttl file)."""
@@ -80,11 +87,24 @@ def command(
         _chatter_to_stderr()
     from skiros_py.runtime import Options, Session
 
-    options = Options(seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals)
+    options = Options(
+        seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals, driver=driver, config=_config(config)
+    )
     with Session(scene, options) as session:
-        status = _run(session, record, as_json=as_json)
+        status = _run(session, record, ask=ask, as_json=as_json)
         ignore_stops()  # closing is quick and must not be torn apart
         return status
+
+
+def _config(texts: Sequence[str]) -> dict[str, str]:
+    """Reads the configuration parameters."""
+    config = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or "." not in key:
+            raise UsageError(f"--config takes MODULE.KEY=VALUE, not '{text}'")
+        config[key] = value
+    return config
 
 
 def _chatter_to_stderr() -> None:
@@ -95,12 +115,12 @@ def _chatter_to_stderr() -> None:
     sys.stdout = os.fdopen(ours, "w", encoding="utf-8", buffering=1)
 
 
-def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
+def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
     from skiros_py.cli.display import RunDisplay
     from skiros_py.recording import Recorder
 
     recorder = Recorder(session, record) if record is not None else None
-    with RunDisplay(session, to_stderr=as_json) as display, _stopping(session):
+    with RunDisplay(session, to_stderr=as_json) as display, stopping(session), answering(session.questions, ask=ask):
         report = session.run()
     display.show_report(report)
     if recorder is not None:
@@ -115,7 +135,7 @@ def _run(session: Session, record: Path | None, *, as_json: bool) -> int:
 
 
 @contextmanager
-def _stopping(session: Session) -> Iterator[None]:
+def stopping(session: Session) -> Iterator[None]:
     """Ctrl-C and a polite kill halt the robot in the next cycle; a second one does not wait for standstill."""
 
     def stop(number: int, _frame: object) -> None:

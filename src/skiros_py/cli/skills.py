@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.cli.text import escaped
+
 if TYPE_CHECKING:
     from skiros_py.catalogue import Catalogue
 
@@ -20,6 +22,7 @@ def command(as_json: bool) -> int:
     from skiros_py.catalogue import load_catalogue
 
     catalogue = load_catalogue()
+    catalogue.load_all()
     if as_json:
         click.echo(json.dumps(_as_json(catalogue)))
     else:
@@ -42,7 +45,9 @@ def _as_json(catalogue: Catalogue) -> dict[str, object]:
         for name, skill in catalogue.skills.items()
     }
     conditions = {name: type_.help for name, type_ in catalogue.conditions.items()}
-    faults = [{"name": f.name, "from": f.distribution, "reason": f.reason} for f in catalogue.faults]
+    faults = [
+        {"name": f.name, "from": f.distribution, "reason": f.reason, "origin": f.origin} for f in catalogue.faults
+    ]
     return {
         "skills": skills,
         "primitives": sorted(catalogue.primitives),
@@ -71,4 +76,5 @@ def _print(catalogue: Catalogue) -> None:
     for reasoner in catalogue.reasoners:
         click.echo(f"reasoner {reasoner.name} computes {', '.join(sorted(reasoner.relations)) or 'no relation'}")
     for fault in catalogue.faults:
-        click.echo(f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}", err=True)
+        told = f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}"
+        click.echo(escaped(told), err=True)

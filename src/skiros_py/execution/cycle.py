@@ -5,53 +5,22 @@ All tasks of a cycle see the same snapshot. Time is the cell's; the pace says ho
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable, Generator
-from typing import Generic, TypeVar
+from typing import Any, TypeVar
 
+from skiros_py.errors import UsageError
+from skiros_py.execution.clock import RunClock
+from skiros_py.execution.pulse import CycleOverrun, Pulse
+from skiros_py.execution.task import Task
 from skiros_py.robot.devices import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]
 
 T = TypeVar("T")
 
-
-class Task(Generic[T]):
-    """A generator that is ticked once per cycle until it returns."""
-
-    def __init__(self, generator: Generator[None, None, T]) -> None:
-        self._generator = generator
-        self.done = False
-        self.stopped = False
-        self._result: T | None = None
-
-    def tick(self) -> None:
-        """Runs it up to its next ``yield``."""
-        try:
-            next(self._generator)
-        except StopIteration as end:
-            self._result = end.value
-            self.done = True
-        except BaseException:
-            self.done = self.stopped = True
-            raise
-
-    def stop(self) -> None:
-        """Breaks it off now; its ``finally`` blocks run, and nothing more of it afterwards."""
-        if not self.done:
-            self.done = self.stopped = True
-            self._generator.close()
-
-    @property
-    def result(self) -> T:
-        """What it returned.
-
-        Raises:
-            RuntimeError: It still runs or was stopped.
-        """
-        if not self.done or self.stopped:
-            raise RuntimeError("a task has a result only after it ended by itself")
-        return self._result  # type: ignore[return-value]  # T may include None
+_log = logging.getLogger(__name__)
 
 
 class ControlCycle:
@@ -60,79 +29,185 @@ class ControlCycle:
     Args:
         board: The devices.
         pace: Simulated seconds per wall second; None for as fast as possible.
+
+    Attributes:
+        board: The devices.
+        pace: Simulated seconds per wall second; None for as fast as possible.
+        pulse: What the control thread does at this moment, for the watchdog.
+        halted: Why everything was halted; empty while tasks may run.
     """
 
     def __init__(self, board: DeviceBoard, pace: float | None = None) -> None:
         self.board = board
-        self._pace = pace
-        self._tasks: list[Task[object]] = []
+        self.pace = pace
+        self.pulse = Pulse()
+        self.halted = ""
+        self._tasks: list[Task[Any]] = []
+        self._stopping: list[Task[Any]] = []
         self._observers: list[Callable[[], None]] = []
+        self._fault_listeners: list[Callable[[Task[Any]], None]] = []
         self._epoch = (time.perf_counter(), board.snapshot.time)
 
-    def start(self, generator: Generator[None, None, T]) -> Task[T]:
-        """Adds a task; it is ticked for the first time in the coming cycle."""
-        task = Task(generator)
-        self._tasks.append(task)  # type: ignore[arg-type]  # the cycle only ticks it
+    # ------------------------------------------------------------------ running
+
+    def start(self, generator: Generator[None, None, T], name: str = "", *, clock: RunClock | None = None) -> Task[T]:
+        """Adds a task; it is ticked for the first time in the coming cycle.
+
+        Args:
+            generator: What is ticked.
+            name: For messages; the generator's own name where left out.
+            clock: The task's clock, where others read it too.
+
+        Raises:
+            UsageError: Everything was halted, and nobody has called :meth:`reset` since.
+        """
+        task = Task(generator, name, clock=clock, board=self.board, pulse=self.pulse)
+        if self.halted:
+            raise UsageError(f"{task.name} cannot start: everything was halted ({self.halted}); reset the robots first")
+        self._tasks.append(task)
         return task
 
     def observe(self, observer: Callable[[], None]) -> None:
         """Calls a function at the end of every cycle; it must be quick and change nothing."""
         self._observers.append(observer)
 
+    def on_fault(self, listener: Callable[[Task[Any]], None]) -> None:
+        """Calls a function at the end of each cycle with every task that ended with a fault; else they are logged."""
+        self._fault_listeners.append(listener)
+
     def step(self) -> None:
         """Runs one cycle."""
+        self._obey_halt()
         self.board.exchange()
-        for task in list(self._tasks):
-            task.tick()
-        self._tasks = [task for task in self._tasks if not task.done]
+        self._settle()
+        self._tick_all(self.board.snapshot.time)
+        self._obey_halt()
+        self._sort_out()
         for observer in self._observers:
             observer()
         self._keep_pace()
 
     def run(self, task: Task[T]) -> T:
-        """Runs cycles until a task is done and returns its result."""
+        """Runs cycles until a task is done and returns its result, or raises its fault."""
         while not task.done:
             self.step()
         return task.result
 
-    def stop_all(self, *, patience: float = 5.0) -> bool:
-        """Stops every task and runs on until everything stands.
+    # ------------------------------------------------------------------ halting
+
+    def halt(self, reason: str) -> None:
+        """Brakes everything at once, past all queues, and ends all tasks as soon as the control thread comes round.
+
+        May be called in any thread and in a task. No task can be started until :meth:`reset`.
 
         Args:
-            patience: Longest time to wait for standstill [s].
+            reason: Why, for a person.
+        """
+        self.halted = self.halted or reason or "halted"
+        self.board.halt()
+
+    def stop_all(self, reason: str = "a stop was asked for", *, patience: float | None = None) -> bool:
+        """Halts everything and runs on until all stands; only between two cycles.
+
+        No task can be started until :meth:`reset`.
+
+        Args:
+            reason: Why, for a person.
+            patience: Longest time to wait for standstill [s]; the robots' braking time where left out.
 
         Returns:
             True when everything stands.
 
         Raises:
-            Exception: What the first task raised while it was stopped; all are stopped before.
+            UsageError: A task called it.
         """
-        faults = [fault for task in self._tasks if (fault := _stop(task)) is not None]
-        self._tasks = []
-        deadline = self.board.snapshot.time + patience
+        if self.pulse.task is not None:
+            raise UsageError(f"{self.pulse.task.name}: a task cannot wait for its own end; it may halt everything")
+        self.halt(reason)
+        deadline = self.board.snapshot.time + (self.board.braking_time if patience is None else patience)
         self.step()
         while not self.board.still and self.board.snapshot.time < deadline:
             self.step()
-        if faults:
-            raise faults[0]
         return self.board.still
 
+    def reset(self) -> None:
+        """Lets tasks be started again after everything was halted.
+
+        Raises:
+            UsageError: Something still moves, or a task still runs.
+        """
+        if self.pulse.task is not None or (self.halted and not all(task.done for task in self._tasks)):
+            raise UsageError("reset is for when everything has stopped: a task still runs")
+        if not self.board.still:
+            raise UsageError("reset is for when everything stands: something still moves")
+        self.board.release()
+        self.halted = ""
+
+    def _obey_halt(self) -> None:
+        if self.halted and self._tasks:
+            for task in self._tasks:
+                task.stop(self.halted)
+            self._sort_out()
+
+    # ------------------------------------------------------------------ parts of a cycle
+
+    def _tick_all(self, now: float) -> None:
+        """Ticks every task once; an interruption that comes late, between two ticks, changes nothing."""
+        board, pulse = self.board, self.pulse
+        pulse.begin_cycle()
+        coming = iter(tuple(self._tasks))
+        while True:
+            try:
+                for task in coming:
+                    pulse.task = board.owner = task
+                    if pulse.overrun is not None:
+                        pulse.settle()
+                    if not task.done:
+                        task.tick(now)
+                pulse.task = board.owner = None
+                if pulse.overrun is not None:
+                    pulse.settle()
+                return
+            except CycleOverrun:
+                continue
+            finally:
+                pulse.task = board.owner = None
+
+    def _sort_out(self) -> None:
+        """Parts with what is done, and tells of faults."""
+        done = [task for task in self._tasks if task.done]
+        if not done:
+            return
+        self._tasks = [task for task in self._tasks if not task.done]
+        for task in done:
+            task.settle()
+            if task.fault is not None:
+                self._tell(task)
+        self._stopping += [task for task in done if task.stopping]
+
+    def _settle(self) -> None:
+        """Looks what has come to a standstill of all that was stopped."""
+        for task in self._stopping:
+            before = task.fault
+            task.settle()
+            if task.fault is not before:
+                self._tell(task)
+        if self._stopping:
+            self._stopping = [task for task in self._stopping if task.stopping]
+
+    def _tell(self, task: Task[Any]) -> None:
+        if not self._fault_listeners:
+            _log.error("%s ended with a fault", task.name, exc_info=task.fault)
+        for listener in self._fault_listeners:
+            listener(task)
+
     def _keep_pace(self) -> None:
-        if self._pace is None:
+        if self.pace is None:
             return
         wall, simulated = self._epoch
-        due = wall + (self.board.snapshot.time - simulated) / self._pace
+        due = wall + (self.board.snapshot.time - simulated) / self.pace
         delay = due - time.perf_counter()
         if delay > 0.0:
             time.sleep(delay)
         elif delay < -1.0:  # far behind (a long planning): do not race to catch up
             self._epoch = (time.perf_counter(), self.board.snapshot.time)
-
-
-def _stop(task: Task[object]) -> Exception | None:
-    """Stops a task; what its clean-up raises is returned, so that the others are stopped too."""
-    try:
-        task.stop()
-    except Exception as fault:  # noqa: BLE001 - an author's code: whatever it raises, the robot has to stop
-        return fault
-    return None

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import enum
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
 __all__ = ["ModuleEvent", "Monitor", "Status"]
+
+_log = logging.getLogger(__name__)
 
 
 class Status(enum.Enum):
@@ -36,6 +39,8 @@ class ModuleEvent:
         code: Progress code; negative for an error.
         text: Words for a person.
         target: Id of the element that a skill is done to; empty for primitives.
+        agent: Id of the subsystem whose skill manager runs it.
+        caller: Name of the skill that it is part of; empty for a module that was started by itself.
     """
 
     time: float
@@ -45,6 +50,8 @@ class ModuleEvent:
     code: int
     text: str
     target: str = ""
+    agent: str = ""
+    caller: str = ""
 
 
 class Monitor:
@@ -60,4 +67,7 @@ class Monitor:
     def publish(self, event: ModuleEvent) -> None:
         """Hands an event to all listeners."""
         for listener in self._listeners:
-            listener(event)
+            try:
+                listener(event)
+            except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
+                _log.exception("a listener of module events broke")

@@ -5,69 +5,32 @@ It is reached through a small interface of plain data, so that it may one day li
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
-from skiros_py.errors import UnknownName
-from skiros_py.execution.cycle import ControlCycle, Task
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.execution.claims import Claims
+from skiros_py.execution.clock import RunClock
+from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.hardware import pieces
+from skiros_py.execution.modules import ModuleInfo, Modules
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
-from skiros_py.execution.skill_run import SkillRun
+from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
+from skiros_py.execution.running import Running, RunningModule
+from skiros_py.execution.scope import Scope
+from skiros_py.execution.task import Task
+from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.parameters import Kind, params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
-from skiros_py.world.vocabulary import HAS_A, HAS_SKILL, SKILL
+from skiros_py.skills.surroundings import owner
+from skiros_py.world.vocabulary import HAS_A, HAS_PRIMITIVE, HAS_SKILL, MODULE_DESCRIPTION, PRIMITIVE, SKILL, VERSION
 
-__all__ = ["Running", "RunningSkill", "SkillManager", "Transport"]
-
-
-class Running(Protocol):
-    """A skill that was started, wherever it runs."""
-
-    @property
-    def done(self) -> bool:
-        """True when it ended or was stopped."""
-        ...
-
-    @property
-    def result(self) -> Outcome:
-        """How it ended by itself."""
-        ...
-
-    def break_off(self, reason: str) -> None:
-        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
-        ...
-
-    def stop(self) -> None:
-        """Stops it in this cycle; nothing follows."""
-        ...
-
-
-class RunningSkill:
-    """A skill that runs in this process's control cycle."""
-
-    def __init__(self, run: SkillRun, task: Task[Outcome]) -> None:
-        self._run = run
-        self._task = task
-
-    @property
-    def done(self) -> bool:
-        """True when it ended or was stopped."""
-        return self._task.done
-
-    @property
-    def result(self) -> Outcome:
-        """How it ended by itself."""
-        return self._task.result
-
-    def break_off(self, reason: str) -> None:
-        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
-        self._run.break_off(reason)
-
-    def stop(self) -> None:
-        """Stops it in this cycle; nothing follows."""
-        self._task.stop()
+__all__ = ["SkillManager", "Transport"]
 
 
 class Transport(Protocol):
@@ -80,16 +43,18 @@ class Transport(Protocol):
 
     @property
     def descriptions(self) -> Mapping[str, SkillDescription]:
-        """What it offers, by name."""
+        """The skills it offers, by name; none when it is lost."""
         ...
 
-    def start(self, skill: str, arguments: Mapping[str, str]) -> Running:
-        """Starts a skill."""
+    def start(self, module: str, arguments: Mapping[str, Any]) -> Running:
+        """Starts a module."""
         ...
 
 
 class SkillManager:
-    """Offers the skills that fit one subsystem and runs them in the control cycle.
+    """Offers the modules that fit one subsystem and runs them in the control cycle.
+
+    The same module runs once at a time, different ones at the same time, as far as their devices allow.
 
     Args:
         agent: Id of the subsystem.
@@ -99,6 +64,9 @@ class SkillManager:
         cycle: Runs everything.
         monitor: Takes module events.
         driver: Kind of cell driver; a fake one gets the implementations that only pretend.
+        claims: Who may use which device, over all managers of the cell.
+        watches: Conditions under watch.
+        config: Values of configuration parameters by "module.key".
     """
 
     def __init__(
@@ -111,64 +79,237 @@ class SkillManager:
         monitor: Monitor,
         *,
         driver: str,
+        claims: Claims | None = None,
+        watches: Watches | None = None,
+        config: Mapping[str, Any] | None = None,
     ) -> None:
         self.agent = agent
-        self._primitives = primitives
+        self.lost = ""
         self._context = context
         self._cycle = cycle
         self._monitor = monitor
-        self._skills = _choose(skills, context, agent, driver)
+        self._watches = watches or Watches(context.world)
+        chosen = _choose(skills, context, agent, driver)
+        self._modules = Modules(agent, chosen, primitives, claims or Claims(), config or {})
+        self._running: dict[str, RunningModule] = {}
+        self._watchers: list[Task[Outcome]] = []
+        self._registered: list[str] = []
+        cycle.observe(self._attend)
+
+    # ------------------------------------------------------------------ what it offers
 
     @property
     def descriptions(self) -> Mapping[str, SkillDescription]:
-        """What it offers, by name."""
-        return {name: skill.description for name, skill in self._skills.items()}
+        """The skills it offers, by name; none when it is lost."""
+        return {} if self.lost else {name: ways[0].description for name, ways in self._modules.skills.items()}
 
-    def register(self) -> None:
-        """Writes what it can do into the world model, where planners and people find it."""
-        if not self._skills:
-            return
-        with self._context.world.transaction(author=f"skill manager {self.agent}", reason="registers its skills") as tx:
-            for name in sorted(self._skills):
-                skill = tx.add(SKILL, label=name)
-                tx.relate(self.agent, HAS_SKILL, skill)
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Names of all modules it can run: its skills, and the primitives whose hardware it has."""
+        fitting = [name for name in sorted(self._modules.primitives) if self._has_hardware_for(name)]
+        return (*sorted(self._modules.skills), *fitting)
 
-    def watch(self) -> None:
-        """Starts the primitives that watch this subsystem's devices in the background."""
-        view = self._context.world
-        for name, primitive in sorted(self._primitives.items()):
-            for device in view.objects(self.agent, HAS_A) if primitive.watches else ():
-                if view.ontology.is_a(view.element(device).type, primitive.watches or ""):
-                    report = self._reporter(name)
-                    watcher = primitive(replace(self._context, report=report), primitive.Params(device=device))
-                    self._cycle.start(watcher.execute())
+    def info(self, module: str) -> ModuleInfo:
+        """Describes one module.
 
-    def _reporter(self, primitive: str) -> Callable[[str, int, str], None]:
-        def report(_module: str, code: int, text: str) -> None:
-            event = ModuleEvent(self._context.now, "primitive", primitive, Status.RUNNING, code, text)
-            self._monitor.publish(event)
+        Raises:
+            UnknownName: There is no such module.
+        """
+        return self._modules.info(module)
 
-        return report
-
-    def start(self, skill: str, arguments: Mapping[str, str]) -> RunningSkill:
-        """Starts a skill.
+    def implementations(self, skill: str) -> Sequence[Skill]:
+        """Returns the ways of doing a skill, in the order in which they are tried.
 
         Raises:
             UnknownName: It does not offer that skill.
         """
-        if skill not in self._skills:
-            raise UnknownName("skill", skill, self._skills, where=f"of {self.agent}")
-        run = SkillRun(self._skills[skill], arguments, self._context, self._primitives, self._monitor)
-        return RunningSkill(run, self._cycle.start(run.execute()))
+        if skill not in self._modules.skills:
+            raise UnknownName("skill", skill, self._modules.skills, where=f"of {self.agent}")
+        return self._modules.skills[skill]
+
+    def panel(self, module: str, given: Mapping[str, Any]) -> Panel:
+        """Tells what a module would be run with now, and which of its conditions hold.
+
+        Raises:
+            UnknownName: There is no such module.
+            UsageError: Something is wrong with what is given.
+        """
+        info, world = self.info(module), self._context.world
+        if info.kind == "primitive":
+            return primitive_panel(info.params, given, world, self.agent)
+        return skill_panel(self._modules.skills[module][0].description, given, world, self.agent)
+
+    def _has_hardware_for(self, primitive: str) -> bool:
+        cls, view = self._modules.primitives[primitive], self._context.world
+        if cls.watches is not None:
+            return False
+        there = [view.element(e).type for e in pieces(view, self.agent)]
+        wanted = [p.element_class for p in params_of(cls.Params) if p.kind is Kind.HARDWARE]
+        return all(any(view.ontology.is_a(type_, class_) for type_ in there) for class_ in wanted)
+
+    # ------------------------------------------------------------------ coming and going
+
+    def register(self) -> None:
+        """Writes what it can do into the world model, where planners and people find it."""
+        world = self._context.world
+        primitives = [name for name in self.modules if name not in self._modules.skills]
+        offered = [*((SKILL, HAS_SKILL, name) for name in sorted(self._modules.skills))]
+        offered += [(PRIMITIVE, HAS_PRIMITIVE, name) for name in primitives]
+        if not offered:
+            return
+        with world.transaction(author=self._author, reason="registers what it can do") as tx:
+            for class_, relation, name in offered:
+                info = self._modules.info(name)
+                module = tx.add(class_, label=name)
+                tx.set(module, VERSION, info.version)
+                tx.set(module, MODULE_DESCRIPTION, json.dumps(info.as_json()))
+                tx.relate(self.agent, relation, module)
+                self._registered.append(module)
+
+    def retire(self) -> None:
+        """Stops what runs, ends its watching, and takes back what it wrote about itself into the world model."""
+        self.stop()
+        for watcher in self._watchers:
+            watcher.stop("its skill manager goes")
+        self._watchers.clear()
+        self._unregister("goes")
+
+    def lose(self, reason: str) -> None:
+        """Gives it up: nobody may count on its skills any more. For any thread; everything else goes on."""
+        if not self.lost:
+            self.lost = reason
+            self._unregister(f"is lost: {reason}")
+
+    def _unregister(self, reason: str) -> None:
+        world = self._context.world
+        there = [module for module in self._registered if world.has(module)]
+        self._registered.clear()
+        if there:
+            with world.transaction(author=self._author, reason=reason) as tx:
+                for module in there:
+                    tx.remove(module)
+
+    def watch(self) -> None:
+        """Starts the primitives that watch this subsystem's devices in the background."""
+        view = self._context.world
+        for name, primitive in sorted(self._modules.primitives.items()):
+            for device in view.objects(self.agent, HAS_A) if primitive.watches else ():
+                if view.ontology.is_a(view.element(device).type, primitive.watches or ""):
+                    scope = self._scope(f"{name} of {device}")
+                    run = self._modules.run(name, {"device": device}, scope)
+                    self._watchers.append(self._cycle.start(run, name=f"{name} of {device}"))
+
+    # ------------------------------------------------------------------ running
+
+    @property
+    def running(self) -> Mapping[str, RunningModule]:
+        """What runs now, by name."""
+        return dict(self._running)
+
+    def start(self, module: str, arguments: Mapping[str, Any]) -> RunningModule:
+        """Starts a module.
+
+        Parameters that are left out are inferred in the first cycle; what is wrong with them is the run's failure.
+
+        Raises:
+            UnknownName: It does not offer that module.
+            UsageError: The module runs already, the manager is lost, or everything was stopped and not reset.
+        """
+        if self.lost:
+            raise UsageError(f"the skill manager of {self.agent} is lost: {self.lost}")
+        if module in self._running:
+            raise UsageError(f"{module} of {self.agent} is running already: wait for its end, or stop it")
+        kind = self._modules.kind(module)
+        clock = RunClock(self._cycle.board.snapshot.time)
+        scope = replace(self._scope(module), context=replace(self._context, clock=clock))
+        name = f"{module} of {self.agent}"
+        if kind == "skill":
+            run = self._modules.skill_run(module, arguments, scope)
+            task = self._cycle.start(run.execute(), name=name, clock=clock)
+            started = RunningModule(module, task, scope, run.break_off, arguments=run.arguments)
+        else:
+            task = self._cycle.start(self._modules.run(module, arguments, scope), name=name, clock=clock)
+            started = RunningModule(module, task, scope, arguments=arguments)
+        self._running[module] = started
+        return started
+
+    def pause(self) -> None:
+        """Lets everything it runs come to a standstill."""
+        for running in self._running.values():
+            running.pause()
+
+    def resume(self) -> None:
+        """Goes on after a pause."""
+        for running in self._running.values():
+            running.resume()
+
+    def step(self) -> None:
+        """Lets everything that is paused do one cycle."""
+        for running in self._running.values():
+            running.step()
+
+    def stop(self) -> None:
+        """Stops everything it runs, in this cycle."""
+        for running in list(self._running.values()):
+            running.stop()
+
+    def reset(self, module: str) -> None:
+        """Makes a module fit to run again after a fault.
+
+        Raises:
+            UnknownName: It does not offer that module.
+            UsageError: The module runs.
+        """
+        self._modules.kind(module)
+        if module in self._running:
+            raise UsageError(f"{module} of {self.agent} is running: stop it first")
+        self._modules.reset(module, self._context)
+
+    def _scope(self, name: str) -> Scope:
+        context = replace(self._context, report=self._reporter(name))
+        return Scope(context, self._modules, self._watches, self._monitor, self.agent)
+
+    def _attend(self) -> None:
+        """Looks after what it runs, at the end of each cycle: what stands is told to have stopped."""
+        for name, running in list(self._running.items()):
+            if running.done:
+                del self._running[name]
+                for unfinished in running.scope.unfinished:
+                    unfinished.claim.release()
+                if running.status == "stopped":
+                    self._tell_stopped(running)
+
+    def _tell_stopped(self, running: RunningModule) -> None:
+        fault = running.task.fault
+        status = Status.PREEMPTED if fault is None else Status.ERROR
+        kind = self._modules.kind(running.name)
+        text = running.task.reason or "stopped" if fault is None else str(running.result)
+        code = 0 if fault is None else -3
+        time = self._context.board.snapshot.time
+        self._monitor.publish(ModuleEvent(time, kind, running.name, status, code, text, agent=self.agent))
+
+    def _reporter(self, name: str) -> Callable[[str, int, str], None]:
+        def report(_module: str, code: int, text: str) -> None:
+            time = self._context.board.snapshot.time
+            event = ModuleEvent(time, "primitive", name, Status.RUNNING, code, text, agent=self.agent)
+            self._monitor.publish(event)
+
+        return report
+
+    @property
+    def _author(self) -> str:
+        return f"skill manager {self.agent}"
 
 
-def _choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, Skill]:
-    """Takes one implementation of each description that fits the subsystem."""
+def _choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, tuple[Skill, ...]]:
+    """Takes the implementations that fit the subsystem and its robot, by skill, in the order of trying."""
     view = context.world
-    chosen: dict[str, Skill] = {}
+    robot = owner(view, agent) or agent
+    there = [view.element(e).type for e in pieces(view, robot)]
+    chosen: dict[str, list[Skill]] = {}
     for skill in skills:
-        wanted = skill.driver == driver if driver == "fake" else skill.driver is None
-        class_ = skill.description.agent_class
-        if wanted and view.ontology.is_a(view.element(agent).type, class_):
-            chosen.setdefault(skill.description.name, skill)
-    return chosen
+        wanted = skill.driver == driver if driver == "fake" else skill.driver in (None, driver)
+        equipped = all(any(view.ontology.is_a(t, class_) for t in there) for class_ in skill.requires)
+        if wanted and equipped and view.ontology.is_a(view.element(agent).type, skill.description.agent_class):
+            chosen.setdefault(skill.description.name, []).append(skill)
+    return {name: tuple(sorted(ways, key=lambda s: (s.order, s.label))) for name, ways in chosen.items()}

@@ -5,65 +5,114 @@ Written for relations in general: which relations move something, and which end 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count, product
 
-from skiros_py.errors import PlanningError
-from skiros_py.planning.literals import CAN, NOTHING, Conjunction, atom_of, expand
+from skiros_py.errors import DescriptionError, PlanningError
+from skiros_py.planning.literals import (
+    CAN,
+    NOTHING,
+    Asked,
+    Conjunction,
+    allows_value,
+    asked_literals,
+    expand,
+    property_of,
+)
 from skiros_py.planning.model import Action, Atom, Variable
-from skiros_py.skills.conditions import Condition, Not, Nothing, Related
+from skiros_py.planning.needs import needs_of, sensed_holds_of
+from skiros_py.skills.conditions import Assign, Effect, Not, Relate, Unrelate, effects_of
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 
 __all__ = ["actions_of", "emptiness_classes", "maintain_emptiness", "moved_and_place"]
 
 
-def actions_of(skill: SkillDescription, ontology: Ontology) -> tuple[Action, ...]:
+def actions_of(
+    skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not] | None = None
+) -> tuple[Action, ...]:
     """Translates one skill; one action for each way its preconditions can hold.
+
+    Args:
+        skill: The skill.
+        ontology: Classes and relations.
+        asked: What is asked anywhere in the task about properties, by predicate: what the skill does to that is among
+            its effects. The skill's own where left out.
 
     Raises:
         PlanningError: A condition cannot be said in typed STRIPS; the message names it.
     """
     where = f"skill '{skill.name}'"
     fresh = count(1)
-    needed = (*skill.pre, *skill.hold)  # what must hold while it runs must hold when it starts
+    needed = needs_of(skill)
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
     variants = list(product(*choices))
+    if asked is None:
+        asked = asked_literals(c.pattern for c in needed)
+    effects = _Effects(skill, ontology, asked)
     names = [skill.name] if len(variants) == 1 else [f"{skill.name}/{i + 1}" for i in range(len(variants))]
-    return tuple(_action(name, skill, variant, ontology) for name, variant in zip(names, variants, strict=True))
+    return tuple(_action(n, skill, variant, effects, ontology) for n, variant in zip(names, variants, strict=True))
 
 
-def _action(name: str, skill: SkillDescription, pre: Sequence[Conjunction], ontology: Ontology) -> Action:
-    own = tuple(Variable(param.key, param.type) for param in skill.params if param.is_element)
+def _action(
+    name: str, skill: SkillDescription, pre: Sequence[Conjunction], effects: _Effects, ontology: Ontology
+) -> Action:
+    own = tuple(Variable(param.key, param.element_class) for param in skill.params if param.is_element)
     extra = tuple(dict.fromkeys(variable for part in pre for variable in part.variables))
     atoms = [Atom(CAN + skill.name, (skill.agent,)), *(atom for part in pre for atom in part.atoms)]
-    add, delete = _declared_effects(skill)
-    draft = Action(name, skill.name, own + extra, tuple(dict.fromkeys(atoms)), add, delete)
+    notes = tuple(f"hold condition {c}: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill))
+    draft = Action(name, skill.name, own + extra, tuple(dict.fromkeys(atoms)), effects.add, effects.delete, notes)
     return _with_question_marks(_with_implicit_deletes(draft, ontology))
 
 
-def _declared_effects(skill: SkillDescription) -> tuple[tuple[Atom, ...], tuple[Atom, ...]]:
-    add: list[Atom] = []
-    delete: list[Atom] = []
-    for condition in skill.post:
-        match condition.pattern:
-            case Related() as pattern:
-                add.append(atom_of(pattern))
-            case Not(Related() as pattern):
-                delete.append(atom_of(pattern))
-            case Nothing() | Not(Nothing()):
-                pass  # follows from what is moved: see maintain_emptiness
-            case _:
-                raise PlanningError(_cannot_cause(skill, condition))
-    return tuple(add), tuple(delete)
+class _Effects:
+    """What a skill's postconditions do to atoms, as lists of atoms that they add and delete."""
 
+    def __init__(self, skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not]) -> None:
+        self._skill = skill
+        self._ontology = ontology
+        self._asked = asked
+        added: list[Atom] = []
+        deleted: list[Atom] = []
+        for effect in self._declared():
+            add, delete = self._atoms(effect)
+            added += add
+            deleted += delete
+        self.add, self.delete = tuple(added), tuple(deleted)
 
-def _cannot_cause(skill: SkillDescription, condition: Condition) -> str:
-    return (
-        f"skill '{skill.name}', postcondition {condition}: a skill can bring about a relation, the end of one, or that "
-        "nothing is there; use the relation that this condition follows from"
-    )
+    def _declared(self) -> list[Effect]:
+        try:
+            return [effect for condition in self._skill.post for effect in effects_of(condition)]
+        except DescriptionError as error:
+            raise PlanningError(f"skill '{self._skill.name}', postcondition {error}") from None
+
+    def _atoms(self, effect: Effect) -> tuple[list[Atom], list[Atom]]:
+        match effect:
+            case Relate(relation, subject, object_):
+                return [Atom(relation, (subject, object_))], []
+            case Unrelate(relation, subject, object_):
+                return [], [Atom(relation, (subject, object_))]
+            case Assign(property_, subject, value):
+                self._check_no_fallback(effect)
+                about = {p: literal for p, literal in self._asked.items() if property_of(literal) == property_}
+                true = {p for p, literal in about.items() if allows_value(literal, value)}
+                atoms = {p: Atom(p, (subject,)) for p in about}
+                return [atoms[p] for p in about if p in true], [atoms[p] for p in about if p not in true]
+
+    def _check_no_fallback(self, effect: Assign) -> None:
+        """Refuses to take a value away where that of the class would then count: it differs from class to class."""
+        class_ = self._skill.param(effect.subject).element_class
+        if effect.value is not None or class_ not in self._ontology.classes:
+            return
+        given = [
+            c for c in self._ontology.subclasses(class_) if self._ontology.class_value(c, effect.property) is not None
+        ]
+        if given:
+            raise PlanningError(
+                f"skill '{self._skill.name}' takes away the {effect.property} of {effect.subject}, and the class "
+                f"{given[0]} gives one to all its things: set a value instead"
+            )
 
 
 def moved_and_place(atom: Atom, ontology: Ontology) -> tuple[str, str]:

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from skiros_py.planning.literals import CAN, HAS, NOTHING
+from skiros_py.planning.classes import IS
+from skiros_py.planning.literals import BY_CLASS, CAN, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.matching import bindings
 from skiros_py.planning.model import Action, Atom
 from skiros_py.planning.task import PlanningTask
@@ -100,7 +101,7 @@ class _Relaxation:
 
     def _where_instead(self, atom: Atom, types: Mapping[str, str]) -> str:
         """Says that nothing brings an atom about, and for a placement where the things are instead."""
-        plain = f"{self._words(atom, types)} does not hold, and no skill brings it about"
+        plain = f"{self._instead(atom) or f'{self._words(atom, types)} does not hold'}, and no skill brings it about"
         if atom.predicate not in self.ontology.relations or not self.ontology.is_placement(atom.predicate):
             return plain
         moved = atom.arguments[0]
@@ -167,7 +168,14 @@ class _Relaxation:
             return f"{atom.arguments[0]} has none"
         if atom.predicate.startswith(CAN):
             return "it does not"
-        return f"that is not so ({self._words(atom, types)}), and no skill changes it"
+        return f"{self._instead(atom) or f'that is not so ({self._words(atom, types)})'}, and no skill changes it"
+
+    def _instead(self, atom: Atom) -> str:
+        """Returns what is the case instead of something that was evaluated at the start, or ""."""
+        asked = self.task.asked.get(atom.predicate)
+        if asked is None or any(argument.startswith("?") for argument in atom.arguments):
+            return ""
+        return asked.evaluate(self.view, dict(zip(("1", "2"), atom.arguments, strict=False))).text
 
     def _words(self, atom: Atom, types: Mapping[str, str]) -> str:
         """Returns the atom as a person would say it."""
@@ -178,6 +186,17 @@ class _Relaxation:
             return f"{names[0]} has a {self._word(atom.predicate.removeprefix(HAS))}"
         if atom.predicate.startswith(NOTHING):
             return f"nothing {self._word(atom.predicate.removeprefix(NOTHING))} {names[0]}"
+        if atom.predicate.startswith(NOT):
+            return f"it is not so that {self._words(Atom(atom.predicate.removeprefix(NOT), atom.arguments), types)}"
+        if atom.predicate.startswith(IS):
+            return f"{names[0]} is {_some(_local(atom.predicate.removeprefix(IS)))}"
+        if atom.predicate.startswith(BY_CLASS):
+            return (
+                f"what is like {names[0]} {self._word(atom.predicate.removeprefix(BY_CLASS))} what is like {names[1]}"
+            )
+        if atom.predicate.startswith(VALUE):
+            property_, comparison = compared(atom.predicate)
+            return f"the {self._word(property_)} of {names[0]} is {comparison}"
         return f"{names[0]} {self._word(atom.predicate)} {' '.join(names[1:])}".strip()
 
     def _word(self, term: str) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from skiros_py.planning.classes import IS
-from skiros_py.planning.literals import HAS, NOTHING
+from skiros_py.planning.literals import BY_CLASS, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.model import Action, Atom, Domain, Problem, Variable
 from skiros_py.planning.names import NameMap
+from skiros_py.world.names import local_name
 
 __all__ = ["PddlTexts", "write_pddl"]
 
@@ -118,7 +120,13 @@ def _problem_text(writer: _Writer, title: str) -> str:
 
 
 def _predicate_words(name: str) -> str:
-    for prefix in (HAS, IS, NOTHING):
+    """Returns what a predicate's PDDL name is made from, without what would be taken for a prefix."""
+    if name.startswith(NOT):
+        return f"not_{local_name(_predicate_words(name.removeprefix(NOT)))}"
+    if name.startswith(VALUE):
+        property_, comparison = compared(name)
+        return re.sub(r"\W+", "_", f"{local_name(property_)} {comparison}").strip("_")
+    for prefix in (HAS, IS, NOTHING, BY_CLASS):
         if name.startswith(prefix):
-            return f"{prefix.strip()}_{name.removeprefix(prefix).partition(':')[2]}"
+            return f"{prefix.strip()}_{local_name(name)}"
     return name

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import product
 
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.planning.classes import IS, common_class, primary_line, with_class_predicates
 from skiros_py.planning.goals import compile_goal
-from skiros_py.planning.literals import CAN, HAS, NOTHING
+from skiros_py.planning.literals import CAN, NOTHING, Asked, asked_literals
 from skiros_py.planning.model import Action, Atom, Domain, Problem
-from skiros_py.skills.conditions import AllOf, AnyOf, Computed, Condition, Exists, Not, Pattern
+from skiros_py.planning.needs import needs_of
+from skiros_py.skills.conditions import Computed, Condition, Not
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
@@ -35,12 +37,14 @@ class PlanningTask:
         domain, problem: What is written as PDDL.
         goal: Each condition with the atoms that stand for it.
         capabilities: The skills that are there.
+        asked: By predicate, what was evaluated to find its facts, over the variables "1" and "2".
     """
 
     domain: Domain
     problem: Problem
     goal: tuple[tuple[Condition, tuple[Atom, ...]], ...]
     capabilities: tuple[Capability, ...]
+    asked: Mapping[str, Asked | Not] = field(default_factory=dict)
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -56,17 +60,18 @@ def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequen
     """
     ontology = view.ontology
     skills = [c.skill for c in capabilities]
-    actions = maintain_emptiness((a for s in skills for a in actions_of(s, ontology)), ontology)
+    asked = asked_literals(
+        (*(c.pattern for s in skills for c in needs_of(s)), *(c.closed_pattern(ontology) for c in goal))
+    )
+    actions = maintain_emptiness((a for s in skills for a in actions_of(s, ontology, asked)), ontology)
     compiled = compile_goal(goal, actions, view)
     atoms = tuple(atom for own in compiled.atoms for atom in own)
     objects = _objects(view, compiled.actions, [a for c in goal for a in c.arguments])
     typed = with_class_predicates(compiled.actions, objects, ontology)
-    computed = {c.relation: c for s in skills for k in s.pre for c in _computed(k.pattern)}
-    computed |= {c.relation: c for k in goal for c in _computed(k.pattern)}
 
     def predicates_and_facts(actions: Sequence[Action]) -> tuple[dict[str, tuple[str, ...]], set[Atom]]:
         predicates = _predicates(actions, atoms, objects, ontology)
-        facts = {atom for name, types in predicates.items() for atom in _facts(view, name, types, objects, computed)}
+        facts = {atom for name, types in predicates.items() for atom in _facts(view, name, types, objects, asked)}
         able = {Atom(CAN + c.skill.name, (agent,)) for c in capabilities for agent in c.agents}
         return predicates, facts | able | compiled.init
 
@@ -75,7 +80,7 @@ def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequen
     domain = Domain(_types(objects, typed, predicates, ontology), predicates, typed)
     problem = Problem(objects, frozenset(init), atoms)
     by_condition = tuple(zip(goal, compiled.atoms, strict=True))
-    return PlanningTask(domain, problem, by_condition, tuple(capabilities))
+    return PlanningTask(domain, problem, by_condition, tuple(capabilities), asked)
 
 
 def _supported(actions: Sequence[Action], init: set[Atom]) -> tuple[Action, ...]:
@@ -122,39 +127,38 @@ def _facts(
     name: str,
     types: tuple[str, ...],
     objects: Mapping[str, str],
-    computed: Mapping[str, Computed],
+    asked: Mapping[str, Asked | Not],
 ) -> Iterable[Atom]:
-    fitting = [[o for o, t in objects.items() if _is_a(t, type_, view.ontology)] for type_ in types]
-    if name in computed:
-        return [Atom(name, pair) for pair in computed[name].pairs(view, fitting[0], fitting[1])]
+    fitting = [_fitting(objects, type_, view.ontology) for type_ in types]
+    if name in asked:
+        return [Atom(name, ids) for ids in _holding(view, asked[name], fitting)]
     if name.startswith(NOTHING):
         relation = name.removeprefix(NOTHING)
         return [Atom(name, (place,)) for place in fitting[0] if not view.subjects(relation, place)]
     if name.startswith(IS):
         return [Atom(name, (o,)) for o in fitting[0] if view.ontology.is_a(objects[o], name.removeprefix(IS))]
-    if name.startswith(HAS):
-        property_ = name.removeprefix(HAS)
-        return [Atom(name, (o,)) for o in fitting[0] if view.value(o, property_) is not None]
     if name not in view.ontology.relations:
         return []
     targets = set(fitting[1])
     return [Atom(name, (s, o)) for s in fitting[0] for o in view.objects(s, name) if o in targets]
 
 
-def _is_a(type_: str, class_: str, ontology: Ontology) -> bool:
-    return class_ in ("", "object") or ontology.is_a(type_, class_)
+def _fitting(objects: Mapping[str, str], class_: str, ontology: Ontology) -> list[str]:
+    if class_ in ("", "object"):
+        return list(objects)
+    below = {type_ for type_ in set(objects.values()) if ontology.is_a(type_, class_)}
+    return [o for o, type_ in objects.items() if type_ in below]
 
 
-def _computed(pattern: Pattern) -> tuple[Computed, ...]:
-    match pattern:
-        case Computed():
-            return (pattern,)
-        case AllOf(patterns) | AnyOf(patterns):
-            return tuple(c for p in patterns for c in _computed(p))
-        case Exists(_, _, inner) | Not(inner):
-            return _computed(inner)
-        case _:
-            return ()
+def _holding(view: WorldView, literal: Asked | Not, fitting: Sequence[Sequence[str]]) -> Iterable[tuple[str, ...]]:
+    """Returns what a literal holds of, among what fits its arguments."""
+    if isinstance(literal, Computed):
+        return literal.pairs(view, fitting[0], fitting[1])
+    tuples = product(*fitting)
+    if isinstance(literal, Not) and isinstance(literal.pattern, Computed):
+        there = set(literal.pattern.pairs(view, fitting[0], fitting[1]))
+        return (ids for ids in tuples if ids not in there)
+    return (ids for ids in tuples if literal.evaluate(view, dict(zip(("1", "2"), ids, strict=False))))
 
 
 def _types(

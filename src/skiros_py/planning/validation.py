@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from skiros_py.planning.needs import needs_of
 from skiros_py.planning.plan import Step
-from skiros_py.skills.conditions import Condition, Not, Related, Verdict
+from skiros_py.skills.conditions import Condition, Verdict, effects_of, suppose_effects
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
@@ -58,7 +59,7 @@ def _replay(
 ) -> Flaw | None:
     for index, step in enumerate(steps):
         skill = skills[step.skill]
-        for condition in (*skill.pre, *skill.hold):
+        for condition in needs_of(skill):
             verdict = condition.evaluate(overlay, step.arguments)
             if not verdict:
                 return Flaw(index, verdict)
@@ -74,12 +75,9 @@ def apply_effects(overlay: Overlay, post: Sequence[Condition], arguments: Mappin
     """Makes postconditions true on an overlay: moves what is moved, relates what is related.
 
     Conditions that follow from others ("nothing is there") are left to the check afterwards.
+
+    Raises:
+        DescriptionError: One cannot be brought about.
     """
     for condition in post:
-        match condition.bind(arguments).pattern:
-            case Related(relation, subject, object_):
-                overlay.set_relation(subject, relation, object_)
-            case Not(Related(relation, subject, object_)):
-                overlay.unset_relation(subject, relation, object_)
-            case _:
-                pass
+        suppose_effects(overlay, effects_of(condition.bind(arguments)))

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+from itertools import chain
+from typing import Protocol
+
 from skiros_py.errors import DeviceError
 from skiros_py.robot.driver import CellDriver
 from skiros_py.robot.pending import Pending
@@ -17,11 +22,27 @@ from skiros_py.robot.values import (
     Snapshot,
 )
 
-__all__ = ["Arm", "Base", "Camera", "DeviceBoard", "Gripper"]
+__all__ = ["Arm", "Base", "Camera", "Commander", "DeviceBoard", "Gripper"]
+
+
+class Commander(Protocol):
+    """Whoever commands devices: a task of the control cycle."""
+
+    @property
+    def rate(self) -> float:
+        """How fast its time goes: 1 in general, less while it is being paused; motions are slowed down by it."""
+        ...
 
 
 class DeviceBoard:
-    """The snapshot of the present cycle and the commands collected for the next one."""
+    """The snapshot of the present cycle and the commands collected for the next one.
+
+    Attributes:
+        snapshot: What the devices said.
+        arms, grippers, bases: Commands by device id.
+        owner: Who is commanding now; None outside the control cycle's tasks.
+        commanders: Who commanded a device last, by its id.
+    """
 
     def __init__(self, driver: CellDriver) -> None:
         self._driver = driver
@@ -29,11 +50,23 @@ class DeviceBoard:
         self.arms: dict[str, ArmTarget] = {}
         self.grippers: dict[str, GripperTarget] = {}
         self.bases: dict[str, BaseTwist] = {}
+        self.owner: Commander | None = None
+        self.commanders: dict[str, Commander | None] = {}
+
+    @property
+    def now(self) -> float:
+        """Time since the start of the run [s]."""
+        return self.snapshot.time
 
     @property
     def period(self) -> float:
         """Length of one control cycle [s]."""
         return self._driver.period
+
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill [s]."""
+        return self._driver.braking_time
 
     def exchange(self) -> Snapshot:
         """Sends the collected commands for one period, forgets them, and takes the new snapshot."""
@@ -47,6 +80,41 @@ class DeviceBoard:
         """True when nothing moves that could be stopped: every arm and every base stands."""
         snapshot = self.snapshot
         return all(arm.still for arm in snapshot.arms.values()) and all(b.still for b in snapshot.bases.values())
+
+    def moving(self, commander: Commander) -> list[str]:
+        """Returns the ids of the arms and bases that move and that nobody else has commanded since."""
+        drives: dict[str, ArmState | BaseState] = {**self.snapshot.arms, **self.snapshot.bases}
+        mine = [device for device, other in self.commanders.items() if other is commander]
+        return [device for device in mine if device in drives and not drives[device].still]
+
+    def standing(self, commander: Commander) -> bool:
+        """Returns True when nothing moves any more of what this commander was the last to command."""
+        return not self.moving(commander)
+
+    def withdraw(self, commander: Commander) -> None:
+        """Takes back what a commander has commanded for the coming cycle: its devices brake."""
+        self.clear(device for device, other in self.commanders.items() if other is commander)
+
+    def clear(self, devices: Iterable[str]) -> None:
+        """Takes back the commands for some devices for the coming cycle: they brake."""
+        for device in devices:
+            self.arms.pop(device, None)
+            self.grippers.pop(device, None)
+            self.bases.pop(device, None)
+
+    def halt(self) -> None:
+        """Brakes everything until :meth:`release`; for any thread."""
+        self._driver.halt()
+
+    def release(self) -> None:
+        """Lets devices obey commands again."""
+        self._driver.release()
+
+    def commanded(self, device: str) -> float:
+        """Notes who commands a device; returns how fast that one's time goes."""
+        owner = self.owner
+        self.commanders[device] = owner
+        return 1.0 if owner is None else owner.rate
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now."""
@@ -66,7 +134,18 @@ class Arm:
         return self._board.snapshot.arms[self.id]
 
     def command(self, target: ArmTarget) -> None:
-        """Sets where the joints shall be at the end of the coming cycle."""
+        """Sets where the joints shall be at the end of the coming cycle.
+
+        Raises:
+            DeviceError: A number is missing or is none.
+        """
+        _require_numbers(self.id, target, target.positions, target.velocities)
+        if len(target.positions) != len(self.state.positions) or len(target.velocities) != len(target.positions):
+            count = len(self.state.positions)
+            raise DeviceError(f"{self.id}: a target needs {count} positions and {count} velocities: {target}")
+        rate = self._board.commanded(self.id)
+        if rate != 1.0:
+            target = ArmTarget(target.positions, tuple(speed * rate for speed in target.velocities))
         self._board.arms[self.id] = target
 
 
@@ -83,7 +162,13 @@ class Gripper:
         return self._board.snapshot.grippers[self.id]
 
     def command(self, target: GripperTarget) -> None:
-        """Moves the fingers; the target stays in force until it is replaced."""
+        """Moves the fingers; the target stays in force until it is replaced.
+
+        Raises:
+            DeviceError: A number is none.
+        """
+        _require_numbers(self.id, target, (target.gap, target.force))
+        self._board.commanded(self.id)
         self._board.grippers[self.id] = target
 
 
@@ -100,7 +185,15 @@ class Base:
         return self._board.snapshot.bases[self.id]
 
     def command(self, twist: BaseTwist) -> None:
-        """Sets its speeds for the coming cycle; without a command it brakes."""
+        """Sets its speeds for the coming cycle; without a command it brakes.
+
+        Raises:
+            DeviceError: A number is none.
+        """
+        _require_numbers(self.id, twist, (twist.linear, twist.angular))
+        rate = self._board.commanded(self.id)
+        if rate != 1.0:
+            twist = BaseTwist(twist.linear * rate, twist.angular * rate)
         self._board.bases[self.id] = twist
 
 
@@ -121,3 +214,13 @@ def _known(device: str, devices: object, kind: str) -> str:
     if device not in names:
         raise DeviceError(f"no {kind} '{device}' answers; there is {', '.join(names) or 'none'}")
     return device
+
+
+def _require_numbers(device: str, command: object, *numbers: Iterable[float]) -> None:
+    """Refuses a malformed command where it is given, so that the fault is its author's and not the whole cell's."""
+    try:
+        good = all(map(math.isfinite, chain(*numbers)))
+    except TypeError:
+        good = False
+    if not good:
+        raise DeviceError(f"{device}: a command is made of finite numbers: {command}")

@@ -23,6 +23,11 @@ class CellDriver(Protocol):
         """Name of the adapter ("pybullet", "fake"); skills may have an implementation for one kind only."""
         ...
 
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill, as its snapshots say it, when commands cease [s]."""
+        ...
+
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
         ...
@@ -30,9 +35,23 @@ class CellDriver(Protocol):
     def exchange(self, commands: Commands) -> Snapshot:
         """Applies the commands for one period and returns what the sensors say at its end.
 
+        While the cell is halted it ignores the commands.
+
         Raises:
             DeviceError: A device broke.
         """
+        ...
+
+    def halt(self) -> None:
+        """Brakes everything and ignores all commands until :meth:`release`; what is gripped stays gripped.
+
+        May be called in any thread and at any time, also during :meth:`exchange`; returns at once and waits for
+        nothing. A simulation, whose time stands still between two exchanges, brakes with the next one.
+        """
+        ...
+
+    def release(self) -> None:
+        """Obeys commands again; nothing moves by that alone."""
         ...
 
     def capture(self, camera: str) -> Pending[DepthImage]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -11,9 +13,15 @@ from skiros_py.robot.cell import CellSpec
 from skiros_py.robot.devices import DeviceBoard
 from skiros_py.robot.motion import ArmPlanner, BasePlanner
 from skiros_py.robot.perception import PartDetector, Registrar
+from skiros_py.skills.effects import Effects
+from skiros_py.skills.questions import Questions
 from skiros_py.world.world import World
 
-__all__ = ["Libraries", "RunContext"]
+if TYPE_CHECKING:
+    from skiros_py.skills.outcome import Outcome
+    from skiros_py.skills.primitive import Execution
+
+__all__ = ["Caller", "Clock", "Libraries", "RunContext"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +32,27 @@ class Libraries:
     base_planner: BasePlanner | None = None
     detector: PartDetector | None = None
     registrar: Registrar | None = None
+
+
+class Clock(Protocol):
+    """The time of one run of a module: it stands still while the run is paused."""
+
+    @property
+    def now(self) -> float:
+        """Time [s]; only differences mean anything."""
+        ...
+
+
+class Caller(Protocol):
+    """How a module calls another one, whose parameters may be left to inference."""
+
+    def __call__(self, module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:
+        """Returns the run of another module; tick it to its end, or close it."""
+        ...
+
+
+def _nobody(module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:  # noqa: ARG001 - the port's signature
+    raise RuntimeError(f"{module} cannot be called from here: no skill manager runs this")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +67,11 @@ class RunContext:
         rng: Random numbers of this run; every random choice comes from here.
         lockstep: True when simulated time waits for workers.
         report: Takes (module, progress code, text).
+        clock: The time of this module's run.
+        questions: Where a person is asked.
+        call: Runs another module.
+        effects: The effects of the skill that this module is part of; None for a module that runs on its own.
+        waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
     """
 
     world: World
@@ -47,8 +81,13 @@ class RunContext:
     rng: np.random.Generator
     lockstep: bool
     report: Callable[[str, int, str], None]
+    clock: Clock
+    questions: Questions = field(default_factory=Questions)
+    call: Caller = _nobody
+    effects: Effects | None = None
+    waiting: Callable[[], AbstractContextManager[None]] = nullcontext
 
     @property
     def now(self) -> float:
-        """Time since the start of the run [s]."""
-        return self.board.snapshot.time
+        """Time of this run [s]: it stands still while the run is paused, so that a trajectory waits, too."""
+        return self.clock.now

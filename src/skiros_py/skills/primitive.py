@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from skiros_py.robot.pending import Pending
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.world.world import World
 
 __all__ = ["Execution", "Primitive"]
@@ -23,40 +23,69 @@ Execution = Generator[None, None, T]
 class Primitive(ABC, Generic[P]):
     """One thing a robot does, written as sequential code: each ``yield`` waits for the next control cycle.
 
-    Life cycle: made with its arguments (nothing happens), then :meth:`execute` is ticked once per cycle until it
-    returns. When stopped, the generator is closed: its ``finally`` must be instantaneous (the ports brake by
-    themselves); motion that must follow a stop is a second generator, :meth:`recover`, ticked afterwards.
+    Life cycle. Once per skill manager, before the first run: :meth:`load`. For each run a new object is made (nothing
+    happens) and then :meth:`start` is called; unless it refuses, :meth:`execute` is ticked once per cycle until it
+    returns. When it is broken off, the generator is closed: its ``finally`` must be instantaneous, and so must
+    :meth:`stop`, which follows (the ports brake by themselves); motion that must follow a stop is a second generator,
+    :meth:`recover`, ticked afterwards under a time limit. After a fault a person may :meth:`reset` the module.
 
     Class attributes:
         name: Its name; compositions refer to it.
         Params: Frozen dataclass whose fields are declared with :func:`~skiros_py.skills.parameters.param`.
+        takes: Further fields of ``Params``, besides those of kind HARDWARE, whose element is taken with all devices it
+            has: nobody else commands them meanwhile.
         watches: Class of device that this primitive watches in the background for as long as its manager runs; its
             ``Params`` then have one field, ``device``. None for primitives that are called.
+        version: Version of this implementation.
     """
 
     name: ClassVar[str]
     Params: ClassVar[type[Any]]
+    takes: ClassVar[tuple[str, ...]] = ()
     watches: ClassVar[str | None] = None
+    version: ClassVar[str] = "1.0.0"
 
-    def __init__(self, context: RunContext, params: P) -> None:
+    def __init__(self, context: RunContext, params: P, loaded: Any = None) -> None:
         self.context = context
         self.params = params
+        self.loaded = loaded
+
+    # ------------------------------------------------------------------ life cycle
+
+    @classmethod
+    def load(cls, context: RunContext) -> Any:  # noqa: ARG003 - what overriding methods get
+        """Prepares what is expensive and kept between runs; what it returns is ``self.loaded`` of each run."""
+        return None
+
+    def start(self) -> Failure | None:
+        """Looks whether it can run at all; a failure ends it before anything moves."""
+        return None
+
+    @abstractmethod
+    def execute(self) -> Execution[Outcome]:
+        """Does it; returns how it ended."""
+
+    def stop(self) -> None:
+        """Tidies up at once when it was broken off; nothing by default."""
+
+    def recover(self) -> Execution[None]:
+        """Motion that must follow a stop (retreat, open); nothing by default."""
+        yield from ()
+
+    @classmethod
+    def reset(cls, context: RunContext, loaded: Any) -> Any:  # noqa: ARG003 - what overriding methods get
+        """Makes it fit to run again after a fault; by default it is loaded anew."""
+        return cls.load(context)
+
+    # ------------------------------------------------------------------ what it may reach
 
     @property
     def world(self) -> World:
         """The live world model."""
         return self.context.world
 
-    @abstractmethod
-    def execute(self) -> Execution[Outcome]:
-        """Does it; returns how it ended."""
-
-    def recover(self) -> Execution[None]:
-        """Motion that must follow a stop (retreat, open); nothing by default."""
-        yield from ()
-
     def progress(self, code: int, text: str) -> None:
-        """Reports how far it is: a growing positive code, and words for a person."""
+        """Reports how far it is: a growing positive code, and words for a person; a negative code is an error."""
         self.context.report(self.name, code, text)
 
     def wait(self, pending: Pending[T]) -> Execution[T]:
@@ -67,7 +96,40 @@ class Primitive(ABC, Generic[P]):
         due = self.context.now + pending.latency
         while self.context.now < due - 1e-9 or not (self.context.lockstep or pending.done()):
             yield
-        return pending.result()
+        with self.context.waiting():
+            return pending.result()
+
+    def call(self, module: str, **arguments: Any) -> Execution[Outcome]:
+        """Runs another module and waits for it: ``outcome = yield from self.call("move_arm", arm=…)``."""
+        return (yield from self.context.call(module, arguments))
+
+    def join(self, *calls: Execution[Outcome]) -> Execution[tuple[Outcome, ...]]:
+        """Runs several calls at the same time until all have ended: ``yield from self.join(self.call(…), …)``."""
+        outcomes: dict[int, Outcome] = {}
+        try:
+            while True:
+                for number, call in enumerate(calls):
+                    if number not in outcomes:
+                        try:
+                            next(call)
+                        except StopIteration as end:
+                            outcomes[number] = end.value
+                if len(outcomes) == len(calls):
+                    return tuple(outcomes[number] for number in range(len(calls)))
+                yield
+        finally:
+            for call in calls:
+                call.close()
+
+    def happened(self, *effects: str, reason: str) -> None:
+        """Writes effects of the skill that this primitive is part of: it has sensed that they are so.
+
+        Args:
+            *effects: Keys of the skill's postconditions; none for all.
+            reason: What was sensed.
+        """
+        if self.context.effects is not None:
+            self.context.effects.happened(*effects, author=self.name, reason=reason)
 
     def seed(self) -> int:
         """Draws a seed for a library's random choices."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.composition import Node
-from skiros_py.skills.conditions import Condition
-from skiros_py.skills.parameters import Param
+from skiros_py.skills.conditions import Condition, ConditionType, Pattern, Role
+from skiros_py.skills.parameters import IT, Param, check_params
+from skiros_py.skills.variables import variables
 
 __all__ = ["Skill", "SkillDescription"]
 
@@ -40,16 +42,22 @@ class SkillDescription:
     def __post_init__(self) -> None:
         if not self.name or ":" in self.name:
             raise DescriptionError(f"skill name '{self.name}': it must not be empty or contain ':'")
-        keys = [param.key for param in self.params]
+        check_params(self.params, f"of skill '{self.name}'")
         for condition in (*self.pre, *self.hold, *self.post):
-            for argument in condition.arguments:
-                if argument not in keys:
-                    raise UnknownName("parameter", argument, keys, where=f"in {condition} of skill '{self.name}'")
-        for role in (self.agent, self.target):
-            if role not in keys:
-                raise UnknownName("parameter", role, keys, where=f"as agent or target of skill '{self.name}'")
+            self._check_elements(condition.arguments, f"in {condition} of skill '{self.name}'")
+        self._check_elements((self.agent, self.target), f"as agent or target of skill '{self.name}'")
         if not self.post:
             raise DescriptionError(f"skill '{self.name}' has no postcondition: nobody could ever want it")
+
+    def _check_elements(self, keys: Iterable[str], where: str) -> None:
+        params = {param.key: param for param in self.params}
+        for key in keys:
+            if key not in params:
+                raise UnknownName("parameter", key, params, where=where)
+            if not params[key].is_element:
+                raise DescriptionError(
+                    f"parameter {key} {where}: it must be an element, and it is a {params[key].type_name}"
+                )
 
     def param(self, key: str) -> Param:
         """Returns the parameter of that key.
@@ -65,21 +73,45 @@ class SkillDescription:
     @property
     def agent_class(self) -> str:
         """Class of the subsystem that can do it."""
-        return self.param(self.agent).type
+        return self.param(self.agent).element_class
+
+    @property
+    def needs(self) -> tuple[Condition, ...]:
+        """What must hold before it starts: what its parameters are described as, then the preconditions."""
+        described = (self._described(param, pattern) for param in self.params for pattern in param.described)
+        return (*described, *self.pre)
+
+    def _described(self, param: Param, pattern: Pattern) -> Condition:
+        own = pattern.rename({IT: param.key})
+        roles = tuple(Role(key, self.param(key).element_class) for key in variables(own))
+        word = ConditionType(f"{param.key}AsDescribed", roles, own, f"What {param.key} must be: {param.help}")
+        return word(*(role.name for role in roles))
 
 
 @dataclass(frozen=True, slots=True)
 class Skill:
     """One way to do what a description promises: pure data, so it can be printed, drawn, exported and run.
 
+    Several implementations may share a description. Those that the robot has the means for are tried in their order,
+    the next one when one cannot be started or fails.
+
+    Order of a run: pre-sensing, preconditions, body, finish, post-sensing, postconditions (paper Fig. 9).
+
     Attributes:
         description: What it promises.
         body: What is done between the checks of pre- and postconditions.
         pre_sense: Sensing before the preconditions are checked, or None.
+        post_sense: Sensing before the postconditions are checked, or None.
         finish: Done after the body whether it worked or not (stow the arm), also when the skill is broken off for
             another plan; not when everything is stopped.
         driver: Kind of cell driver it is for ("fake"), or None for every driver that is not a fake.
         version: Version of this implementation.
+        label: Its name among the implementations of the description.
+        requires: Classes of devices that the robot must have for it.
+        when: Further conditions, over the parameters, under which this implementation can be used.
+        order: Implementations are tried by this number, then by label.
+        takes: Keys of further parameters, besides those of kind HARDWARE, whose element is taken with all devices it
+            has: nobody else commands them meanwhile.
     """
 
     description: SkillDescription
@@ -88,3 +120,21 @@ class Skill:
     finish: Node | None = None
     driver: str | None = None
     version: str = "1.0.0"
+    post_sense: Node | None = None
+    label: str = ""
+    requires: tuple[str, ...] = ()
+    when: tuple[Condition, ...] = ()
+    order: int = 0
+    takes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        keys = [param.key for param in self.description.params]
+        named = f"of an implementation of skill '{self.description.name}'"
+        for key in (*self.takes, *(argument for condition in self.when for argument in condition.arguments)):
+            if key not in keys:
+                raise UnknownName("parameter", key, keys, where=named)
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """The trees it is made of, in the order in which they run."""
+        return tuple(n for n in (self.pre_sense, self.body, self.finish, self.post_sense) if n is not None)

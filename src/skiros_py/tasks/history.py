@@ -65,9 +65,11 @@ class History:
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
         """Tells whether what a step is done to, or what it moves, is what the condition speaks of."""
         skill = self._skills[step.skill]
-        if self._names_another_target(condition, step.arguments[skill.target], skill.param(skill.target).type):
+        if self._names_another_target(condition, step.arguments[skill.target], skill.param(skill.target).element_class):
             return False
-        moved = {a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).type)}
+        moved = {
+            a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).element_class)
+        }
         subjects = {step.arguments[key] for key in moved | {skill.target}}
         return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
 

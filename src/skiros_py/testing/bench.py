@@ -9,83 +9,117 @@ from typing import Any, Self
 import numpy as np
 
 from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import ModuleEvent, Monitor
-from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.execution.running import RunningModule
+from skiros_py.execution.watchdog import Watchdog
 from skiros_py.planning.fast_downward import FastDownward
 from skiros_py.planning.planner import Planner
 from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.robot.cell import CellSpec
 from skiros_py.robot.devices import DeviceBoard
+from skiros_py.robot.driver import CellDriver
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition, ConditionType
 from skiros_py.skills.context import Libraries, RunContext
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.questions import Questions
+from skiros_py.skills.sensing import BoardSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing.tiny_skills import CONDITIONS, SKILLS
-from skiros_py.world.vocabulary import AGENT, HAS_A, ROBOT
+from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
 __all__ = ["Bench"]
 
+Cell = Callable[[CellSpec], CellDriver]
+"""Brings a cell up."""
+
 
 class Bench:
-    """Runs skills and goals on a fake robot. Use it in a ``with``.
+    """Runs skills and goals on a fake robot, as fast as it can; nothing sleeps. Use it in a ``with``.
 
     Args:
         world: The world, such as :func:`skiros_py.testing.tiny_world`.
         skills: Implementations for the fake driver; the tiny domain's where left out.
-        primitives: Primitives that the skills' bodies name.
+        primitives: Primitives that the skills' bodies name, also by name.
         robots: Ids of the robots that get skill managers; None for all.
         conditions: Words of goals.
         planner: Plans; Fast Downward where left out.
         attempts: How often a skill may fail on one target.
+        cell: Brings the cell up; the fake one where left out.
+        driver: Kind of cell driver whose implementations of skills are used.
+        libraries: Motion and perception, for primitives that use them.
+        config: Values of configuration parameters by "module.key".
+        overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
 
     Attributes:
         events: Every module event so far.
         plans: Every plan so far.
+        questions: What is asked of a person; see :func:`skiros_py.testing.answers`.
+        managers: The skill managers by the id of their subsystem.
+        cycle: The control cycle.
+        watchdog: Interrupts what holds it.
     """
 
     def __init__(
         self,
         world: World,
         skills: Sequence[Skill] = SKILLS,
-        primitives: Sequence[type[Primitive[Any]]] = (),
+        primitives: Sequence[type[Primitive[Any]]] | Mapping[str, type[Primitive[Any]]] = (),
         *,
         robots: Sequence[str] | None = None,
         conditions: Mapping[str, ConditionType] = CONDITIONS,
         planner: Planner | None = None,
         attempts: int = 3,
+        cell: Cell = FakeCell,
+        driver: str = "fake",
+        libraries: Libraries | None = None,
+        config: Mapping[str, Any] | None = None,
+        overrun: float | None = None,
     ) -> None:
         self.world = world
         self.events: list[ModuleEvent] = []
         self.plans: list[Planned] = []
+        self.questions = Questions()
         self._conditions = conditions
         spec = read_cell(world, world.instances(ROBOT) if robots is None else robots)
-        board = DeviceBoard(FakeCell(spec))
+        self.cell = cell(spec)
+        board = DeviceBoard(self.cell)
         world.clock = lambda: board.snapshot.time
+        world.sensors = BoardSensors(board)
         self.cycle = ControlCycle(board)
+        self.watchdog = Watchdog(self.cycle, overrun)
         self.monitor = Monitor()
         self.monitor.subscribe(self.events.append)
         self.context = RunContext(
-            world, board, Libraries(), spec, np.random.default_rng(0), lockstep=True, report=lambda _m, _c, _t: None
+            world,
+            board,
+            libraries or Libraries(),
+            spec,
+            np.random.default_rng(0),
+            lockstep=True,
+            report=lambda _m, _c, _t: None,
+            clock=board,
+            questions=self.questions,
+            waiting=self.cycle.pulse.waiting,
         )
-        named = {primitive.name: primitive for primitive in primitives}
-        agents = [a for robot in spec.robots for a in world.objects(robot.id, HAS_A) if _is_agent(world, a)]
-        self.managers = {
-            agent: SkillManager(agent, skills, named, self.context, self.cycle, self.monitor, driver="fake")
-            for agent in agents
-        }
-        for manager in self.managers.values():
-            manager.register()
+        named = primitives if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
+        self.managers = Managers(skills, named, self.context, self.cycle, self.monitor, driver=driver, config=config)
+        self.managers.open_all([robot.id for robot in spec.robots])
+        self.watchdog.on_lost(self.managers.lose)
         self._planner = planner or FastDownward()
         planning = PlanningService(self._planner, "bench")
         self.tasks = TaskManager(
             world, self.managers, planning, self.cycle, on_plan=self.plans.append, attempts=attempts
         )
+
+    # ------------------------------------------------------------------ goals
 
     def goal(self, *texts: str) -> tuple[Condition, ...]:
         """Reads goal texts."""
@@ -99,16 +133,34 @@ class Bench:
         """Pursues a goal to its end."""
         return self.cycle.run(self.cycle.start(self.tasks.pursue(self.goal(*texts))))
 
-    def run(self, skill: str, *, break_off: Callable[[], str] = lambda: "", **arguments: str) -> Outcome:
-        """Runs one skill by the first manager that offers it.
+    # ------------------------------------------------------------------ modules
+
+    def start(self, module: str, **arguments: Any) -> RunningModule:
+        """Starts a skill or primitive by the manager of a subsystem among its arguments, else the first that offers it.
+
+        Nothing of it happens before time goes on: :meth:`advance`, :meth:`until`.
 
         Args:
-            skill: Its name.
-            break_off: Asked in every cycle for a reason to break the skill off.
-            **arguments: Element ids by parameter key.
+            module: Its name.
+            **arguments: Values by parameter key; what is left out is inferred.
+
+        Raises:
+            UnknownName: No manager offers it.
         """
-        manager = next(m for _, m in sorted(self.managers.items()) if skill in m.descriptions)
-        running = manager.start(skill, arguments)
+        named = [self.managers[v] for v in arguments.values() if isinstance(v, str) and v in self.managers]
+        fitting = [manager for manager in named if module in manager.modules]
+        manager = fitting[0] if fitting else self.managers.who_runs(module)
+        return manager.start(module, arguments)
+
+    def run(self, module: str, *, break_off: Callable[[], str] = lambda: "", **arguments: Any) -> Outcome:
+        """Runs a skill or primitive to its end.
+
+        Args:
+            module: Its name.
+            break_off: Asked in every cycle for a reason to break it off.
+            **arguments: Values by parameter key; what is left out is inferred.
+        """
+        running = self.start(module, **arguments)
         while not running.done:
             reason = break_off()
             if reason:
@@ -116,11 +168,49 @@ class Bench:
             self.cycle.step()
         return running.result
 
+    # ------------------------------------------------------------------ time
+
+    @property
+    def time(self) -> float:
+        """Time of the run [s]."""
+        return self.cycle.board.snapshot.time
+
+    def advance(self, seconds: float) -> None:
+        """Lets so much time of the run pass."""
+        end = self.time + seconds - self.cycle.board.period / 2.0
+        while self.time < end:
+            self.cycle.step()
+
+    def until(self, what: Condition | Callable[[], object], *, limit: float = 60.0) -> float:
+        """Lets time pass until something holds.
+
+        Args:
+            what: A condition over elements, or a function that returns something true.
+            limit: Longest time of the run for it [s].
+
+        Returns:
+            How long it took [s].
+
+        Raises:
+            AssertionError: It did not happen within the limit; with the reasons of a condition.
+        """
+        start = self.time
+        while not (what.evaluate(self.world) if isinstance(what, Condition) else what()):
+            if self.time - start >= limit:
+                raise AssertionError(f"after {limit:g} s: {_why_not(what, self.world)}")
+            self.cycle.step()
+        return self.time - start
+
+    # ------------------------------------------------------------------ end
+
     def close(self) -> None:
-        """Ends the planner."""
+        """Ends the planner, the watchdog and the cell; may be called twice."""
+        self.watchdog.close()
         self._planner.close()
+        self.cell.close()
 
     def __enter__(self) -> Self:
+        self.watchdog.start()
         return self
 
     def __exit__(
@@ -129,5 +219,7 @@ class Bench:
         self.close()
 
 
-def _is_agent(world: World, element: str) -> bool:
-    return world.ontology.is_a(world.element(element).type, AGENT)
+def _why_not(what: Condition | Callable[[], object], world: World) -> str:
+    if isinstance(what, Condition):
+        return "\n".join(what.evaluate(world).lines())
+    return f"{getattr(what, '__name__', what)} is still not so"

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from skiros_py.config import ontology_paths
+from skiros_py.testing.worlds import robot_turtle
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.reasoners.sizes import SizeReasoner
@@ -39,16 +40,6 @@ scene:slot_2 a tiny:Slot ; rdfs:label "slot 2" ; sk:on scene:floor .
 scene:ball_1 a tiny:Ball ; rdfs:label "ball one" ; sk:in scene:box_a .
 scene:red_ball_1 a tiny:RedBall ; rdfs:label "red ball one" ; sk:in scene:box_b .
 """
-_ROBOT = """
-scene:robot_{n} a sk:Robot ; rdfs:label "robot {n}" ; sk:model "tiny" ; sk:at scene:unknown_location ;
-    sk:hasA scene:base_{n} , scene:arm_{n} .
-scene:base_{n} a sk:Base ; rdfs:label "base {n}" ; sk:pose "0 0 0 0 0 0"^^sk:poseLiteral ;
-    sk:maxLinear 1.0 ; sk:maxAngular 1.0 ; sk:maxLinearAcceleration 1.0 ; sk:maxAngularAcceleration 1.0 ;
-    sk:footprint "-0.3 -0.3 0.3 -0.3 0.3 0.3 -0.3 0.3"^^sk:vectorLiteral .
-scene:arm_{n} a sk:Arm ; rdfs:label "arm {n}" ; sk:joints "shoulder elbow" ; sk:tip "tip" ;
-    sk:home "0 0"^^sk:vectorLiteral ; sk:hasA scene:gripper_{n} .
-scene:gripper_{n} a sk:Gripper ; rdfs:label "gripper {n}" ; sk:joints "finger" ; sk:maxGap 0.1 ; sk:maxForce 10.0 .
-"""
 
 
 @cache
@@ -67,7 +58,7 @@ def tiny_scene(folder: Path, *facts: str, robots: int = 1, goals: tuple[str, ...
         goals: Goals that go with the scene.
     """
     aims = [f'scene:this sk:goal "{goal}" .' for goal in goals]
-    parts = [_SCENE, *(_ROBOT.format(n=n) for n in range(1, robots + 1)), *facts, *aims]
+    parts = [_SCENE, *(robot_turtle(n) for n in range(1, robots + 1)), *facts, *aims]
     file = folder / "tiny.ttl"
     file.write_text("\n".join(parts) + "\n", encoding="utf-8")
     return file

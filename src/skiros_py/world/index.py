@@ -15,6 +15,8 @@ from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstrac
 from skiros_py.world.idset import EMPTY, IdSet
 from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+from skiros_py.world.sensors import NO_SENSORS, Sensors
+from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family, PlaceEnd
 from skiros_py.world.vocabulary import LABEL, PLACEMENT, STRUCTURE
 
@@ -78,6 +80,11 @@ class Index:
         """What works out computed relations."""
         return self._reasoners
 
+    @property
+    def sensors(self) -> Sensors:
+        """Nothing: a state of the scene says nothing of sensors."""
+        return NO_SENSORS
+
     def element(self, element_id: str) -> Element:
         """Returns one element.
 
@@ -114,7 +121,7 @@ class Index:
         return _merged(self._abstract, self._ontology.subclasses(class_))
 
     def value(self, element_id: str, property_: str) -> Value | None:
-        """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
+        """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
 
         Raises:
             UnknownName: There is no such element or property.
@@ -123,7 +130,7 @@ class Index:
         if property_ not in self._ontology.properties:
             raise UnknownName("property", property_, self._ontology.properties)
         own = element.properties.get(property_)
-        return self._ontology.class_value(element.type, property_) if own is None else own
+        return class_value(self, element.type, property_) if own is None else own
 
     def objects(self, subject: str, relation: str) -> tuple[str, ...]:
         """Returns ids of what the subject is related to, sorted; sub-relations count.

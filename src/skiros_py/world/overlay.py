@@ -8,6 +8,8 @@ from skiros_py.world.index import with_value
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
 from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.sensors import NO_SENSORS, Sensors
+from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 
@@ -111,6 +113,11 @@ class Overlay:
         """What works out computed relations."""
         return self._base.reasoners
 
+    @property
+    def sensors(self) -> Sensors:
+        """Nothing: what is supposed cannot be sensed."""
+        return NO_SENSORS
+
     def element(self, element_id: str) -> Element:
         """Returns one element.
 
@@ -140,7 +147,7 @@ class Overlay:
         return self._base.abstracts(class_)
 
     def value(self, element_id: str, property_: str) -> Value | None:
-        """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
+        """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
 
         Raises:
             UnknownName: There is no such element or property.
@@ -151,7 +158,7 @@ class Overlay:
             raise UnknownName("property", property_, self.ontology.properties)
         element = self._elements[element_id]
         own = element.properties.get(property_)
-        return self.ontology.class_value(element.type, property_) if own is None else own
+        return class_value(self, element.type, property_) if own is None else own
 
     def objects(self, subject: str, relation: str) -> tuple[str, ...]:
         """Returns ids of what the subject is related to, sorted; sub-relations count.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
-__all__ = ["Cardinality", "Class", "End", "Family", "PlaceEnd", "Property", "Relation"]
+__all__ = ["Cardinality", "Class", "End", "Family", "Filler", "PlaceEnd", "Property", "Relation"]
 
 PlaceEnd = Literal["subject", "object"]
 
@@ -45,6 +45,21 @@ class Cardinality:
 
 
 @dataclass(frozen=True, slots=True)
+class Filler:
+    """What individuals of a class are related to: "some", "only" or one individual.
+
+    Attributes:
+        relation: CURIE of the relation.
+        of: CURIE of the class, or the individual, that they are related to.
+        is_class: Whether that is a class.
+    """
+
+    relation: str
+    of: str
+    is_class: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Class:
     """One class.
 
@@ -55,6 +70,8 @@ class Class:
         parents: Its direct superclasses, the primary one first.
         equivalents: Other classes of the same individuals, sorted.
         cardinalities: What it says itself of numbers; see :meth:`~skiros_py.world.ontology.Ontology.cardinalities`.
+        fillers: What it says itself of what its things are related to; see
+            :meth:`~skiros_py.world.ontology.Ontology.fillers`.
     """
 
     curie: str
@@ -63,6 +80,7 @@ class Class:
     parents: tuple[str, ...]
     equivalents: tuple[str, ...] = ()
     cardinalities: tuple[Cardinality, ...] = ()
+    fillers: tuple[Filler, ...] = ()
 
     @property
     def primary_parent(self) -> str | None:

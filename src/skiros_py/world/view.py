@@ -9,6 +9,7 @@ from skiros_py.world.element import Element, Placement, Value
 if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.reasoners.registry import Reasoners
+    from skiros_py.world.sensors import Sensors
 
 __all__ = ["WorldView"]
 
@@ -24,6 +25,11 @@ class WorldView(Protocol):
     @property
     def reasoners(self) -> Reasoners:
         """What works out computed relations; :meth:`related`, :meth:`objects` and :meth:`subjects` ask it."""
+        ...
+
+    @property
+    def sensors(self) -> Sensors:
+        """What devices say in this cycle; only the live world knows."""
         ...
 
     def element(self, element_id: str) -> Element:
@@ -47,7 +53,10 @@ class WorldView(Protocol):
         ...
 
     def value(self, element_id: str, property_: str) -> Value | None:
-        """Returns the element's own value, else the one its class (or nearest superclass) gives, else None."""
+        """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
+
+        See :mod:`skiros_py.world.taught`; of the class and those above it, the nearest that says something counts.
+        """
         ...
 
     def objects(self, subject: str, relation: str) -> tuple[str, ...]:

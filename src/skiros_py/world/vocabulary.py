@@ -34,9 +34,11 @@ __all__ = [
     "GOAL",
     "GRASPABLE_BY",
     "GRASP_HEIGHT",
+    "GRASP_POSE",
     "GRASP_WIDTH",
     "GRIPPER",
     "HAS_A",
+    "HAS_PRIMITIVE",
     "HAS_SKILL",
     "HEIGHT",
     "HELD_BY",
@@ -63,14 +65,18 @@ __all__ = [
     "MISSED_LOOKS",
     "MISSING",
     "MODEL",
+    "MODULE",
+    "MODULE_DESCRIPTION",
     "MOUNTED_ON",
     "NEAR",
     "OBJECT",
     "ON",
     "OVERLAPS",
     "PLACEMENT",
+    "PLACING_POSE",
     "POSE",
     "POSE_FRAME",
+    "PRIMITIVE",
     "RESTS_ON",
     "RIGHT_OF",
     "ROBOT",
@@ -86,8 +92,13 @@ __all__ = [
     "SUPPORT_HALF_EXTENTS",
     "SUPPORT_OFFSET",
     "SURFACE",
+    "TAUGHT_DRIVING_POSE",
+    "TAUGHT_GRASP",
+    "TAUGHT_PLACING_POSE",
+    "TAUGHT_POSE",
     "TIP",
     "UNKNOWN_LOCATION",
+    "VERSION",
     "VERTICAL_FOV",
     "WIDTH",
 ]
@@ -120,8 +131,12 @@ LOCATION: Final = ClassName("sk:Location")
 """Something at, in or on which things can be."""
 MANIPULATABLE: Final = ClassName("sk:Manipulatable")
 """A thing that a gripper can take."""
+MODULE: Final = ClassName("sk:Module")
+"""Something that a skill manager can run."""
 OBJECT: Final = ClassName("sk:Object")
 """A physical thing."""
+PRIMITIVE: Final = ClassName("sk:Primitive")
+"""A module with parameters and an execution, without conditions."""
 ROBOT: Final = ClassName("sk:Robot")
 """A robot as a whole, made of devices."""
 ROOT: Final = ClassName("sk:Root")
@@ -136,6 +151,15 @@ STATION: Final = ClassName("sk:Station")
 """A named spot that a robot can stand at."""
 SURFACE: Final = ClassName("sk:Surface")
 """Something that things stand on."""
+TAUGHT_DRIVING_POSE: Final = ClassName("sk:TaughtDrivingPose")
+"""Where a robot base docks to work at things of a class: has sk:drivingPose."""
+TAUGHT_GRASP: Final = ClassName("sk:TaughtGrasp")
+"""How a gripper takes things of a class: has sk:graspPose and sk:graspWidth."""
+TAUGHT_PLACING_POSE: Final = ClassName("sk:TaughtPlacingPose")
+"""How things are put into containers of a class: has sk:placingPose."""
+TAUGHT_POSE: Final = ClassName("sk:TaughtPose")
+"""A pose that a robot was taught for a class of things (sk:appliesTo): it counts for each that has none of its own,
+before what the class says. Of several for one class the last counts."""
 UNKNOWN_LOCATION: Final = ClassName("sk:UnknownLocation")
 """Where something is that is at no known place, such as a robot between stations."""
 
@@ -158,6 +182,8 @@ GRASPABLE_BY: Final = RelationName("sk:graspableBy")
 """The thing's sk:graspWidth is less than the gripper's sk:maxGap."""
 HAS_A: Final = RelationName("sk:hasA")
 """The subject has the object as a piece."""
+HAS_PRIMITIVE: Final = RelationName("sk:hasPrimitive")
+"""The agent's skill manager can run the primitive."""
 HAS_SKILL: Final = RelationName("sk:hasSkill")
 """The agent's skill manager offers the skill."""
 HELD_BY: Final = RelationName("sk:heldBy")
@@ -212,8 +238,10 @@ GOAL: Final = PropertyName("sk:goal")
 """A goal that goes with the scene, in the goal language; all of them hold at the end."""
 GRASP_HEIGHT: Final = PropertyName("sk:graspHeight")
 """Height above the element's frame at which fingers close [m]."""
+GRASP_POSE: Final = PropertyName("sk:graspPose")
+"""Pose of the arm's tip in this element's frame when the fingers close: more exact than sk:graspHeight [m, rad]."""
 GRASP_WIDTH: Final = PropertyName("sk:graspWidth")
-"""Finger gap when the thing is held, across its y axis [m]."""
+"""Finger gap when the thing is held; across its y axis, where no sk:graspPose says otherwise [m]."""
 HEIGHT: Final = PropertyName("sk:height")
 """Image height [px]."""
 HOLLOW: Final = PropertyName("sk:hollow")
@@ -248,6 +276,10 @@ MISSING: Final = PropertyName("sk:missing")
 """True when it was looked for where it should be and not seen."""
 MODEL: Final = PropertyName("sk:model")
 """Name of the robot model that drivers know how to build."""
+MODULE_DESCRIPTION: Final = PropertyName("sk:moduleDescription")
+"""What a person needs to know to start the module: its help, its parameters, its implementations."""
+PLACING_POSE: Final = PropertyName("sk:placingPose")
+"""Pose, in this element's frame, of a thing that is put into it when it is let go [m, rad]."""
 POSE: Final = PropertyName("sk:pose")
 """Pose of the element's frame in the map, or in the frame of its sk:poseFrame [m, rad]."""
 SIZE: Final = PropertyName("sk:size")
@@ -261,6 +293,8 @@ SUPPORT_OFFSET: Final = PropertyName("sk:supportOffset")
 """Centre x y z of that area in the element's frame [m]."""
 TIP: Final = PropertyName("sk:tip")
 """URDF link that motions are planned for."""
+VERSION: Final = PropertyName("sk:version")
+"""Version of the implementation that is tried first."""
 VERTICAL_FOV: Final = PropertyName("sk:verticalFov")
 """Vertical field of view [rad]."""
 WIDTH: Final = PropertyName("sk:width")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.sensors import NO_SENSORS, Sensors
 from skiros_py.world.view import WorldView
 
 __all__ = ["Without"]
@@ -29,6 +30,11 @@ class Without(WorldView):
     def reasoners(self) -> Reasoners:
         """What works out computed relations."""
         return self._base.reasoners
+
+    @property
+    def sensors(self) -> Sensors:
+        """Nothing: this view is for planning, and plans cannot sense."""
+        return NO_SENSORS
 
     def element(self, element_id: str) -> Element:
         """Returns one element, left out or not."""

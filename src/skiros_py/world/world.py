@@ -21,6 +21,7 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import ChangeLog, Past
 from skiros_py.world.reasoners.reasoner import Proposal
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+from skiros_py.world.sensors import NO_SENSORS, Sensors
 from skiros_py.world.transaction import Transaction
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class World:
     Attributes:
         clock: Gives the time [s, simulated] that changes are stamped with; may be replaced.
         locks: Which elements only one person or job may edit.
+        sensors: What devices say in this cycle; may be replaced, by whoever brings up the devices.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class World:
             past: What was before, read from a journal; changes are written there before they take effect.
         """
         self.clock = clock
+        self.sensors: Sensors = NO_SENSORS
         self.locks = Locks(known=lambda name: self._index.has(name))
         past = past or Past(abstract_individuals(ontology, reasoners))
         self._index = past.index.copy()
@@ -242,7 +245,7 @@ class World:
         return self._index.abstracts(class_)
 
     def value(self, element_id: str, property_: str) -> Value | None:
-        """Returns the element's own value, else the one its class (or nearest superclass) gives, else None.
+        """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
 
         Raises:
             UnknownName: There is no such element or property.

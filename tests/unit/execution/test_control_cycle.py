@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -7,6 +9,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle, Task
 from skiros_py.robot.devices import Base, DeviceBoard
 from skiros_py.robot.values import BaseTwist
@@ -124,7 +127,7 @@ def test_stopping_a_task_that_is_done_keeps_its_result() -> None:
     assert task.result == "a"
 
 
-def test_a_task_that_raised_is_done_and_has_no_result() -> None:
+def test_a_task_that_raised_is_done_and_its_result_is_what_it_raised() -> None:
     cycle, log = new_cycle(), []
 
     def breaks() -> Iterator[None]:
@@ -134,14 +137,13 @@ def test_a_task_that_raised_is_done_and_has_no_result() -> None:
     task = cycle.start(breaks())
     cycle.start(for_cycles(9, log, "a"))
     cycle.step()
-    with pytest.raises(ZeroDivisionError):
-        cycle.step()
+    cycle.step()
 
     assert task.done
-    with pytest.raises(RuntimeError, match="only after it ended by itself"):
+    with pytest.raises(ZeroDivisionError):
         _ = task.result
     cycle.step()
-    assert log == ["a", "a"], "the others go on"
+    assert log == ["a", "a", "a"], "the others go on"
 
 
 def test_stopping_all_closes_every_task_and_waits_for_standstill() -> None:
@@ -163,6 +165,86 @@ def test_stopping_all_closes_every_task_and_waits_for_standstill() -> None:
     here = cycle.board.snapshot.bases["base_1"].pose
     cycle.step()
     assert cycle.board.snapshot.bases["base_1"].pose == here
+
+
+def test_after_everything_was_stopped_nothing_starts_until_reset() -> None:
+    cycle, log = new_cycle(), []
+    cycle.stop_all("the light curtain was broken")
+
+    with pytest.raises(
+        UsageError, match=r"a cannot start: everything was halted \(the light curtain was broken\); reset"
+    ):
+        cycle.start(for_cycles(1, log, "a"), "a")
+
+    cycle.reset()
+    assert cycle.run(cycle.start(for_cycles(1, log, "a"))) == "a"
+
+
+def test_reset_is_refused_while_something_moves() -> None:
+    cycle = new_cycle()
+
+    def drive() -> Iterator[None]:
+        while True:
+            Base(cycle.board, "base_1").command(BaseTwist(0.5, 0.0))
+            yield
+
+    task = cycle.start(drive())
+    cycle.step()
+    cycle.step()
+    cycle.halt("somebody pressed the button")
+
+    with pytest.raises(UsageError, match="a task still runs"):
+        cycle.reset()
+    task.stop()
+    with pytest.raises(UsageError, match="something still moves"):
+        cycle.reset()
+    cycle.step()
+    cycle.reset()
+
+
+def test_halting_stops_every_task_whoever_asks_for_it() -> None:
+    cycle, log = new_cycle(), []
+
+    def presses_the_button() -> Iterator[None]:
+        yield
+        threading.Thread(target=cycle.halt, args=("a person came near",)).start()
+        while not cycle.halted:
+            time.sleep(0.001)
+        yield
+
+    tasks = [cycle.start(presses_the_button()), cycle.start(for_cycles(99, log, "a"))]
+    for _ in range(3):
+        cycle.step()
+
+    assert all(task.done for task in tasks)
+    assert log[-1] == "a ends"
+    with pytest.raises(ModuleError, match="was stopped: a person came near"):
+        cycle.run(tasks[0])
+
+
+def test_what_is_commanded_while_halted_does_nothing() -> None:
+    cycle = new_cycle()
+    cycle.halt("a test")
+
+    Base(cycle.board, "base_1").command(BaseTwist(0.5, 0.0))
+    cycle.step()
+    assert cycle.board.still
+
+    cycle.reset()
+    Base(cycle.board, "base_1").command(BaseTwist(0.5, 0.0))
+    cycle.step()
+    assert not cycle.board.still
+
+
+def test_a_task_cannot_wait_for_its_own_end() -> None:
+    cycle = new_cycle()
+
+    def waits() -> Iterator[None]:
+        cycle.stop_all()
+        yield
+
+    with pytest.raises(UsageError, match="a task cannot wait for its own end"):
+        cycle.run(cycle.start(waits()))
 
 
 def test_a_base_that_nobody_commands_stands_still() -> None:
@@ -228,6 +310,7 @@ class CycleMachine(RuleBasedStateMachine):
     def stop_all(self) -> None:
         self.cycle.stop_all()
         assert all(task.done for task, _, _ in self.tasks)
+        self.cycle.reset()
 
     @invariant()
     def each_was_ticked_as_often_as_it_should(self) -> None:

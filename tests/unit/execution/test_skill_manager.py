@@ -33,7 +33,7 @@ def test_what_is_offered_is_written_into_the_world(bench: Bench) -> None:
     skills = bench.world.objects("arm_1", "sk:hasSkill")
 
     assert sorted(bench.world.element(skill).label for skill in skills) == ["pick", "place"]
-    assert bench.world.changes[-1].reason == "registers its skills"
+    assert bench.world.changes[-1].reason == "registers what it can do"
 
 
 def test_a_fake_takes_the_implementations_that_pretend() -> None:
@@ -60,7 +60,7 @@ def test_a_manager_with_nothing_to_offer_writes_nothing() -> None:
 
 
 def test_a_skill_it_does_not_offer_is_refused_with_those_it_does(bench: Bench) -> None:
-    with pytest.raises(UnknownName, match=r"unknown skill 'pik' of arm_1.*mean 'pick'"):
+    with pytest.raises(UnknownName, match=r"unknown module 'pik' of arm_1.*mean 'pick'"):
         bench.managers["arm_1"].start("pik", {})
 
 

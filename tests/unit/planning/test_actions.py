@@ -122,9 +122,17 @@ def test_a_double_negation_is_none() -> None:
     assert ways_of(Not(Not(pattern))) == ways_of(pattern)
 
 
-@pytest.mark.parametrize("pattern", [Related("sk:in", "a", "b"), Has("sk:mass", "a"), AllOf(())])
-def test_what_strips_cannot_say_is_refused_by_name_and_place(pattern: Related) -> None:
-    with pytest.raises(PlanningError, match="precondition X of 'y': that something is not so cannot be planned for"):
+@pytest.mark.parametrize(
+    ("pattern", "named"),
+    [
+        (Related("sk:in", "a", "b"), r"not in\(a, b\): "),
+        (Exists("b", "tiny:Box", Related("sk:in", "a", "b")), "no Box such that …: "),
+        (AllOf(()), ""),
+    ],
+)
+def test_what_strips_cannot_say_is_refused_by_name_and_place(pattern: Pattern, named: str) -> None:
+    text = f"precondition X of 'y': {named}that something is not so cannot be planned for"
+    with pytest.raises(PlanningError, match=text):
         ways_of(Not(pattern), "precondition X of 'y'")
 
 

@@ -23,7 +23,7 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.skills.lint import problems_of
 from skiros_py.skills.outcome import Outcome, Success
-from skiros_py.skills.parameters import Param, param
+from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import SKILLS, tiny_ontology
@@ -38,7 +38,7 @@ class Look(Primitive[Any]):
     @dataclass(frozen=True, slots=True)
     class Params:
         at: str = param("sk:Location", "Where to look.")
-        times: int = param("number", "How often.", default=1)
+        times: int = param("integer", "How often.", kind=Kind.OFFLINE, default=1)
 
     def execute(self) -> Execution[Outcome]:
         yield
@@ -138,7 +138,7 @@ def test_a_pattern_of_a_foreign_kind_is_named() -> None:
 @pytest.mark.parametrize(
     ("call", "problem"),
     [
-        (Do.of("lok"), "there is no primitive 'lok'; there is look"),
+        (Do.of("lok"), "there is no primitive or skill 'lok'; there is look"),
         (Do.of("look", at=P("Location"), to=P("Location")), "primitive 'look' has no parameter to"),
         (Do.of("look"), "primitive 'look' needs at"),
         (Do.of("look", at=P("Place")), "'look' asks for Place, which is no parameter of the skill"),
@@ -165,8 +165,8 @@ def test_pre_sensing_and_finish_are_read_too() -> None:
     skill = Skill(DRIVE, AssertEffects(), pre_sense=Do.of("lok"), finish=Do.of("luk"), driver="fake")
 
     assert [problem.partition(";")[0] for problem in problems(skill)] == [
-        "there is no primitive 'lok'",
-        "there is no primitive 'luk'",
+        "there is no primitive or skill 'lok'",
+        "there is no primitive or skill 'luk'",
     ]
 
 
@@ -178,5 +178,5 @@ def test_all_problems_are_reported_at_once() -> None:
 
 def test_where_there_are_no_primitives_at_all_that_is_said() -> None:
     assert problems_of(Skill(DRIVE, Do.of("look")), tiny_ontology(), {}) == (
-        "there is no primitive 'look'; there is none",
+        "there is no primitive or skill 'look'; there is none",
     )

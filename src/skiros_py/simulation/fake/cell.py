@@ -24,6 +24,7 @@ from skiros_py.robot.values import (
 __all__ = ["FakeCell"]
 
 _PERIOD = 1.0 / 200.0
+_NO_COMMANDS = Commands()
 
 
 class FakeCell:
@@ -39,6 +40,7 @@ class FakeCell:
 
     def __init__(self, spec: CellSpec, *, seed: int = 0) -> None:
         self.seed = seed
+        self._halted = False
         self._snapshot = Snapshot(
             0,
             0.0,
@@ -61,6 +63,11 @@ class FakeCell:
         """Name of the adapter."""
         return "fake"
 
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill [s]: it stands in the next cycle."""
+        return _PERIOD
+
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
         return self._snapshot
@@ -72,6 +79,7 @@ class FakeCell:
             DeviceError: A command is for a device that does not exist.
         """
         now = self._snapshot
+        commands = _NO_COMMANDS if self._halted else commands
         _require(commands.arms, now.arms)
         _require(commands.grippers, now.grippers)
         _require(commands.bases, now.bases)
@@ -84,6 +92,14 @@ class FakeCell:
             {base: _driven(state, commands.bases.get(base)) for base, state in now.bases.items()},
         )
         return self._snapshot
+
+    def halt(self) -> None:
+        """Stands still from the next exchange on, whatever is commanded; for any thread."""
+        self._halted = True
+
+    def release(self) -> None:
+        """Obeys commands again."""
+        self._halted = False
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Refuses: there is nothing to see.

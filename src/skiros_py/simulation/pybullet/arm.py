@@ -46,6 +46,11 @@ class Arm:
         for index, angle in zip(self._indices, spec.home, strict=True):
             client.resetJointState(self._body, index, angle)
 
+    @property
+    def braking_time(self) -> float:
+        """Time from full speed of the fastest joint to standing [s]."""
+        return float(np.max(self._speeds)) / _BRAKING
+
     def command(self, target: ArmTarget | None) -> None:
         """Follows a set-point for one cycle; None brakes and holds."""
         if target is None:

@@ -50,6 +50,12 @@ class Base:
         for index, value in zip(self._plane, start, strict=True):
             client.resetJointState(self._body, index, value)
 
+    @property
+    def braking_time(self) -> float:
+        """Time from full speed to standing [s]."""
+        spec = self.spec
+        return max(spec.max_linear / spec.max_linear_acceleration, spec.max_angular / spec.max_angular_acceleration)
+
     def command(self, twist: BaseTwist | None) -> None:
         """Drives for one cycle; None brakes."""
         self._limit(twist or _STAND)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import tempfile
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,8 @@ _PERIOD = 1.0 / 200.0
 _SETTLING = 100  # cycles before cycle 0
 _NOISE_STREAM = 2
 _NO_COMMANDS = Commands()
+_COMING_TO_REST = 0.25
+"""After the last braking command [s]: drives lag behind, and who stands must have been slow for 10 cycles."""
 
 
 class PyBulletCell:
@@ -60,6 +63,7 @@ class PyBulletCell:
         self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
         self._renderer: Worker | None = None
         self._closed = False
+        self._halted = False
         try:
             self._urdfs = _write_models(spec, Path(self._directory.name))
             self.scene = Scene(self._client, spec, self._urdfs, seed=seed, period=_PERIOD)
@@ -83,6 +87,13 @@ class PyBulletCell:
         """Name of the adapter."""
         return "pybullet"
 
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill, as its snapshots say it [s]."""
+        drives = [robot.base.braking_time for robot in self.scene.robots]
+        drives += [arm.braking_time for robot in self.scene.robots for arm in robot.arms]
+        return max(drives, default=0.0) + _COMING_TO_REST
+
     def read(self) -> Snapshot:
         """Returns the present state without advancing time."""
         return self._snapshot
@@ -90,12 +101,28 @@ class PyBulletCell:
     def exchange(self, commands: Commands) -> Snapshot:
         """Applies the commands for one physics step and returns what the sensors say at its end.
 
+        While the cell is halted it ignores the commands.
+
         Raises:
-            DeviceError: A command is malformed, or PyBullet broke.
+            DeviceError: A command is malformed or for a device that does not exist, or PyBullet broke.
         """
-        self._step(commands)
+        now = self._snapshot
+        for wanted, known in ((commands.arms, now.arms), (commands.grippers, now.grippers), (commands.bases, now.bases)):
+            _require(wanted, known)
+        self._step(_NO_COMMANDS if self._halted else commands)
         self._snapshot = self._sense(self._snapshot.cycle + 1)
         return self._snapshot
+
+    def halt(self) -> None:
+        """Brakes everything from the next exchange on, whatever is commanded; for any thread.
+
+        The physics client belongs to the control thread, so this only says what :meth:`exchange` shall do.
+        """
+        self._halted = True
+
+    def release(self) -> None:
+        """Obeys commands again."""
+        self._halted = False
 
     def capture(self, camera: str) -> Call[DepthImage]:
         """Takes a picture now; the image arrives after the camera's latency.
@@ -211,6 +238,12 @@ class PyBulletCell:
             {gripper.spec.id: gripper.state() for robot in robots for gripper in robot.grippers},
             {robot.base.spec.id: robot.base.state() for robot in robots},
         )
+
+
+def _require(commanded: Mapping[str, object], known: Mapping[str, object]) -> None:
+    for device in commanded:
+        if device not in known:
+            raise DeviceError(f"no device '{device}'; there is {', '.join(sorted(known)) or 'none'}")
 
 
 def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:

@@ -1,6 +1,17 @@
-"""Conditions: patterns over the world, in the words of the domain, with reasons."""
+"""Conditions: patterns over the world, in the words of the domain, with reasons; their effects; watching them."""
 
+from skiros_py.skills.conditions.compare import Compare
 from skiros_py.skills.conditions.condition import Condition, ConditionType, Role, any_of
+from skiros_py.skills.conditions.effects import (
+    Assign,
+    Effect,
+    Relate,
+    Unrelate,
+    effects_of,
+    suppose_effects,
+    write_effects,
+)
+from skiros_py.skills.conditions.kinds import ClassRelated, IsA
 from skiros_py.skills.conditions.pattern import (
     AllOf,
     AnyOf,
@@ -13,22 +24,38 @@ from skiros_py.skills.conditions.pattern import (
     Pattern,
     Related,
 )
+from skiros_py.skills.conditions.sensor import Sensor, is_sensed
 from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.skills.conditions.watch import Watch, Watches
 
 __all__ = [
     "AllOf",
     "AnyOf",
+    "Assign",
     "Binding",
+    "ClassRelated",
+    "Compare",
     "Computed",
     "Condition",
     "ConditionType",
+    "Effect",
     "Exists",
     "Has",
+    "IsA",
     "Not",
     "Nothing",
     "Pattern",
+    "Relate",
     "Related",
     "Role",
+    "Sensor",
+    "Unrelate",
     "Verdict",
+    "Watch",
+    "Watches",
     "any_of",
+    "effects_of",
+    "is_sensed",
+    "suppose_effects",
+    "write_effects",
 ]

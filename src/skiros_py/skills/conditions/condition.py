@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions.pattern import AnyOf, Binding, Exists, Not, Pattern
@@ -60,14 +60,31 @@ class Condition:
         type: The word.
         arguments: Parameter keys in a skill; element ids or class CURIEs in a goal.
         negated: True when it must *not* hold.
+        name: What its author calls it, or None; conditions that say the same are equal, whatever they are called.
     """
 
     type: ConditionType
     arguments: tuple[str, ...]
     negated: bool = False
+    name: str | None = field(default=None, compare=False)
 
     def __invert__(self) -> Condition:
-        return replace(self, negated=not self.negated)
+        return replace(self, negated=not self.negated, name=None)
+
+    def named(self, name: str) -> Condition:
+        """Returns the same condition under a name of the author's: ``HOLDING("Gripper", "Object").named("held")``.
+
+        Raises:
+            DescriptionError: The name is empty.
+        """
+        if not name.strip():
+            raise DescriptionError(f"the name of {self} must not be empty")
+        return replace(self, name=name)
+
+    @property
+    def key(self) -> str:
+        """The name by which it is told from a skill's other conditions: its author's, else what it says."""
+        return str(self) if self.name is None else self.name
 
     def __str__(self) -> str:
         arguments = ", ".join(argument.partition(":")[2] or argument for argument in self.arguments)

@@ -2,7 +2,8 @@
 
 OWL says more than a world is checked by. What is read: classes with their superclasses, equivalents and cardinalities;
 relations and properties with domains and ranges, also as unions and intersections; characteristics of relations; values
-that classes give to their individuals. What else an ontology states stays in the graph for queries and OWL reasoners.
+that classes give to their individuals, and what these are related to. What else an ontology states stays in the graph
+for queries and OWL reasoners.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES, parse_value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.documents import Document
-from skiros_py.world.ontology.expressions import cardinalities, conjuncts, end
+from skiros_py.world.ontology.expressions import cardinalities, conjuncts, end, fillers
 from skiros_py.world.ontology.hierarchy import MOST_ABOVE, closure, cycle, too_deep
 from skiros_py.world.ontology.kinds import DECLARES, Kind
 from skiros_py.world.ontology.statements import Node, Statements, english
@@ -127,6 +128,7 @@ class _Reader:
             parents=tuple(primary[:1] + [parent for parent in parents if parent not in primary[:1]]),
             equivalents=tuple(sorted(self._equivalents.get(term, ()))),
             cardinalities=tuple(sorted(numbers, key=repr)),
+            fillers=tuple(sorted({f for part in above for f in fillers(self._statements, part)}, key=repr)),
         )
 
     def _anonymous_equivalents(self, term: str) -> list[Node]:

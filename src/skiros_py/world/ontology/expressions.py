@@ -1,6 +1,6 @@
-"""Class expressions of OWL as far as a world is checked by them: unions, intersections and numbers.
+"""Class expressions of OWL as far as a world is read by them: unions, intersections, numbers, "some" and "only".
 
-Everything else (complements, enumerations, "some", "only") stays in the graph for OWL reasoners.
+Everything else (complements, enumerations) stays in the graph for OWL reasoners.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator
 import pyoxigraph as ox
 
 from skiros_py.world.ontology.statements import Node, Statements
-from skiros_py.world.terms import Cardinality, End
+from skiros_py.world.terms import Cardinality, End, Filler
 
-__all__ = ["cardinalities", "conjuncts", "end"]
+__all__ = ["cardinalities", "conjuncts", "end", "fillers"]
 
 _NUMBERS = {
     "owl:cardinality": (True, True),
@@ -23,6 +23,8 @@ _NUMBERS = {
     "owl:maxQualifiedCardinality": (False, True),
 }
 """Whether each says the least, the most."""
+_FILLERS = {"owl:someValuesFrom": True, "owl:allValuesFrom": True, "owl:hasValue": False}
+"""Whether each names a class."""
 
 
 def conjuncts(statements: Statements, expression: Node) -> Iterator[Node]:
@@ -68,6 +70,17 @@ def cardinalities(statements: Statements, expression: Node) -> Iterator[Cardinal
             if on and of is not None and isinstance(literal, ox.Literal):
                 number = _number(literal.value)
                 yield Cardinality(on[0], number if least else 0, number if most else None, of or None)
+
+
+def fillers(statements: Statements, expression: Node) -> Iterator[Filler]:
+    """Yields what a restriction states of what its individuals are related to, as far as that has names."""
+    if not isinstance(expression, ox.BlankNode):
+        return
+    node = statements.key(expression)
+    for relation in statements.named(node, "owl:onProperty"):
+        for predicate, is_class in _FILLERS.items():
+            for name in statements.named(node, predicate):
+                yield Filler(relation, name, is_class)
 
 
 def _counted(statements: Statements, node: str) -> str | None:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 from skiros_py.errors import FileError
-from skiros_py.plugins import Plugin, PluginFault, load_plugins
+from skiros_py.plugins import Entry, PluginFault, fault_of, files_of, installation, unambiguous
 from skiros_py.world.ontology.documents import rdf_files
 from skiros_py.world.ontology.ontology import Ontology
 
@@ -39,43 +37,24 @@ def load_installed(paths: Sequence[Path]) -> tuple[Ontology, tuple[PluginFault, 
         try:
             return Ontology.load([*paths, *(file for own in files.values() for file in own)]), tuple(faults)
         except FileError as error:
-            culprit = next((plugin for plugin, own in files.items() if error.path in own), None)
+            culprit = next((entry for entry, own in files.items() if error.path in own), None)
             if culprit is None:
                 raise
             del files[culprit]
-            faults.append(_fault(culprit, str(error)))
+            faults.append(fault_of(culprit, str(error)))
 
 
-def plugin_files() -> tuple[dict[Plugin, list[Path]], list[PluginFault]]:
+def plugin_files() -> tuple[dict[Entry, list[Path]], list[PluginFault]]:
     """Returns the ontology files of every plug-in, in the order of their names; and what is wrong with the others."""
-    plugins, faults = load_plugins(_GROUP)
-    files: dict[Plugin, list[Path]] = {}
-    broken = list(faults)
-    for plugin in plugins:
-        folders = _folders(plugin.value)
-        own = rdf_files(folders)
-        if own:
-            files[plugin] = own
-        elif folders:
-            broken.append(_fault(plugin, f"there is no ontology file below {folders[0]}"))
+    entries, twins = unambiguous(installation().of(_GROUP))
+    files: dict[Entry, list[Path]] = {}
+    broken = list(twins)
+    for entry in entries:
+        paths = files_of(entry)
+        if isinstance(paths, PluginFault):
+            broken.append(paths)
+        elif own := rdf_files(paths):
+            files[entry] = own
         else:
-            reason = f"it is a {type(plugin.value).__name__}, nothing for ontologies: name a package, or a Path"
-            broken.append(_fault(plugin, reason))
+            broken.append(fault_of(entry, f"there is no ontology file below {paths[0]}"))
     return files, broken
-
-
-def _folders(value: Any) -> list[Path]:
-    """Where the files of an entry point are; nowhere for what names no folder of its own."""
-    if isinstance(value, Path):
-        return [value]
-    if not isinstance(value, ModuleType):
-        return []
-    folders = [Path(folder) for folder in getattr(value, "__path__", ())]
-    if not folders and value.__file__ and "." in value.__name__:
-        # A module that is in no package lies among those of all other distributions.
-        folders = [Path(value.__file__).parent]
-    return [inner if (inner := folder / "ontologies").is_dir() else folder for folder in folders]
-
-
-def _fault(plugin: Plugin, reason: str) -> PluginFault:
-    return PluginFault(plugin.group, plugin.name, plugin.distribution, reason, "")

@@ -13,7 +13,7 @@ from skiros_py.world.ontology.declarations import Declarations, read_declaration
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 from skiros_py.world.ontology.hierarchy import closure, inverse
 from skiros_py.world.ontology.prefixes import common_names
-from skiros_py.world.terms import Cardinality, Class, End, Family, Property, Relation
+from skiros_py.world.terms import Cardinality, Class, End, Family, Filler, Property, Relation
 
 __all__ = ["Ontology"]
 
@@ -120,6 +120,15 @@ class Ontology:
             UnknownName: It is not a class.
         """
         said = (number for above in self.ancestors(class_) for number in self.classes[above].cardinalities)
+        return tuple(dict.fromkeys(said))
+
+    def fillers(self, class_: str) -> tuple[Filler, ...]:
+        """Returns what individuals of a class are related to, as it and the classes above it say.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        said = (filler for above in self.ancestors(class_) for filler in self.classes[above].fillers)
         return tuple(dict.fromkeys(said))
 
     def missed_end(self, class_: str, end: End) -> tuple[str, ...]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Sequence
 
 from skiros_py.errors import UsageError
-from skiros_py.plugins import Plugin, PluginFault, load_plugins
+from skiros_py.plugins import Plugin, PluginFault, load_plugins, raised
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.reasoner import Reasoner
 from skiros_py.world.reasoners.registry import Reasoners
@@ -48,13 +47,15 @@ def _made(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | None)
     """Returns the reasoner of a plug-in, or why it cannot be used beside the others."""
     class_ = plugin.value
     if not isinstance(class_, type) or not issubclass(class_, Reasoner):
-        return _fault(plugin, f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
+        return plugin.fault(f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
     try:
         reasoner = class_()
         problem = _problem(reasoner, others) or _undeclared(reasoner, ontology)
-    except Exception as error:  # noqa: BLE001 - somebody else's code: whatever it raises is reported, not spread
-        return _fault(plugin, f"{type(error).__name__}: {error}", traceback.format_exc())
-    return reasoner if problem is None else _fault(plugin, problem)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001 - somebody else's code: whatever it raises, SystemExit too
+        return raised(plugin, error)
+    return reasoner if problem is None else plugin.fault(problem)
 
 
 def _problem(reasoner: Reasoner, others: Sequence[Reasoner]) -> str | None:
@@ -75,7 +76,3 @@ def _undeclared(reasoner: Reasoner, ontology: Ontology | None) -> str | None:
     computed = {name for name, relation in ontology.relations.items() if relation.family is Family.COMPUTED}
     unknown = sorted(reasoner.relations - computed)
     return f"no ontology declares {', '.join(unknown)} below {COMPUTED}" if unknown else None
-
-
-def _fault(plugin: Plugin, reason: str, trace: str = "") -> PluginFault:
-    return PluginFault(plugin.group, plugin.name, plugin.distribution, reason, trace)

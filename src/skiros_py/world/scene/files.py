@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from skiros_py.errors import FileError, WorldError
@@ -15,6 +15,7 @@ from skiros_py.world.scene.atomic import write_atomically
 from skiros_py.world.scene.diff import diff
 from skiros_py.world.scene.faults import fault_of_all
 from skiros_py.world.scene.reader import Reader
+from skiros_py.world.scene.robots import robot_document
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.world import World
 
@@ -127,9 +128,17 @@ def _with_imports(scene: Document, ontology: Ontology, paths: Sequence[Path]) ->
     for file in waiting:
         for iri in file.imports():
             if iri not in known and iri not in files:
-                found = ", ".join(f"<{name}>" for name in sorted(known)) or "none"
-                raise file.fault(f"imports <{iri}>, which no file at hand declares; these are declared: {found}", iri)
+                known[iri] = _of_a_plugin(iri, file, known)
             if iri not in files:
                 files[iri] = known[iri]
                 waiting.append(known[iri])
     return list(files.values())
+
+
+def _of_a_plugin(iri: str, importer: Document, known: Collection[str]) -> Document:
+    document, faults = robot_document(iri)
+    if document is not None:
+        return document
+    found = ", ".join(f"<{name}>" for name in sorted(known)) or "none"
+    broken = "".join(f"; {fault}" for fault in faults)
+    raise importer.fault(f"imports <{iri}>, which no file at hand declares; these are declared: {found}{broken}", iri)

@@ -1,0 +1,61 @@
+"""Brings a robot's arms home and opens its empty grippers: the posture in which work begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.robot.cell import GripperSpec, RobotSpec
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.world.vocabulary import ARM, HELD_BY, ROBOT
+
+__all__ = ["Home"]
+
+_FELT = 2.0
+"""Fingers that are pressed apart with this force hold something [N]."""
+
+
+class Home(Primitive["Home.Params"]):
+    """Brings one arm or all arms home and opens empty grippers; one that holds something stays closed."""
+
+    name: ClassVar[str] = "home"
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        robot: str = param(ROBOT, "The robot.", kind=Kind.PLANNING)
+        arm: str | None = param(ARM, "The arm; left out: all arms.", kind=Kind.OPTIONAL, default=None)
+
+    def start(self) -> Failure | None:
+        """Looks whether the arm is one of the robot's."""
+        if self.params.arm not in (None, *(arm.id for arm in self._robot.arms)):
+            return Failure(f"{self.params.arm} is no arm of {self.params.robot}")
+        return None
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves the arms first: what is between the fingers must not fall before it is where it can be seen."""
+        arm, robot = self.params.arm, self.params.robot
+        moved = yield from self.call("move_arm", arm=arm) if arm else self.call("stow_arms", robot=robot)
+        if isinstance(moved, Failure):
+            return moved
+        grippers = [gripper for gripper in self._robot.grippers if arm in (None, gripper.arm)]
+        holding = [gripper.id for gripper in grippers if self._holds(gripper)]
+        for gripper in grippers:
+            if gripper.id not in holding:
+                opened = yield from self.call("gripper_control", gripper=gripper.id)
+                if isinstance(opened, Failure):
+                    return opened
+        return Success(f"home; {', '.join(holding)} stays closed" if holding else "home")
+
+    @property
+    def _robot(self) -> RobotSpec:
+        return next(r for r in self.context.cell.robots if r.id == self.params.robot)
+
+    def _holds(self, gripper: GripperSpec) -> bool:
+        """Believed or felt: a part that nobody knows of must not be dropped, either."""
+        felt = self.context.board.snapshot.grippers[gripper.id].force >= _FELT
+        return felt or bool(self.world.subjects(HELD_BY, gripper.id))

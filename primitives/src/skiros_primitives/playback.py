@@ -1,0 +1,58 @@
+"""Where an arm shall be on its trajectory, by a clock that may slow down and stand still."""
+
+from __future__ import annotations
+
+import math
+
+from skiros_py.robot.motion import Trajectory
+from skiros_py.robot.values import ArmTarget
+
+__all__ = ["Playback"]
+
+_SAME = 1e-6
+"""Clock times that differ by less than this part of a period are the same."""
+
+
+class Playback:
+    """Samples a trajectory at the time that has passed on a clock; the path is the same, however the clock goes.
+
+    Args:
+        trajectory: Samples, one per period.
+        period: The control period [s].
+        now: Time on the clock when it begins [s].
+    """
+
+    def __init__(self, trajectory: Trajectory, period: float, now: float) -> None:
+        self._trajectory = trajectory
+        self._period = period
+        self._start = now
+        self._last = now - period
+        self._sample = 0.0
+
+    @property
+    def ended(self) -> bool:
+        """True when the last sample has been given out."""
+        return self._sample >= len(self._trajectory.positions) - 1
+
+    def target(self, now: float) -> ArmTarget:
+        """Returns the set-point for the end of the coming cycle, in which the clock goes on as it did in the last one.
+
+        Args:
+            now: Time on the clock, once per cycle [s].
+        """
+        rate = min(1.0, _rounded((now - self._last) / self._period))
+        self._last = now
+        passed = _rounded((now - self._start) / self._period)
+        self._sample = min(passed + rate, float(len(self._trajectory.positions) - 1))
+        before, share = int(self._sample), self._sample % 1.0
+        positions, velocities = self._trajectory.positions[before], self._trajectory.velocities[before]
+        if share > 0.0:
+            positions = positions + share * (self._trajectory.positions[before + 1] - positions)
+            velocities = velocities + share * (self._trajectory.velocities[before + 1] - velocities)
+        return ArmTarget(tuple(positions.tolist()), tuple((rate * velocities).tolist()))
+
+
+def _rounded(periods: float) -> float:
+    """Returns a whole number where only rounding is off: on a clock that runs on time each sample is hit exactly."""
+    whole = math.floor(periods + 0.5)
+    return float(whole) if abs(periods - whole) < _SAME else periods

@@ -1,0 +1,64 @@
+"""Learns how to grasp a kind of part: as the gripper has it now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.poses import level
+from skiros_primitives.teaching import keep, other_class
+from skiros_py.geometry import Pose
+from skiros_py.robot.devices import Gripper
+from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import held_by, map_pose
+from skiros_py.world.vocabulary import ARM, GRASP_POSE, GRASP_WIDTH, GRIPPER, MANIPULATABLE, TAUGHT_GRASP
+
+__all__ = ["TeachGrasp"]
+
+_OPEN = 0.002
+"""Fingers that are less than this from wide open are not closed on anything [m]."""
+
+
+class TeachGrasp(ArmPrimitive):
+    """Learns how to take parts of a class: as the gripper has one of them now."""
+
+    name: ClassVar[str] = "teach_grasp"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm; it stands as it should.", kind=Kind.HARDWARE)
+        gripper: str = param(GRIPPER, "The gripper on it; it is closed on the part.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part between the fingers.")
+        type: str | None = param(
+            "class", "For which class of parts it counts; left out: that of the part.", kind=Kind.OPTIONAL, default=None
+        )
+
+    def start(self) -> Failure | None:
+        """Looks whether the part is one of those."""
+        return other_class(self.world, self.params.part, self.params.type)
+
+    def execute(self) -> Execution[Outcome]:
+        """Writes down where the tool is on the part, and how far the fingers are apart."""
+        tool = yield from self._tool_on_part()
+        if tool is None:
+            return Failure(f"nobody knows exactly where {self.params.part} is: register it first")
+        gap = Gripper(self.context.board, self.params.gripper).state.gap
+        if gap > self.gripper_spec.max_gap - _OPEN:
+            return Failure(f"{self.params.gripper} is wide open: close it on {self.params.part}")
+        lesson = TAUGHT_GRASP, self.params.part, self.params.type
+        return keep(self.world, *lesson, {GRASP_POSE: tool, GRASP_WIDTH: gap}, author=self.name)
+
+    def _tool_on_part(self) -> Execution[Pose | None]:
+        holding = held_by(self.context, self.params.gripper)
+        if holding is not None and holding[0] == self.params.part:
+            return holding[1].pose.inverse()
+        part = map_pose(self.context, self.params.part)
+        if part is None:
+            return None
+        tool = yield from self.tool_pose()
+        return level(part).inverse() @ tool

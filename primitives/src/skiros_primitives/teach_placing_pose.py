@@ -1,0 +1,56 @@
+"""Learns how things are put into a kind of container: as one is now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_primitives.teaching import keep, other_class
+from skiros_py.geometry import Pose
+from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.surroundings import held_by, map_pose
+from skiros_py.world.vocabulary import ARM, CONTAINER, GRIPPER, MANIPULATABLE, PLACING_POSE, TAUGHT_PLACING_POSE
+
+__all__ = ["TeachPlacingPose"]
+
+
+class TeachPlacingPose(ArmPrimitive):
+    """Learns how to put things into containers of a class: as the part is now, in the gripper or where it was seen."""
+
+    name: ClassVar[str] = "teach_placing_pose"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param(ARM, "The arm.", kind=Kind.HARDWARE)
+        gripper: str = param(GRIPPER, "The gripper on it; it may hold the part.", kind=Kind.HARDWARE)
+        part: str = param(MANIPULATABLE, "The part; it is as it should be in the container.")
+        container: str = param(CONTAINER, "The container or compartment.")
+        type: str | None = param(
+            "class", "For which class of containers it counts; left out: its own.", kind=Kind.OPTIONAL, default=None
+        )
+
+    def start(self) -> Failure | None:
+        """Looks whether the container is one of those."""
+        return other_class(self.world, self.params.container, self.params.type)
+
+    def execute(self) -> Execution[Outcome]:
+        """Writes down where the part is in the container."""
+        container = map_pose(self.context, self.params.container)
+        part = yield from self._part_pose()
+        if container is None or part is None:
+            unknown = self.params.container if container is None else self.params.part
+            return Failure(f"nobody knows exactly where {unknown} is")
+        lesson = TAUGHT_PLACING_POSE, self.params.container, self.params.type
+        return keep(self.world, *lesson, {PLACING_POSE: container.inverse() @ part}, author=self.name)
+
+    def _part_pose(self) -> Execution[Pose | None]:
+        holding = held_by(self.context, self.params.gripper)
+        if holding is None or holding[0] != self.params.part:
+            return map_pose(self.context, self.params.part)
+        tool = yield from self.tool_pose()
+        return tool @ holding[1].pose

@@ -1,0 +1,111 @@
+"""What plug-ins brought."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName, UsageError
+from skiros_py.plugins import LazyPlugins, PluginFault
+from skiros_py.skills.conditions import ConditionType
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+
+if TYPE_CHECKING:
+    from skiros_py.planning.planner import Planner
+    from skiros_py.robot.driver import CellDriver
+
+__all__ = ["Catalogue"]
+
+
+@dataclass(frozen=True, slots=True)
+class Catalogue:
+    """What plug-ins brought: skills, primitives and conditions; and the faults of those that did not load.
+
+    Attributes:
+        skills: Skills by the names of their entry points.
+        primitives: Primitives by name, each is loaded when it is first asked for.
+        conditions: Conditions by word.
+        planners: What makes a planner, by name; each is loaded when it is first asked for.
+        sources: Where each is from ("skiros-skills 0.1.0"), by kind and name ("skills/drive").
+        early: Faults that were known when the catalogue was made.
+        reasoners: Reasoners that worlds are opened with.
+        drivers: What makes a cell driver, by name; each is loaded when it is first asked for.
+    """
+
+    skills: Mapping[str, Skill]
+    primitives: Mapping[str, type[Primitive[Any]]]
+    conditions: Mapping[str, ConditionType]
+    planners: Mapping[str, Any]
+    sources: Mapping[str, str]
+    early: tuple[PluginFault, ...] = ()
+    reasoners: Reasoners = NO_REASONERS
+    drivers: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def faults(self) -> tuple[PluginFault, ...]:
+        """All faults known by now, also of plug-ins that turned out broken when they were first asked for."""
+        late = (fault for lazy in self._lazy() for fault in lazy.faults)
+        return tuple(dict.fromkeys((*self.early, *late)))
+
+    def load_all(self) -> None:
+        """Loads what would be loaded when it is first asked for; :attr:`faults` says what is broken."""
+        for lazy in self._lazy():
+            lazy.load_all()
+
+    def _lazy(self) -> Iterator[LazyPlugins[Any]]:
+        yield from (found for found in (self.primitives, self.planners, self.drivers) if isinstance(found, LazyPlugins))
+
+    def planner(self, name: str) -> Planner:
+        """Makes a planner; close it.
+
+        Raises:
+            UnknownName: There is none of that name.
+            UsageError: It cannot be loaded; the text says why, and where it is from.
+            PlanningError: It breaks when it is made.
+        """
+        try:
+            planner: Planner = self._factory("planner", name, self.planners)()
+        except SkirosError:
+            raise
+        except Exception as error:
+            source = self.sources.get(f"planners/{name}", "this catalogue")
+            raise PlanningError(f"planner '{name}' of {source} breaks: {type(error).__name__}: {error}") from error
+        return planner
+
+    def driver(self, name: str, *arguments: Any, **options: Any) -> CellDriver:
+        """Makes a cell driver; close it.
+
+        Args:
+            name: Its name.
+            *arguments: What drivers are made with: the cell.
+            **options: As well: the seed.
+
+        Raises:
+            UnknownName: There is none of that name.
+            UsageError: It cannot be loaded; the text says why, and where it is from.
+            DeviceError: It breaks when it is made.
+        """
+        try:
+            driver: CellDriver = self._factory("driver", name, self.drivers)(*arguments, **options)
+        except SkirosError:
+            raise
+        except Exception as error:
+            source = self.sources.get(f"drivers/{name}", "this catalogue")
+            raise DeviceError(f"driver '{name}' of {source} breaks: {type(error).__name__}: {error}") from error
+        return driver
+
+    def _factory(self, kind: str, name: str, found: Mapping[str, Any]) -> Any:
+        if name in found:
+            return found[name]
+        reason = self._why_not(f"skiros.{kind}s", name, found)
+        if reason is None:
+            raise UnknownName(kind, name, found)
+        raise UsageError(f"{kind} '{name}' cannot be used: {reason} (skiros plugins {name} shows it in full)")
+
+    def _why_not(self, group: str, name: str, found: Mapping[str, Any]) -> str | None:
+        if isinstance(found, LazyPlugins) and (reason := found.why_not(name)):
+            return reason
+        return next((str(fault) for fault in self.early if (fault.group, fault.name) == (group, name)), None)

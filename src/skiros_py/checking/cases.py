@@ -1,0 +1,204 @@
+"""Finds where a skill can be tried: a world in which its preconditions hold, and parameters for it.
+
+First such worlds are taken as they are; then one is brought about by other skills; at last, it is made up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from skiros_py.checking.making import make_up
+from skiros_py.checking.rig import Rig
+from skiros_py.checking.samples import sample_values
+from skiros_py.errors import SkirosError
+from skiros_py.skills.conditions import Assign, Condition, Not, Nothing, Relate, Related, Unrelate
+from skiros_py.skills.inference import Missing, infer
+from skiros_py.skills.lint.patterns import leaves
+from skiros_py.skills.lint.rules.reach import brought_about
+from skiros_py.skills.parameters import Kind
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.terms import Family
+from skiros_py.world.world import World
+
+__all__ = ["Case", "Ground", "NoCase", "find_case"]
+
+_MOST_TARGETS = 30
+"""So many elements are tried as what a skill is done to; in plans, which take longer, a tenth of that."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """A world that trials may start from.
+
+    Attributes:
+        name: Its name ("kitting").
+        open: Makes it, fresh for each trial.
+    """
+
+    name: str
+    open: Callable[[], World]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """Where a skill can start.
+
+    Attributes:
+        rig: The robots, in the world as it must be.
+        agent: Who does it.
+        arguments: Value by key of every parameter.
+        where: The world and how it came about, for people ("kitting", "kitting, after other skills").
+    """
+
+    rig: Rig
+    agent: str
+    arguments: Mapping[str, Any]
+    where: str
+
+
+@dataclass(frozen=True, slots=True)
+class NoCase:
+    """There is none.
+
+    Attributes:
+        reason: What was missing.
+    """
+
+    reason: str
+
+
+def find_case(
+    skill: Skill, grounds: Sequence[Ground], skills: Sequence[Skill], primitives: Mapping[str, type[Primitive[Any]]]
+) -> Case | NoCase:
+    """Finds where a skill can start and has something to do; where there is no such place, where it can start."""
+    reasons: list[str] = []
+    idle: Case | None = None
+    for way in (_as_it_is, _after_other_skills, _made_up):
+        for ground in grounds:
+            try:
+                rig = Rig(ground.open(), skills, primitives)
+            except SkirosError as error:
+                reasons.append(f"{ground.name}: {error}")
+                continue
+            found = way(skill, rig, ground, skills)
+            if isinstance(found, NoCase):
+                reasons.append(f"{ground.name}: {found.reason}")
+            elif _has_work(skill.description, found):
+                return found
+            else:
+                idle = idle or found
+    return idle or NoCase("; ".join(dict.fromkeys(reasons)) or "there is no scene to try it in")
+
+
+def _has_work(description: SkillDescription, case: Case) -> bool:
+    return not all(condition.evaluate(case.rig.world, case.arguments) for condition in description.post)
+
+
+def _as_it_is(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -> Case | NoCase:
+    idle: Case | None = None
+    reason = f"no subsystem can do {skill.description.name}"
+    for agent, given in _beginnings(skill.description, rig, _MOST_TARGETS):
+        found = infer(skill.description, given, rig.world, agent)
+        if isinstance(found, Missing):
+            reason = str(found)
+            continue
+        reason = _unmet(skill, rig.world, found.values)
+        if not reason:
+            case = Case(rig, agent, found.values, ground.name)
+            if _has_work(skill.description, case):
+                return case
+            idle = idle or case
+    return idle or NoCase(reason)
+
+
+def _beginnings(description: SkillDescription, rig: Rig, most: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yields who may do it, with values that cannot be inferred, without a target and with each."""
+    values = sample_values(description)
+    target = description.param(description.target)
+    targets = rig.world.instances(target.element_class)[:most] if target.is_element else ()
+    for agent in rig.agents(description.name):
+        yield agent, values
+        if description.target != description.agent:
+            yield from ((agent, {**values, description.target: one}) for one in targets)
+
+
+def _unmet(skill: Skill, world: World, values: Mapping[str, Any]) -> str:
+    """Returns the first condition that does not hold, with the reason; nothing where the skill can start."""
+    for condition in (*skill.description.needs, *skill.when, *skill.description.hold):
+        verdict = condition.evaluate(world, values)
+        if not verdict:
+            return "; ".join(line.strip() for line in verdict.lines())
+    return ""
+
+
+def _after_other_skills(skill: Skill, rig: Rig, ground: Ground, skills: Sequence[Skill]) -> Case | NoCase:
+    changing = [c for c in skill.description.needs if _is_changed(c, skills)]
+    if not changing:
+        return NoCase("no other skill can bring it about")
+    steady = _needing(skill.description, [c for c in skill.description.needs if c not in changing])
+    reason = "no other skills lead there"
+    for agent, given in _beginnings(steady, rig, _MOST_TARGETS // 10):
+        found = infer(steady, given, rig.world, agent)
+        if isinstance(found, Missing):
+            reason = str(found)
+            continue
+        goal = [condition.bind(found.values) for condition in changing]
+        simple = [condition for condition in goal if not isinstance(condition.pattern, Not | Nothing)]
+        if any(rig.reach(aim) for aim in (goal, simple) if aim) and not _unmet(skill, rig.world, found.values):
+            return Case(rig, agent, found.values, f"{ground.name}, after other skills")
+    return NoCase(reason)
+
+
+def _is_changed(condition: Condition, skills: Sequence[Skill]) -> bool:
+    """Tells whether some skill has to do with what a condition reads."""
+    words = set()
+    for effect in (e for s in skills for c in s.description.post for e in brought_about(c)):
+        match effect:
+            case Relate(word) | Unrelate(word) | Assign(word):
+                words.add(word)
+    return any(_word(leaf) in words for leaf, _ in leaves(condition.pattern))
+
+
+def _word(leaf: object) -> str:
+    return leaf.relation if isinstance(leaf, Related | Nothing) else getattr(leaf, "property", "")
+
+
+def _needing(description: SkillDescription, needs: Sequence[Condition]) -> SkillDescription:
+    """Returns a skill's description with other needs."""
+    params = tuple(replace(param, where=()) for param in description.params)
+    return replace(description, params=params, pre=tuple(needs))
+
+
+def _made_up(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -> Case | NoCase:
+    reason = f"no subsystem can do {skill.description.name}"
+    structural = [c for c in skill.description.needs if _is_structural(c, rig.world)]
+    bare = _needing(skill.description, structural)
+    for agent in rig.agents(skill.description.name):
+        found = infer(bare, sample_values(skill.description), rig.world, agent)
+        kept = {key: value for key, value in found.values.items() if value is not None and _is_kept(key, bare)}
+        try:
+            values = make_up(skill.description, rig.world, kept)
+        except SkirosError as error:
+            return NoCase(f"cannot be made up: {error}")
+        reason = _unmet(skill, rig.world, values)
+        if not reason:
+            return Case(rig, agent, values, f"{ground.name}, made up")
+    return NoCase(reason)
+
+
+def _is_kept(key: str, description: SkillDescription) -> bool:
+    """Tells whether a value is kept when a world is made up: the robot's own parts are, and what is no element."""
+    param = description.param(key)
+    return param.kind in (Kind.HARDWARE, Kind.PLANNING) or key == description.agent or not param.is_element
+
+
+def _is_structural(condition: Condition, world: World) -> bool:
+    return all(
+        isinstance(leaf, Related)
+        and leaf.relation in world.ontology.relations
+        and world.ontology.family(leaf.relation) is Family.STRUCTURE
+        for leaf, _ in leaves(condition.pattern)
+    )

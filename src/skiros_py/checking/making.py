@@ -1,0 +1,68 @@
+"""Makes up a world in which a skill can start: what is missing is added, and what must hold is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from skiros_py.checking.samples import sample_of_range
+from skiros_py.skills.conditions import AllOf, Has, Pattern, Related, write_effects
+from skiros_py.skills.lint.rules.reach import brought_about
+from skiros_py.skills.parameters import Param
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.element import Placement
+from skiros_py.world.terms import Family
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.vocabulary import FLOOR, ON, SPATIAL_THING
+from skiros_py.world.world import World
+
+__all__ = ["make_up"]
+
+
+def make_up(description: SkillDescription, world: World, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Adds an element for each element parameter that is not given, and lets the needs hold as far as they can be said.
+
+    Returns:
+        Value by key of every parameter.
+
+    Raises:
+        WorldError: The world does not allow it.
+    """
+    values: dict[str, Any] = {param.key: param.default for param in description.params} | dict(given)
+    with world.transaction("contract test", f"makes up where {description.name} can start") as tx:
+        for param in description.params:
+            if param.is_element and values[param.key] is None and param.kind.is_required:
+                values[param.key] = _added(tx, param, world, is_piece=_is_piece(param.key, description, world))
+        for condition in description.needs:
+            bound = condition.bind(values)
+            write_effects(tx, world.ontology, brought_about(bound))
+            _give(tx, bound.pattern, world)
+    return values
+
+
+def _added(tx: Transaction, param: Param, world: World, *, is_piece: bool) -> str:
+    is_spatial = world.ontology.is_a(param.element_class, SPATIAL_THING)
+    floor = Placement(ON, world.instances(FLOOR)[0]) if is_spatial and not is_piece else None
+    return tx.add(param.element_class, placement=floor)
+
+
+def _is_piece(key: str, description: SkillDescription, world: World) -> bool:
+    """Tells whether a need says that it is a piece of something: such a one has no place of its own."""
+    return any(
+        isinstance(p, Related) and p.object == key and world.ontology.family(p.relation) is Family.STRUCTURE
+        for p in (condition.pattern for condition in description.needs)
+    )
+
+
+def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
+    """Gives an element a value of a property that it must have."""
+    match pattern:
+        case Has(property_, subject) if world.ontology.class_value(tx.view.element(subject).type, property_) is None:
+            value = sample_of_range(world.ontology.properties[property_].range)
+            if tx.view.value(subject, property_) is None and value is not None:
+                tx.set(subject, property_, value)
+        case AllOf(patterns):
+            for part in patterns:
+                _give(tx, part, world)
+        case _:
+            pass

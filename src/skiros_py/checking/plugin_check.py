@@ -1,0 +1,171 @@
+"""Checks all plug-ins of a distribution: what loads, what the rules say, what its skills do."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from skiros_py.catalogue.survey import survey
+from skiros_py.checking.contract import Contract, check_contract, is_testable
+from skiros_py.checking.grounds import scene_grounds
+from skiros_py.checking.parts import Part, parts_of, sources_of
+from skiros_py.config import ontology_paths
+from skiros_py.errors import UnknownName
+from skiros_py.plugins import Entry, PluginFault, installation
+from skiros_py.plugins.installation import canonical
+from skiros_py.skills.lint import DOES_NOT_LOAD, RULES, Finding, Known, Rule, Severity, Spot, check
+from skiros_py.skills.lint.rules.calls import MISSING_PARAMETER
+from skiros_py.skills.skill import Skill
+from skiros_py.world.ontology import load_installed
+from skiros_py.world.reasoners.plugins import load_reasoners
+
+__all__ = ["PluginReport", "check_plugins"]
+
+_FRAME = re.compile(r'File "([^"<]+)", line (\d+)')
+_PLATFORM = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True, slots=True)
+class PluginReport:
+    """What was checked, and what was found.
+
+    Attributes:
+        distributions: The distributions that were looked at, with their versions.
+        parts: How many skills, primitives and conditions were asked.
+        findings: What was found, by file and line.
+        contracts: The contract tests.
+    """
+
+    distributions: tuple[str, ...]
+    parts: int
+    findings: tuple[Finding, ...]
+    contracts: tuple[Contract, ...]
+
+    @property
+    def errors(self) -> int:
+        """How many of the findings are errors."""
+        return sum(finding.severity is Severity.ERROR for finding in self.findings)
+
+
+def check_plugins(
+    distribution: str | None = None,
+    rules: Collection[str] = (),
+    *,
+    run: bool = True,
+    progress: Callable[[str], None] = lambda _text: None,
+) -> PluginReport:
+    """Checks the plug-ins of one distribution, or of all that are installed.
+
+    Args:
+        distribution: Its name; None for all.
+        rules: Names of the rules to ask; all where left out.
+        run: Whether skills are run by contract tests.
+        progress: Told what is being done.
+
+    Raises:
+        UnknownName: There is no such distribution with plug-ins, or no such rule.
+        FileError: An ontology of the installation cannot be read.
+    """
+    wanted = _chosen(rules)
+    entries = _entries(distribution)
+    every = parts_of(installation().entries)
+    parts = [part for part in every if part.entry in entries]
+    progress("asking the rules")
+    known = _known(every)
+    findings = [*_asked(parts, entries, known, wanted.values()), *_broken(entries, parts, wanted)]
+    contracts = tuple(_contracts(parts, known, entries, progress)) if run else ()
+    findings += [finding for contract in contracts for finding in contract.findings if finding.rule in wanted]
+    names = tuple(sorted({str(entry.distribution) for entry in entries}))
+    return PluginReport(names, len(parts), tuple(sorted(set(findings), key=_order)), contracts)
+
+
+def _chosen(names: Iterable[str]) -> dict[str, Rule]:
+    chosen = tuple(names)
+    for name in chosen:
+        if name not in RULES:
+            raise UnknownName("rule", name, RULES)
+    return {name: rule for name, rule in RULES.items() if not chosen or name in chosen}
+
+
+def _entries(distribution: str | None) -> tuple[Entry, ...]:
+    everything = installation().entries
+    if distribution is None:
+        return everything
+    own = tuple(e for e in everything if canonical(e.distribution.name) == canonical(distribution))
+    if not own:
+        known = {entry.distribution.name for entry in everything}
+        raise UnknownName("distribution with plug-ins", distribution, known)
+    return own
+
+
+def _known(parts: Sequence[Part]) -> Known:
+    ontology, _ = load_installed(ontology_paths())
+    reasoners, _ = load_reasoners(ontology)
+    primitives = {part.entry.name: part.subject for part in parts if isinstance(part.subject, type)}
+    return Known(ontology, primitives, _skills(parts), reasoners)
+
+
+def _skills(parts: Iterable[Part]) -> tuple[Skill, ...]:
+    return tuple(part.subject for part in parts if isinstance(part.subject, Skill))
+
+
+def _asked(parts: Sequence[Part], entries: Sequence[Entry], known: Known, rules: Collection[Rule]) -> Iterator[Finding]:
+    for part in parts:
+        yield from check(part.subject, known, part.spot, rules)
+    for source in sources_of(parts, entries):
+        yield from check(source, known, None, rules)
+
+
+def _order(finding: Finding) -> tuple[str, int, str, str]:
+    spot = finding.spot
+    return (str(spot.file) if spot else "", spot.line if spot else 0, finding.rule, finding.text)
+
+
+# -------------------------------------------------------------------- what does not load
+
+
+def _broken(entries: Sequence[Entry], parts: Sequence[Part], rules: Collection[str]) -> Iterator[Finding]:
+    """Yields what could not be loaded; of skills that could, the rules have said it in finer words."""
+    loaded = {(part.entry.group, part.entry.name) for part in parts}
+    _, loose = surveyed = survey()
+    for one in surveyed[0]:
+        if one.entry in entries and (one.entry.group, one.entry.name) not in loaded:
+            yield from (f for fault in one.faults if (f := _not_loaded(fault)).rule in rules)
+    names = {str(entry.distribution) for entry in entries}
+    yield from (f for fault in loose if fault.distribution in names and (f := _not_loaded(fault)).rule in rules)
+
+
+def _not_loaded(fault: PluginFault) -> Finding:
+    is_stray = fault.reason.startswith("UnknownName: unknown parameter")
+    rule = MISSING_PARAMETER if is_stray else DOES_NOT_LOAD
+    subject = f"{fault.group.partition('.')[2].removesuffix('s')} {fault.name}"
+    return Finding(rule.name, rule.severity, subject, fault.reason, _raised_at(fault))
+
+
+def _raised_at(fault: PluginFault) -> Spot | None:
+    """Returns the last line of the plug-in's own code in a traceback."""
+    frames = [(Path(file), int(line)) for file, line in _FRAME.findall(fault.traceback)]
+    own = [(file, line) for file, line in frames if not _is_foreign(file)]
+    if own:
+        return Spot(*own[-1])
+    return Spot(Path(fault.origin), 1) if fault.origin else None
+
+
+def _is_foreign(file: Path) -> bool:
+    return _PLATFORM in file.parents or "importlib" in file.parts
+
+
+# -------------------------------------------------------------------- what they do
+
+
+def _contracts(
+    parts: Sequence[Part], known: Known, entries: Sequence[Entry], progress: Callable[[str], None]
+) -> Iterator[Contract]:
+    own_scenes = [entry.name for entry in entries if entry.group == "skiros.scenes"]
+    grounds = scene_grounds(known.ontology, known.reasoners, own_scenes)
+    for part in parts:
+        if isinstance(part.subject, Skill) and is_testable(part.subject):
+            progress(f"trying {part.subject.description.name}")
+            yield check_contract(part.subject, grounds, known.skills, known.primitives, part.spot)

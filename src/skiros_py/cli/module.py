@@ -1,0 +1,206 @@
+"""``skiros module``: skills and primitives on their own, with what holds and what does not (paper Fig. 6)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from skiros_py.cli.asking import answering, ask_option
+from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
+from skiros_py.cli.options import JSON
+from skiros_py.errors import UnknownName, UsageError
+
+if TYPE_CHECKING:
+    from skiros_py.execution.monitor import ModuleEvent
+    from skiros_py.execution.panel import Panel
+    from skiros_py.execution.skill_manager import SkillManager
+    from skiros_py.runtime import Session
+
+__all__ = ["command"]
+
+_Command = TypeVar("_Command", bound=Callable[..., Any])
+
+
+@click.group("module")
+def command() -> None:
+    """Lists, shows and runs skills and primitives on their own, in simulation or on the fake."""
+
+
+def _scene(function: _Command) -> _Command:
+    return click.option(
+        "--scene", default="kitting", show_default=True, metavar="SCENE", help="Scene: a name, or a .ttl file."
+    )(function)
+
+
+def _choice(function: _Command) -> _Command:
+    param = click.option(
+        "--param", "params", multiple=True, metavar="KEY=VALUE", help="A parameter; the others are inferred. Repeat it."
+    )
+    agent = click.option("--agent", metavar="ID", help="Subsystem that does it; the first that can where left out.")
+    return param(agent(_scene(function)))
+
+
+@command.command("list", epilog="Example: skiros module list --scene kitting")
+@_scene
+@JSON
+def list_(scene: str, as_json: bool) -> int:
+    """Lists what each skill manager of a scene can run."""
+    with _fake(scene) as session:
+        found = [
+            (agent, manager.info(name))
+            for agent, manager in sorted(session.managers.items())
+            for name in manager.modules
+        ]
+    if as_json:
+        click.echo(json.dumps([{"agent": agent, **info.as_json()} for agent, info in found]))
+        return REACHED
+    width = max((len(info.name) for _, info in found), default=0)
+    for agent, info in found:
+        click.echo(f"{agent:10} {info.kind:9} {info.name:{width}}  {info.help}")
+    return REACHED
+
+
+@command.command("show", epilog="Example: skiros module show pick --param Object=starter_1")
+@click.argument("name")
+@_choice
+@JSON
+def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_json: bool) -> int:
+    """Shows a module: its parameters with what they would be now, what holds and why not, and what it does."""
+    with _fake(scene) as session:
+        manager = _manager(session, name, agent)
+        panel = manager.panel(name, _given(params))
+        info = manager.info(name)
+        body = _body(session, name) if info.kind == "skill" else []
+    if as_json:
+        click.echo(json.dumps({"agent": manager.agent, **info.as_json(), **panel.as_json(), "body": body}))
+        return REACHED
+    click.echo(f"{info.kind} {name} {info.version} of {manager.agent}: {info.help}")
+    _print_panel(panel)
+    for line in body:
+        click.echo(f"  {line}")
+    return REACHED
+
+
+@command.command("run", epilog="Example: skiros module run drive --param Location=pallet_a --fake")
+@click.argument("name")
+@_choice
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of every random choice.  [default: 0]")
+@click.option("--fake", is_flag=True, help="No physics: skills pretend.")
+@click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
+@click.option("--gui", is_flag=True, help="Open PyBullet's window.")
+@click.option("--repeat", type=click.IntRange(1), default=1, help="How often.  [default: 1]")
+@ask_option
+@JSON
+def run(
+    name: str,
+    params: tuple[str, ...],
+    agent: str | None,
+    scene: str,
+    seed: int,
+    fake: bool,
+    driver: str | None,
+    gui: bool,
+    repeat: int,
+    ask: bool | None,
+    as_json: bool,
+) -> int:
+    """Runs a module by itself, and shows its conditions before and after."""
+    from skiros_py.cli.run import stopping
+    from skiros_py.runtime import Options, Session
+    from skiros_py.skills.outcome import Success
+
+    options = Options(seed=seed, fake=fake, gui=gui, driver=driver)
+    with Session(scene, options) as session:
+        given, manager = _given(params), _manager(session, name, agent)
+        before = manager.panel(name, given)
+        if not as_json:
+            _print_panel(before)
+            session.monitor.subscribe(_print_event)
+        outcomes = []
+        with stopping(session), answering(session.questions, ask=ask):
+            for _ in range(repeat):
+                outcomes.append(session.run_module(name, given, manager.agent))
+                if session.stopped:
+                    break
+        after = manager.panel(name, given)
+    good = sum(isinstance(outcome, Success) for outcome in outcomes)
+    if as_json:
+        told = [_as_json(outcome) for outcome in outcomes]
+        click.echo(json.dumps({"runs": told, "before": before.as_json(), "after": after.as_json()}))
+    elif repeat > 1:
+        click.echo(f"{good} of {len(outcomes)} runs succeeded")
+    if session.stopped:
+        return STOPPED
+    return REACHED if good == repeat else NOT_REACHED
+
+
+def _fake(scene: str) -> Session:
+    from skiros_py.runtime import Options, Session
+
+    return Session(scene, Options(fake=True))
+
+
+def _manager(session: Session, name: str, agent: str | None) -> SkillManager:
+    if agent is None:
+        return session.managers.who_runs(name)
+    if agent not in session.managers:
+        raise UnknownName("skill manager", agent, session.managers)
+    return session.managers[agent]
+
+
+def _given(params: Sequence[str]) -> dict[str, str]:
+    given = {}
+    for text in params:
+        key, equals, value = text.partition("=")
+        if not equals or not key:
+            raise UsageError(f"--param takes KEY=VALUE, such as Location=pallet_a, not '{text}'")
+        if key in given:
+            raise UsageError(f"--param {key} is given twice")
+        given[key] = value
+    return given
+
+
+def _body(session: Session, name: str) -> list[str]:
+    """Returns what each implementation does, also those for other drivers."""
+    from skiros_py.skills.composition import lines
+
+    found = []
+    for skill in session.catalogue.skills.values():
+        if skill.description.name == name:
+            title = ", ".join(word for word in (skill.label, f"driver {skill.driver}" if skill.driver else "") if word)
+            found.append(f"does{' (' + title + ')' if title else ''}:")
+            found += [f"  {line}" for node in skill.nodes for line in lines(node)]
+    return found
+
+
+def _print_panel(panel: Panel) -> None:
+    from skiros_py.skills.parameters import Kind, as_text
+
+    for param in panel.params:
+        if param.kind is Kind.PLANNING:
+            continue
+        value, unit = panel.values.get(param.key), f" {param.unit}" if param.unit else ""
+        shown = "-" if value is None else f"{as_text(param, value)}{unit}"
+        why = panel.missing.get(param.key) or panel.reasons.get(param.key) or param.help
+        click.echo(f"  {param.key} = {shown}  ({param.kind.value} {param.type_name}: {why})")
+    for row in panel.rows:
+        mark = "?" if row.verdict is None else "yes" if row.verdict else "no"
+        click.echo(f"  {row.kind:4} {mark:3} {row.condition}")
+        for line in row.verdict.lines()[1:] if row.verdict is not None and not row.verdict else ():
+            click.echo(f"           {line}")
+
+
+def _print_event(event: ModuleEvent) -> None:
+    indent = "  " if event.caller else ""
+    click.echo(f"{event.time:8.1f} s  {indent}{event.module} {event.status.value} {event.code}  {event.text}")
+
+
+def _as_json(outcome: Any) -> dict[str, object]:
+    from skiros_py.skills.outcome import Failure
+
+    if isinstance(outcome, Failure):
+        return {"success": False, "code": outcome.code, "text": outcome.reason}
+    return {"success": True, "code": 1, "text": outcome.message}

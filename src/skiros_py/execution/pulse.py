@@ -1,0 +1,153 @@
+"""What the control thread does at this moment: written by the cycle, read by the watchdog.
+
+Writing is a plain assignment per tick, so that watching costs next to nothing; all locking is on the side that hardly
+ever happens, when a tick overruns.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Protocol
+
+__all__ = ["CycleOverrun", "Overrun", "Pulse", "Watched"]
+
+
+class Watched(Protocol):
+    """A task, as the watchdog sees it."""
+
+    name: str
+    done: bool
+
+    def fail(self, fault: BaseException) -> None:
+        """Ends it with a fault."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Overrun:
+    """One tick that takes too long.
+
+    Attributes:
+        task: Whose tick it is.
+        beat: Which tick it is.
+        seconds: For how long it had lasted when it was noticed [s].
+        limit: For how long it may last [s].
+        module: The innermost primitive that was running; the task where there is none.
+        stack: Where the control thread was, as text.
+    """
+
+    task: Watched
+    beat: int
+    seconds: float
+    limit: float
+    module: str
+    stack: str
+
+    def __str__(self) -> str:
+        where = self.module if self.module == self.task.name else f"{self.module} (of {self.task.name})"
+        return (
+            f"{where} held the control cycle for {self.seconds:.2f} s, {self.limit:.2f} s are allowed: "
+            "yield more often, or give long work to a worker process"
+        )
+
+
+class CycleOverrun(BaseException):
+    """Raised inside code that holds the control cycle; no ``except Exception`` of its author catches it.
+
+    Attributes:
+        overrun: What was noticed; None while it is on its way.
+    """
+
+    def __init__(self, overrun: Overrun | None = None) -> None:
+        self.overrun = overrun
+        super().__init__("held the control cycle too long" if overrun is None else str(overrun))
+
+
+class Pulse:
+    """The state of the control thread.
+
+    Attributes:
+        beat: Grows with every cycle, and whenever something is closed: with :attr:`task` it names one tick.
+        task: Whose code is running; None between ticks.
+        thread: Identity of the control thread.
+        waits: Above 0 while the control thread legitimately waits.
+        overrun: The tick that was interrupted; None in good times.
+    """
+
+    __slots__ = ("_guard", "beat", "overrun", "task", "thread", "waits")
+
+    def __init__(self) -> None:
+        self.beat = 0
+        self.task: Watched | None = None
+        self.thread = 0
+        self.waits = 0
+        self.overrun: Overrun | None = None
+        self._guard = threading.Lock()
+
+    def begin_cycle(self) -> None:
+        """A cycle's ticks begin, in the calling thread."""
+        self.beat += 1
+        self.thread = threading.get_ident()
+
+    def enter(self, task: Watched) -> Watched | None:
+        """Code of a task begins to run outside its turn, because it is closed; returns whose code is interrupted."""
+        outer, self.task = self.task, task
+        self.begin_cycle()
+        return outer
+
+    def leave(self, outer: Watched | None) -> None:
+        """Ends what :meth:`enter` began."""
+        self.task = outer
+        self.beat += 1
+        if self.overrun is not None:
+            self.settle()
+
+    @contextmanager
+    def waiting(self) -> Iterator[None]:
+        """Tells the watchdog that the control thread waits for a worker, as it may in lockstep."""
+        self.waits += 1
+        try:
+            yield
+        finally:
+            self.waits -= 1
+
+    def strike(self, overrun: Overrun) -> bool:
+        """Raises :class:`CycleOverrun` in the control thread, if it still is in that tick; for the watchdog's thread.
+
+        The order matters: the overrun is announced before the tick is looked at once more. The control thread marks the
+        end of a tick before it looks for announcements, so one of the two always sees the other.
+        """
+        with self._guard:
+            known = self.overrun
+            self.overrun = known or overrun
+            if self.task is not overrun.task or self.beat != overrun.beat:
+                self.overrun = known
+                return False
+            _raise_in(self.thread, CycleOverrun)
+            return True
+
+    def settle(self) -> None:
+        """Takes back an exception that came too late, and ends the task that overran; for the control thread."""
+        while self.overrun is not None:
+            try:
+                overrun = self._take_back()
+                if overrun is not None:
+                    overrun.task.fail(CycleOverrun(overrun))
+            except CycleOverrun:  # the exception arrived just here: that settles it, too
+                continue
+
+    def _take_back(self) -> Overrun | None:
+        with self._guard:
+            _raise_in(self.thread, None)
+            overrun, self.overrun = self.overrun, None
+            return overrun
+
+
+def _raise_in(thread: int, kind: type[BaseException] | None) -> None:
+    """Raises an exception in a thread at its next Python instruction; None takes back one that has not arrived yet."""
+    exception = None if kind is None else ctypes.py_object(kind)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), exception)

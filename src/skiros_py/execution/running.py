@@ -1,0 +1,130 @@
+"""A module that was started: what whoever started it holds in their hands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, Protocol
+
+from skiros_py.errors import UsageError
+from skiros_py.execution.scope import Scope
+from skiros_py.execution.task import Task
+from skiros_py.skills.outcome import BROKEN, Failure, Outcome
+
+__all__ = ["Running", "RunningModule"]
+
+
+class Running(Protocol):
+    """A module that was started, wherever it runs."""
+
+    @property
+    def done(self) -> bool:
+        """True when it ended, or when it was stopped and all it moved stands."""
+        ...
+
+    @property
+    def result(self) -> Outcome:
+        """How it ended."""
+        ...
+
+    def break_off(self, reason: str) -> None:
+        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
+        ...
+
+    def pause(self) -> None:
+        """Lets it come to a standstill where it is."""
+        ...
+
+    def resume(self) -> None:
+        """Goes on after a pause."""
+        ...
+
+    def step(self) -> None:
+        """Lets it do one cycle while it is paused."""
+        ...
+
+    def stop(self) -> None:
+        """Stops it in this cycle; nothing follows."""
+        ...
+
+
+class RunningModule:
+    """A module that runs in this process's control cycle.
+
+    Args:
+        name: The module.
+        task: Its task.
+        scope: Its outermost scope; its devices are kept until all stands.
+        break_off: Ends it so that what must follow is still done; None for what can only be stopped.
+        arguments: Its parameters; those that are inferred come in the first cycle.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        task: Task[Outcome],
+        scope: Scope,
+        break_off: Callable[[str], None] | None = None,
+        *,
+        arguments: Mapping[str, Any] = MappingProxyType({}),
+    ) -> None:
+        self.name = name
+        self.task = task
+        self.scope = scope
+        self.arguments = arguments
+        self._break_off = break_off
+
+    @property
+    def done(self) -> bool:
+        """True when it ended, or when it was stopped and all it moved stands."""
+        return self.task.done and not self.task.stopping
+
+    @property
+    def status(self) -> str:
+        """One of "running", "paused", "stopping", "stopped", "ended"."""
+        task = self.task
+        if task.stopping:
+            return "stopping"
+        if task.done:
+            return "stopped" if task.stopped else "ended"
+        return "paused" if task.paused else "running"
+
+    @property
+    def result(self) -> Outcome:
+        """How it ended; a module that was stopped, or broke, has failed.
+
+        Raises:
+            UsageError: It still runs.
+        """
+        task = self.task
+        if not task.done:
+            raise UsageError(f"{self.name} still runs")
+        if task.fault is not None:
+            return Failure(f"{self.name} broke: {task.fault}", BROKEN)
+        if task.stopped or task.stopping:
+            return Failure(f"{self.name} was stopped{': ' + task.reason if task.reason else ''}")
+        return task.result
+
+    def break_off(self, reason: str) -> None:
+        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
+        if self._break_off is None:
+            self.task.stop(reason)
+        else:
+            self._break_off(reason)
+            self.task.resume()  # what was paused must be able to end
+
+    def pause(self) -> None:
+        """Lets it come to a standstill where it is; its devices stay its own."""
+        self.task.pause()
+
+    def resume(self) -> None:
+        """Goes on after a pause."""
+        self.task.resume()
+
+    def step(self) -> None:
+        """Lets it do one cycle while it is paused."""
+        self.task.step()
+
+    def stop(self) -> None:
+        """Stops it in this cycle; nothing follows. It is done when all it moved stands."""
+        self.task.stop()

@@ -1,0 +1,240 @@
+"""A task: a generator that is ticked once per cycle, with a name and a clock of its own, whose faults stay inside."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Generic, TypeVar
+
+from skiros_py.errors import DeviceError, ModuleError
+from skiros_py.execution.clock import RunClock
+from skiros_py.execution.pulse import CycleOverrun, Pulse
+from skiros_py.robot.devices import DeviceBoard
+
+__all__ = ["Task"]
+
+T = TypeVar("T")
+
+_CLOSE_TRIES = 3
+"""How often a generator that yields again when it is closed is told once more."""
+
+
+class Task(Generic[T]):
+    """A generator that is ticked once per cycle until it returns, breaks, or is stopped.
+
+    Whatever its code raises ends this task only. Its devices brake by themselves as soon as it commands them no more.
+
+    Args:
+        generator: What is ticked.
+        name: For messages; the generator's own name where left out.
+        clock: Its clock, where others read it too; one that starts with the run's time where left out.
+        board: The devices that it may command; None where it has to do with none.
+        pulse: What the watchdog looks at.
+
+    Attributes:
+        name: For messages.
+        clock: Its own time.
+        done: True when nothing more of it will run: it returned, broke, or was stopped.
+        fault: What its code raised, with the traceback; None in good times.
+        reason: Why it was stopped; empty where nobody said so.
+    """
+
+    def __init__(
+        self,
+        generator: Generator[None, None, T],
+        name: str = "",
+        *,
+        clock: RunClock | None = None,
+        board: DeviceBoard | None = None,
+        pulse: Pulse | None = None,
+    ) -> None:
+        self.name = name or getattr(generator, "__qualname__", type(generator).__name__)
+        self.clock = clock or RunClock(board.snapshot.time if board else 0.0)
+        self.done = False
+        self.fault: BaseException | None = None
+        self.reason = ""
+        self._generator = generator
+        self._board = board
+        self._pulse = pulse or Pulse()
+        self._result: T | None = None
+        self._broken_off = False
+        self._deadline: float | None = None
+        self._steps = 0
+
+    # ------------------------------------------------------------------ running
+
+    def tick(self, time: float | None = None) -> None:
+        """Runs it up to its next ``yield``, unless it is paused.
+
+        Args:
+            time: Time of the run [s]; None leaves its clock alone.
+        """
+        if time is not None:
+            clock = self.clock
+            if clock.steady:
+                clock.now = time - clock.lag
+            elif not self._turn(time):
+                return
+        try:
+            next(self._generator)
+        except StopIteration as end:
+            self._result = end.value
+            self.done = True
+        except KeyboardInterrupt as interrupt:
+            self.fail(interrupt)
+            raise
+        except BaseException as fault:  # noqa: BLE001 - an author's code: whatever it raises ends this task only
+            self.fail(fault)
+        if self._broken_off:
+            self._close()
+
+    def pause(self) -> None:
+        """Slows its clock down; when that stands, it is ticked no more until :meth:`resume`."""
+        self.clock.slow_down()
+
+    def resume(self) -> None:
+        """Goes on where it paused, taking up speed again."""
+        self._steps = 0
+        self.clock.speed_up()
+
+    def step(self) -> None:
+        """Lets a paused task do one tick in the coming cycle; its clock moves on by one period."""
+        self._steps += 1
+
+    @property
+    def paused(self) -> bool:
+        """True when it was paused and its clock stands."""
+        return self.clock.stands
+
+    @property
+    def rate(self) -> float:
+        """How fast its clock goes: 1 with the run, 0 standing still."""
+        return self.clock.rate
+
+    def _turn(self, time: float) -> bool:
+        """Moves an unsteady clock on; returns whether this cycle has a tick."""
+        self.clock.advance(time)
+        if not self.clock.stands:
+            return True
+        if not self._steps:
+            return False
+        self._steps -= 1
+        self.clock.jump(self._board.period if self._board else 0.0)
+        return True
+
+    # ------------------------------------------------------------------ ending
+
+    def stop(self, reason: str = "") -> None:
+        """Breaks it off now; its ``finally`` blocks run, its commands cease, and nothing more of it runs afterwards.
+
+        Args:
+            reason: Why, for a person.
+        """
+        if self.done:
+            return
+        self.done = self._broken_off = True
+        self.reason = reason
+        if not getattr(self._generator, "gi_running", False):  # else it stops itself: closed when this tick is over
+            self._close()
+
+    def fail(self, fault: BaseException) -> None:
+        """Ends it with a fault; its commands cease."""
+        if self.fault is None or isinstance(fault, CycleOverrun):
+            before = self.fault
+            self.fault = fault if before is None else fault.with_traceback(before.__traceback__)
+        if not self.done:
+            self.done = self._broken_off = True
+            self._close()
+
+    def settle(self) -> None:
+        """Looks whether what it commanded stands by now; each cycle after it was broken off."""
+        board = self._board
+        if self._deadline is None or board is None:
+            return
+        if board.standing(self):
+            self._deadline = None
+        elif board.snapshot.time > self._deadline:
+            moving = ", ".join(board.moving(self))
+            self._deadline = float("inf")
+            self.fault = self.fault or DeviceError(f"{moving}: still moving after the time for braking from full speed")
+
+    @property
+    def stopping(self) -> bool:
+        """True while something that it commanded still brakes after it was broken off."""
+        return self._deadline is not None
+
+    @property
+    def stopped(self) -> bool:
+        """True when it was broken off, by a stop or by a fault, and all that it commanded stands."""
+        return self._broken_off and self._deadline is None
+
+    @property
+    def result(self) -> T:
+        """What it returned.
+
+        Raises:
+            Exception: What its code raised.
+            ModuleError: Its code tried to end the program or held the control cycle, or everything was halted.
+            RuntimeError: It still runs or was stopped.
+        """
+        if isinstance(self.fault, Exception):
+            raise self.fault
+        if self.fault is not None:
+            raise ModuleError(f"{self.name}: {_words(self.fault)}") from self.fault
+        if self._broken_off and self.reason:
+            raise ModuleError(f"{self.name} was stopped: {self.reason}")
+        if not self.done or self._broken_off:
+            raise RuntimeError("a task has a result only after it ended by itself")
+        return self._result  # type: ignore[return-value]  # T may include None
+
+    def _close(self) -> None:
+        board = self._board
+        owner = board.owner if board else None
+        try:
+            if board:
+                board.owner = self
+            self._close_watched()
+        except CycleOverrun:  # it came late, when the generator was closed already
+            pass
+        finally:
+            if board:
+                board.owner = owner
+        self._cease()
+
+    def _close_watched(self) -> None:
+        outer = self._pulse.enter(self)
+        try:
+            self._close_generator()
+        finally:
+            self._pulse.leave(outer)
+
+    def _close_generator(self) -> None:
+        """Closes the generator, whatever its clean-up does instead of ending."""
+        for _ in range(_CLOSE_TRIES):
+            try:
+                self._generator.close()
+            except KeyboardInterrupt:
+                raise
+            except BaseException as fault:  # noqa: BLE001 - the same: the others have to be stopped, too
+                self.fault = self.fault or fault
+            else:
+                return
+
+    def _cease(self) -> None:
+        """Takes back what it has commanded for the coming cycle, and waits for standstill."""
+        board = self._board
+        if board is None:
+            return
+        board.withdraw(self)
+        if not board.standing(self):
+            self._deadline = board.snapshot.time + board.braking_time
+
+
+def _words(fault: BaseException) -> str:
+    match fault:
+        case CycleOverrun():
+            stack = "" if fault.overrun is None else f"\n{fault.overrun.stack}"
+            return f"{fault}{stack}"
+        case SystemExit():
+            return f"tried to end the program: sys.exit({fault.code!r})"
+        case _:
+            return f"{type(fault).__name__}: {fault}"

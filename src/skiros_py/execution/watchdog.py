@@ -1,0 +1,143 @@
+"""The watchdog: when code holds the control cycle, the robots brake, the code is named and interrupted.
+
+It looks from a thread of its own at what the cycle writes down (:class:`~skiros_py.execution.pulse.Pulse`). Python code
+gets an exception; a call into C that does not come back cannot be ended, only told.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from types import FrameType, TracebackType
+from typing import Self
+
+from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.pulse import Overrun, Watched
+from skiros_py.skills.primitive import Primitive
+
+__all__ = ["Watchdog"]
+
+_log = logging.getLogger(__name__)
+
+_PERIODS = 20
+"""How many periods of wall time one tick may take when the run has a pace."""
+_LOCKSTEP_LIMIT = 5.0
+"""How long one tick may take in lockstep, where the simulated time waits for everybody [s]."""
+_LOOKS = 10
+"""How often within the limit the watchdog looks."""
+
+
+class Watchdog:
+    """Watches a control cycle from a thread of its own. Start it, or use it in a ``with``.
+
+    Args:
+        cycle: The control cycle.
+        limit: Wall time that one tick may take [s]; where left out, 20 periods, or 5 s in lockstep.
+        again: Time after which code that goes on nevertheless is interrupted again [s].
+        patience: Time after the first interruption when the task counts as lost [s].
+
+    Attributes:
+        limit: Wall time that one tick may take [s].
+    """
+
+    def __init__(
+        self, cycle: ControlCycle, limit: float | None = None, *, again: float = 0.5, patience: float = 3.0
+    ) -> None:
+        self.limit = _limit(cycle) if limit is None else limit
+        self._cycle = cycle
+        self._again = again
+        self._patience = patience
+        self._overrun_listeners: list[Callable[[Overrun], None]] = []
+        self._lost_listeners: list[Callable[[Watched], None]] = []
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._watch, name="skiros-watchdog", daemon=True)
+        self._seen: tuple[int, Watched | None] = (-1, None)
+        self._since = 0.0
+        self._overrun: Overrun | None = None
+        self._struck = 0.0
+        self._lost = False
+
+    def on_overrun(self, listener: Callable[[Overrun], None]) -> None:
+        """Calls a function, in the watchdog's thread, once for each tick that takes too long."""
+        self._overrun_listeners.append(listener)
+
+    def on_lost(self, listener: Callable[[Watched], None]) -> None:
+        """Calls a function, in the watchdog's thread, once for a task that does not end although it was interrupted."""
+        self._lost_listeners.append(listener)
+
+    def start(self) -> None:
+        """Begins to watch."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ends the thread; may be called twice."""
+        self._ended.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(min(self.limit, self._again) / _LOOKS):
+            self._look(time.monotonic())
+
+    def _look(self, now: float) -> None:
+        pulse = self._cycle.pulse
+        seen = pulse.beat, pulse.task
+        if seen != self._seen or seen[1] is None or pulse.waits:
+            self._seen, self._since, self._overrun, self._lost = seen, now, None, False
+        elif now - self._since > self.limit:
+            self._act(seen[0], seen[1], now)
+
+    def _act(self, beat: int, task: Watched, now: float) -> None:
+        if self._overrun is None:
+            self._overrun = self._describe(task, beat, now - self._since)
+            self._struck = now
+            self._cycle.halt(str(self._overrun))
+            self._cycle.pulse.strike(self._overrun)
+            self._report(self._overrun)
+        elif now - self._since > self.limit + self._patience and not self._lost:
+            self._lost = True
+            _log.error("%s is lost: it does not come back from where it is", task.name)
+            for listener in self._lost_listeners:
+                listener(task)
+        elif now - self._struck > self._again:
+            self._struck = now
+            self._cycle.pulse.strike(self._overrun)
+
+    def _report(self, overrun: Overrun) -> None:
+        _log.error("%s\n%s", overrun, overrun.stack)
+        for listener in self._overrun_listeners:
+            listener(overrun)
+
+    def _describe(self, task: Watched, beat: int, seconds: float) -> Overrun:
+        frame = sys._current_frames().get(self._cycle.pulse.thread)  # noqa: SLF001 - documented, for debugging
+        stack = "" if frame is None else "".join(traceback.format_stack(frame)).rstrip()
+        return Overrun(task, beat, seconds, self.limit, _primitive_in(frame) or task.name, stack)
+
+
+def _primitive_in(frame: FrameType | None) -> str:
+    """Returns the name of the innermost primitive whose code is running; empty where there is none."""
+    while frame is not None:
+        owner = frame.f_locals.get("self")
+        if isinstance(owner, Primitive):
+            return owner.name
+        frame = frame.f_back
+    return ""
+
+
+def _limit(cycle: ControlCycle) -> float:
+    if cycle.pace is None:
+        return _LOCKSTEP_LIMIT
+    return _PERIODS * cycle.board.period / min(cycle.pace, 1.0)

@@ -1,0 +1,35 @@
+"""Plug-ins by entry points: the built-ins use the same door as anyone's.
+
+They are found without importing any of them, and loaded when they are needed. One that fails to load is reported
+with its name, version, origin and traceback, and hurts nobody else.
+"""
+
+from skiros_py.plugins.files import files_of, folder_of
+from skiros_py.plugins.fits import OWN_NAME, misfit
+from skiros_py.plugins.installation import GROUPS, Installation, installation
+from skiros_py.plugins.lazy import LazyPlugins
+from skiros_py.plugins.loading import fault_of, load, load_plugins, raised, unambiguous
+from skiros_py.plugins.origin import locate, origin_of
+from skiros_py.plugins.plugin import Distribution, Entry, Plugin, PluginFault
+
+__all__ = [
+    "GROUPS",
+    "OWN_NAME",
+    "Distribution",
+    "Entry",
+    "Installation",
+    "LazyPlugins",
+    "Plugin",
+    "PluginFault",
+    "fault_of",
+    "files_of",
+    "folder_of",
+    "installation",
+    "load",
+    "load_plugins",
+    "locate",
+    "misfit",
+    "origin_of",
+    "raised",
+    "unambiguous",
+]

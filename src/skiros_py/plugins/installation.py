@@ -1,0 +1,117 @@
+"""Which entry points there are, found by one look at the metadata of all distributions; none of their code is run."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from email.message import Message
+from email.parser import HeaderParser
+from functools import lru_cache
+from importlib import metadata
+from pathlib import Path
+
+from skiros_py.plugins.plugin import Distribution, Entry, PluginFault
+
+__all__ = ["GROUPS", "Installation", "canonical", "installation"]
+
+_KINDS = ("skills", "primitives", "conditions", "reasoners", "planners", "drivers", "ontologies", "robots", "scenes")
+GROUPS = tuple(f"skiros.{kind}" for kind in _KINDS)
+"""The groups of entry points by which this platform is extended."""
+
+_PREFIX = "skiros."
+_METADATA = (".dist-info", ".egg-info")
+
+_Sight = tuple[tuple[str, tuple[str, ...]], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Installation:
+    """The plug-in distributions that Python finds, in the order of its path.
+
+    Attributes:
+        distributions: Those that have entry points for this platform.
+        entries: These entry points, by name.
+        faults: Metadata that cannot be understood.
+    """
+
+    distributions: tuple[Distribution, ...]
+    entries: tuple[Entry, ...]
+    faults: tuple[PluginFault, ...]
+
+    def of(self, group: str) -> tuple[Entry, ...]:
+        """Returns the entry points of a group."""
+        return tuple(entry for entry in self.entries if entry.group == group)
+
+
+def installation() -> Installation:
+    """Returns what is installed now; it is looked for again only where distributions came or went since."""
+    return _scanned(_sight())
+
+
+def canonical(name: str) -> str:
+    """Returns the name of a distribution in the spelling in which names are compared."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _sight() -> _Sight:
+    """What tells one installation from another: the folders of metadata on the path."""
+    return tuple((folder, _metadata_in(folder)) for folder in sys.path)
+
+
+def _metadata_in(folder: str) -> tuple[str, ...]:
+    try:
+        return tuple(sorted(name for name in os.listdir(folder or ".") if name.endswith(_METADATA)))  # noqa: PTH208
+    except OSError:
+        return ()
+
+
+@lru_cache(maxsize=1)
+def _scanned(_sight: _Sight) -> Installation:
+    found: dict[str, tuple[Distribution, tuple[Entry, ...]]] = {}
+    faults: list[PluginFault] = []
+    for source in metadata.distributions():
+        if _speaks_of_skiros(source):
+            distribution = _described(source)
+            try:
+                entries = tuple(_entries(source.entry_points, distribution))
+            except Exception as error:  # noqa: BLE001 - whatever the parser makes of somebody's file
+                reason = f"its entry_points.txt cannot be understood: {type(error).__name__}: {error}"
+                faults.append(PluginFault("skiros", "-", str(distribution), reason, "", distribution.folder))
+            else:
+                # As for imports, the first of a name on the path counts.
+                found.setdefault(canonical(distribution.name), (distribution, entries))
+    entries = tuple(sorted((e for _, own in found.values() for e in own), key=lambda e: (e.group, e.name, e.value)))
+    return Installation(tuple(distribution for distribution, _ in found.values()), entries, tuple(faults))
+
+
+def _speaks_of_skiros(source: metadata.Distribution) -> bool:
+    try:
+        return _PREFIX in (source.read_text("entry_points.txt") or "")
+    except (OSError, ValueError):
+        return False
+
+
+def _entries(points: Iterable[metadata.EntryPoint], distribution: Distribution) -> Iterator[Entry]:
+    """Yields the entry points for this platform, each once."""
+    own = [Entry(p.group, p.name, p.value, distribution) for p in points if p.group.startswith(_PREFIX)]
+    yield from dict.fromkeys(own)
+
+
+def _described(source: metadata.Distribution) -> Distribution:
+    folder = Path(str(getattr(source, "_path", "")))
+    said = _headers(source)
+    requires = tuple(said.get_all("Requires-Dist") or ())
+    name = said["Name"] or folder.name.partition("-")[0] or "an unknown distribution"
+    return Distribution(name, said["Version"] or "", requires, str(folder))
+
+
+def _headers(source: metadata.Distribution) -> Message:
+    """Reads the head of the metadata; of a distribution that is half removed there may be none."""
+    try:
+        text = source.read_text("METADATA") or source.read_text("PKG-INFO") or ""
+    except (OSError, ValueError):
+        text = ""
+    return HeaderParser().parsestr(text)

@@ -1,0 +1,100 @@
+"""Loads entry points; whatever somebody else's code does meanwhile is reported, not spread."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Iterable
+from contextlib import redirect_stdout
+from importlib.metadata import EntryPoint
+
+from skiros_py.plugins.fits import misfit
+from skiros_py.plugins.installation import installation
+from skiros_py.plugins.origin import locate, origin_of
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
+
+__all__ = ["contained", "fault_of", "load", "load_plugins", "raised", "refused", "unambiguous"]
+
+
+def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
+    """Loads every entry point of a group, in the order of their names.
+
+    Returns:
+        What could be loaded, and what could not.
+    """
+    entries, twins = unambiguous(installation().of(group))
+    loaded = [load(entry) for entry in entries]
+    plugins = tuple(one for one in loaded if isinstance(one, Plugin))
+    return plugins, (*twins, *(one for one in loaded if isinstance(one, PluginFault)))
+
+
+def unambiguous(entries: Iterable[Entry]) -> tuple[tuple[Entry, ...], tuple[PluginFault, ...]]:
+    """Leaves out entry points of one group that have one name: nobody knows which of them was meant.
+
+    Returns:
+        The others; and a fault for each left out, which names its origin and that of its twin.
+    """
+    by_name: dict[str, list[Entry]] = {}
+    for entry in entries:
+        by_name.setdefault(entry.name, []).append(entry)
+    alone = tuple(own[0] for own in by_name.values() if len(own) == 1)
+    return alone, tuple(_twin(entry, own) for own in by_name.values() if len(own) > 1 for entry in own)
+
+
+def _twin(entry: Entry, named_so: Iterable[Entry]) -> PluginFault:
+    origins = " and ".join(str(twin) for twin in named_so)
+    kind = entry.group.partition(".")[2]
+    return fault_of(entry, f"the name '{entry.name}' stands twice in {kind}: {origins}; neither counts, rename one")
+
+
+def load(entry: Entry) -> Plugin | PluginFault:
+    """Loads one entry point, unless its distribution is made for another skiros-py.
+
+    Raises:
+        KeyboardInterrupt: The user's.
+    """
+    fault = refused(entry)
+    if fault is not None:
+        return fault
+    try:
+        with redirect_stdout(sys.stderr):  # stdout is the command's answer
+            value = EntryPoint(entry.name, entry.value, entry.group).load()
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001 - somebody else's code: whatever it raises, SystemExit too
+        return contained(entry, error)
+    return Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
+
+
+def refused(entry: Entry) -> PluginFault | None:
+    """Returns the fault of an entry point that can be seen before its code is run, or None."""
+    if not entry.is_well_formed:
+        return fault_of(entry, f"'{entry.value}' names nothing: write module:object")
+    reason = misfit(entry.distribution)
+    return fault_of(entry, reason) if reason else None
+
+
+def contained(entry: Entry, error: BaseException) -> PluginFault:
+    """Makes the fault for what a plug-in's code raised."""
+    trace = "".join(traceback.format_exception(error))
+    if isinstance(error, ModuleNotFoundError) and locate(entry.module) is None:
+        gone = f"ModuleNotFoundError: No module named '{entry.module}': the entry point is stale;"
+        return fault_of(entry, f"{gone} install {entry.distribution.name} again, or uninstall it", trace)
+    return fault_of(entry, _told(error), trace)
+
+
+def raised(plugin: Plugin, error: BaseException) -> PluginFault:
+    """Makes the fault for what the object of a plug-in raised once it was loaded."""
+    return plugin.fault(_told(error), "".join(traceback.format_exception(error)))
+
+
+def fault_of(entry: Entry, reason: str, trace: str = "") -> PluginFault:
+    """Makes the fault of an entry point."""
+    return PluginFault(entry.group, entry.name, str(entry.distribution), reason, trace, origin_of(entry.module))
+
+
+def _told(error: BaseException) -> str:
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception:  # noqa: BLE001 - the error is somebody else's code, too
+        return f"{type(error).__name__}, which does not say what"

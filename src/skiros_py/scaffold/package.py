@@ -1,0 +1,137 @@
+"""Writes a package: an ordinary Python distribution with one of everything, made by what makes each of them later."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+
+from skiros_py.errors import UsageError
+from skiros_py.scaffold.condition import NewCondition, draft_condition
+from skiros_py.scaffold.draft import Draft
+from skiros_py.scaffold.knowledge import Knowledge, knowledge_of
+from skiros_py.scaffold.ontology import NewOntology, draft_ontology
+from skiros_py.scaffold.primitive import NewPrimitive, draft_primitive
+from skiros_py.scaffold.project import Project
+from skiros_py.scaffold.rendering import render
+from skiros_py.scaffold.scene import NewScene, draft_scene
+from skiros_py.scaffold.skill import NewSkill, draft_skill
+from skiros_py.scaffold.spelling import class_name, module_name, sentence, snake_case, words_of
+
+__all__ = ["NewPackage", "draft_package"]
+
+_Step = Callable[[Knowledge], Draft]
+
+
+@dataclass(frozen=True, slots=True)
+class NewPackage:
+    """What an author says of a package.
+
+    Attributes:
+        name: Its name ("my_scanning").
+        help: One sentence; made from the name where left out.
+        skill, primitive, condition: Names of those that it begins with.
+    """
+
+    name: str
+    help: str = ""
+    skill: str = "inspect"
+    primitive: str = "look_at"
+    condition: str = "Inspected"
+
+
+def draft_package(folder: Path, said: NewPackage) -> Draft:
+    """Makes the files of a package; write them by :meth:`Draft.write_folder`.
+
+    Args:
+        folder: Where the package's own folder shall be.
+        said: What its author says of it.
+
+    Raises:
+        UsageError: Something said of it is wrong; the text says what would be right.
+    """
+    name = _free_name(said.name)
+    if (folder / name).exists():
+        raise UsageError(f"{folder / name} is there already, and nothing is overwritten")
+    with tempfile.TemporaryDirectory(prefix="skiros-new-") as work:
+        root = Path(work).resolve() / name
+        notes = [note for draft in _built(root, said) for note in draft.notes]
+        files = [path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+        new = {str(path.relative_to(root)): path.read_text(encoding="utf-8") for path in sorted(files)}
+    return Draft(folder / name, new, notes=tuple(notes))
+
+
+def _free_name(name: str) -> str:
+    name = module_name(name, "package")
+    if name in sys.stdlib_module_names or find_spec(name) is not None:
+        raise UsageError(f"package '{name}': Python finds a module of that name already; choose another")
+    return name
+
+
+def _built(root: Path, said: NewPackage) -> Iterator[Draft]:
+    """Writes the package piece by piece, each of which knows those before it."""
+    skeleton = Draft(root, dict(_skeleton(said)))
+    skeleton.write()
+    yield skeleton
+    for step in _steps(said):
+        with knowledge_of(Project.around(root)) as known:
+            draft = step(known)
+        draft.write()
+        yield draft
+
+
+def _skeleton(said: NewPackage) -> Iterator[tuple[str, str]]:
+    help_ = sentence(said.help or f"Skills for {words_of(said.name)}", "--help-text")
+    values = {"name": said.name, "help": help_, "distribution": said.name.replace("_", "-"), "skill": said.skill}
+    yield "pyproject.toml", render("pyproject.toml", **values)
+    yield "README.md", render("README.md", **values)
+    yield ".gitignore", "__pycache__/\n*.egg-info/\n.mypy_cache/\n.pytest_cache/\n.ruff_cache/\ndist/\n"
+    yield f"src/{said.name}/__init__.py", f'"""{help_}"""\n'
+    yield f"src/{said.name}/py.typed", ""
+    yield "tests/conftest.py", render("conftest.py", **values)
+
+
+def _steps(said: NewPackage) -> Iterator[_Step]:
+    name, word = said.name, class_name(said.condition, "condition")
+    property_ = _property(word)
+    part, station = "Part:sk:Manipulatable -- The part.", "Station:sk:Station -- Where the part can be worked at."
+    yield lambda known: draft_ontology(
+        known,
+        NewOntology(
+            name,
+            classes=("Marker:sk:Manipulatable -- A part that bears a mark which a camera can read",),
+            relations=("handledAt:sk:Manipulatable:sk:Station -- Where the part is worked at",),
+            properties=(f"{property_}:sk:Manipulatable:boolean -- True once it was done to the part",),
+        ),
+    )
+    yield lambda known: draft_condition(
+        known, NewCondition(word, roles=("part:sk:Manipulatable",), property=f"{name}:{property_}")
+    )
+    yield lambda known: draft_primitive(known, _primitive(said))
+    yield lambda known: draft_skill(known, _skill(known, said, (part, station)))
+    yield lambda known: draft_scene(
+        known, NewScene(name, things=(f"part:{name}:Marker", "station:sk:Station"), goals=(f"{word}(part)",))
+    )
+
+
+def _primitive(said: NewPackage) -> NewPrimitive:
+    params = ("camera:sk:Camera -- The camera to look with", "seconds:number=1.0 [s] -- How long it looks")
+    return NewPrimitive(said.primitive, help="Looks for a while with a camera", params=params)
+
+
+def _skill(known: Knowledge, said: NewPackage, params: tuple[str, str]) -> NewSkill:
+    """The first skill: done where the robot stands, where the skills are installed that take it there."""
+    post = f"{said.condition}(Part)"
+    help_ = "Looks at a part, from where it can be worked at"
+    skill = NewSkill(said.skill, help_, agent="sk:Arm", params=params[:1], post=(post,), do=(said.primitive,))
+    if "RobotAtLocation" in known.catalogue.conditions:
+        return replace(skill, params=params, pre=("RobotAtLocation(Robot, Station)",))
+    return skill
+
+
+def _property(word: str) -> str:
+    first, *rest = snake_case(word).split("_")
+    return first + "".join(part.capitalize() for part in rest)

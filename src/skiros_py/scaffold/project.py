@@ -1,0 +1,146 @@
+"""A package that is being written: where it is, what its ``pyproject.toml`` says, and how that is added to."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from packaging.requirements import InvalidRequirement, Requirement
+from tomlkit.exceptions import TOMLKitError
+
+from skiros_py.errors import FileError, UsageError
+
+__all__ = ["Project"]
+
+_FILE = "pyproject.toml"
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """One distribution for skiros-py.
+
+    Attributes:
+        root: Folder of its ``pyproject.toml``.
+        package: Name of its Python package.
+        text: Its ``pyproject.toml``.
+    """
+
+    root: Path
+    package: str
+    text: str
+
+    @classmethod
+    def around(cls, folder: Path) -> Project:
+        """Finds the package that a folder is in.
+
+        Raises:
+            UsageError: It is in none, or in one that is not for skiros-py.
+            FileError: Its ``pyproject.toml`` cannot be read.
+        """
+        folder = folder.absolute()
+        root = next((f for f in (folder, *folder.parents) if (f / _FILE).is_file()), None)
+        if root is None:
+            raise UsageError(f"{folder} is in no package: there is no {_FILE} here or above; skiros new package makes one")
+        text = _read(root / _FILE)
+        project = cls(root, _package(root), text)
+        if not any(_is_named(requirement, "skiros-py") for requirement in project.dependencies):
+            reason = "is not of a package for skiros-py: its [project] has no dependency 'skiros-py'"
+            raise FileError(root / _FILE, reason)
+        return project
+
+    @property
+    def source(self) -> Path:
+        """The folder that its Python package is in."""
+        return self.root / "src"
+
+    @property
+    def name(self) -> str:
+        """Name of the distribution."""
+        return str(self._table.get("name", self.package))
+
+    @property
+    def version(self) -> str:
+        """Its version."""
+        return str(self._table.get("version", "0"))
+
+    @property
+    def dependencies(self) -> tuple[str, ...]:
+        """What it needs, as it says so."""
+        needs = self._table.get("dependencies", ())
+        return tuple(need for need in needs if isinstance(need, str)) if isinstance(needs, list) else ()
+
+    @property
+    def entry_points(self) -> Mapping[str, Mapping[str, Any]]:
+        """Its entry points by group."""
+        groups = self._table.get("entry-points", {})
+        return {group: own for group, own in groups.items() if isinstance(own, Mapping)}
+
+    @property
+    def _table(self) -> Mapping[str, Any]:
+        table = tomlkit.parse(self.text).unwrap().get("project", {})
+        return table if isinstance(table, Mapping) else {}
+
+    def with_entries(self, group: str, entries: Mapping[str, str]) -> Project:
+        """Returns the project with more entry points; everything else in the file stays as it is.
+
+        Raises:
+            UsageError: It has one of that name already.
+        """
+        taken = [name for name in entries if name in self.entry_points.get(group, {})]
+        if taken:
+            raise UsageError(f"{_FILE} has an entry point '{taken[0]}' of {group} already, and nothing is overwritten")
+        document = tomlkit.parse(self.text)
+        groups = document["project"].setdefault("entry-points", tomlkit.table(is_super_table=True))  # type: ignore[union-attr]
+        if group not in groups:
+            groups[group] = tomlkit.table()
+        for name, value in entries.items():
+            groups[group][name] = value
+        return Project(self.root, self.package, tomlkit.dumps(document))
+
+    def with_dependency(self, requirement: str) -> Project:
+        """Returns the project with one more dependency, unless it has it or is it."""
+        name = Requirement(requirement).name
+        if _is_named(self.name, name) or any(_is_named(own, name) for own in self.dependencies):
+            return self
+        document = tomlkit.parse(self.text)
+        document["project"]["dependencies"].append(requirement)  # type: ignore[index, union-attr]
+        return Project(self.root, self.package, tomlkit.dumps(document))
+
+    def changes(self, before: Project) -> dict[str, str]:
+        """Returns the text of the file where it is another than before."""
+        return {_FILE: self.text} if self.text != before.text else {}
+
+
+def _read(file: Path) -> str:
+    try:
+        text = file.read_text(encoding="utf-8")
+        tomlkit.parse(text)
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileError(file, f"cannot be read as UTF-8 text: {error}") from error
+    except TOMLKitError as error:
+        raise FileError(file, f"is no TOML: {error}") from error
+    return text
+
+
+def _package(root: Path) -> str:
+    found = [folder.parent.name for folder in sorted((root / "src").glob("*/__init__.py"))]
+    if len(found) != 1:
+        there = ", ".join(found) or "none"
+        raise UsageError(f"{root / 'src'} must have one Python package, with __init__.py; there is {there}")
+    return found[0]
+
+
+def _is_named(requirement: str, name: str) -> bool:
+    try:
+        own = Requirement(requirement).name
+    except InvalidRequirement:
+        return False
+    return _normal(own) == _normal(name)
+
+
+def _normal(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()

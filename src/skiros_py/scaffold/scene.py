@@ -1,0 +1,76 @@
+"""Writes a scene: a robot, things, and a goal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from skiros_py.errors import DescriptionError, UsageError
+from skiros_py.scaffold.declared import Declared, Wanted, read_parameter, read_wanted
+from skiros_py.scaffold.draft import Draft
+from skiros_py.scaffold.knowledge import Knowledge
+from skiros_py.scaffold.rendering import render
+from skiros_py.scaffold.robots import find_robot
+from skiros_py.scaffold.spelling import module_name, sentence, words_of
+from skiros_py.scaffold.stage import Stage
+
+__all__ = ["NewScene", "draft_scene"]
+
+
+@dataclass(frozen=True, slots=True)
+class NewScene:
+    """What an author says of a scene.
+
+    Attributes:
+        name: Its name ("scan_cell").
+        help: One sentence; made from the name where left out.
+        robot: Name of the robot that is there.
+        things: What else is there (``part:sk:Manipulatable``): each becomes one individual, "part_1".
+        goals: Conditions over the things and the robot's individuals (``Scanned(part)``, ``Scanned(part_1)``).
+    """
+
+    name: str
+    help: str = ""
+    robot: str = "mobile_panda"
+    things: tuple[str, ...] = ()
+    goals: tuple[str, ...] = ()
+
+
+def draft_scene(known: Knowledge, said: NewScene) -> Draft:
+    """Writes a scene and a test that it is right; and the entry point for all scenes of the package.
+
+    Raises:
+        UsageError: Something said of it is wrong; the text says what would be right.
+    """
+    from skiros_py.config import scene_names
+
+    name = module_name(said.name, "scene")
+    if name in scene_names():
+        raise UsageError(f"there is a scene '{name}' already; choose another name")
+    things = [read_parameter(text, known.ontology) for text in said.things or ("station:sk:Station",)]
+    stage = Stage(known.ontology, name, find_robot(said.robot, known.ontology))
+    cast = {thing.key: _added(stage, thing) for thing in things}
+    stage.goals += [str(_meant(known, read_wanted(text), cast)) for text in said.goals]
+    package = known.project.package
+    new = {
+        f"src/{package}/scenes/{name}.ttl": stage.turtle(sentence(said.help or words_of(name), "--help-text")),
+        f"tests/scenes/test_{name}.py": render("scene_test.py", name=name, package=package, goals=len(stage.goals)),
+    }
+    project = known.project
+    if not project.entry_points.get("skiros.scenes"):
+        project = project.with_entries("skiros.scenes", {package: package})
+    return Draft(project.root, new, project.changes(known.project))
+
+
+def _added(stage: Stage, thing: Declared) -> str:
+    if not thing.is_element:
+        raise UsageError(f"--thing {thing.key}: it must be of a class, not a {thing.type}")
+    return stage.add(thing.type, thing.key)
+
+
+def _meant(known: Knowledge, wanted: Wanted, cast: dict[str, str]) -> Wanted:
+    """Checks a goal, and replaces the things in it by their individuals."""
+    try:
+        known.condition(wanted.word)(*wanted.arguments)
+    except DescriptionError as error:
+        raise UsageError(f"--goal {wanted}: {error}") from error
+    return replace(wanted, arguments=tuple(cast.get(argument, argument) for argument in wanted.arguments))

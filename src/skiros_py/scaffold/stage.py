@@ -1,0 +1,223 @@
+"""A small scene in which something is tried: individuals of the classes asked for, and what shall hold of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+
+from skiros_py.errors import UsageError
+from skiros_py.scaffold.rendering import render
+from skiros_py.scaffold.robots import RobotFile
+from skiros_py.scaffold.spelling import snake_case, words_of
+from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Exists, Has, Pattern, Related
+from skiros_py.world.names import STANDARD_PREFIXES, Names
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.terms import Family
+
+__all__ = ["Stage"]
+
+_CORE = "https://w3id.org/skiros-py/core"
+_SAMPLES = {
+    "xsd:boolean": "true",
+    "xsd:integer": "1",
+    "xsd:decimal": "1.0",
+    "xsd:double": "1.0e0",
+    "xsd:string": '"text"',
+    "sk:poseLiteral": '"0 0 0 0 0 0"^^sk:poseLiteral',
+    "sk:vectorLiteral": '"1 1"^^sk:vectorLiteral',
+    "sk:className": '"sk:Object"^^sk:className',
+    "rdf:JSON": '"[]"^^rdf:JSON',
+}
+"""Some value of each data type, as Turtle."""
+
+
+@dataclass(slots=True)
+class _Individual:
+    """One individual: what Turtle says of it, by predicate."""
+
+    id: str
+    class_: str
+    label: str
+    facts: dict[str, list[str]] = field(default_factory=dict)
+
+
+class Stage:
+    """A scene that is put together.
+
+    Args:
+        ontology: The words there are.
+        name: Name of the scene.
+        robot: The robot that is there; None for none.
+
+    Attributes:
+        goals: The goals that go with it.
+        left_to_robot: Where the robot shall be, as (robot, relation, place): it goes there itself.
+    """
+
+    def __init__(self, ontology: Ontology, name: str, robot: RobotFile | None = None) -> None:
+        self._ontology = ontology
+        self._name = name
+        self._robot = robot
+        self._own: dict[str, _Individual] = {}
+        self._of_robot: dict[str, _Individual] = {}
+        self._row = count()
+        self.goals: list[str] = []
+        self.left_to_robot: list[tuple[str, str, str]] = []
+
+    def cast(self, class_: str, role: str) -> str:
+        """Returns an individual of a class: one of the robot where it has one, else a new one named after a role."""
+        for root in ("sk:Floor", "sk:UnknownLocation"):
+            if self._ontology.is_a(class_, root):
+                return snake_case(root.partition(":")[2])
+        for id_, own in (self._robot.individuals if self._robot else {}).items():
+            if self._ontology.is_a(own, class_):
+                return id_
+        return self.add(class_, role)
+
+    def add(self, class_: str, role: str) -> str:
+        """Adds an individual of a class, standing on the floor where it can stand anywhere, and returns its id."""
+        stem = snake_case(role)
+        id_ = next(name for n in count(1) if not self._knows(name := f"{stem}_{n}"))
+        person = _Individual(id_, class_, f"{words_of(role)} {id_.rpartition('_')[2]}")
+        self._own[id_] = person
+        self._settle(person)
+        return id_
+
+    def _knows(self, id_: str) -> bool:
+        return id_ in self._own or (self._robot is not None and id_ in self._robot.individuals)
+
+    def _settle(self, person: _Individual) -> None:
+        is_a = self._ontology.is_a
+        if is_a(person.class_, "sk:Robot"):
+            person.facts["sk:at"] = ["scene:unknown_location"]
+        elif is_a(person.class_, "sk:Device"):
+            if self._robot is not None:
+                self._say(self._robot.first("sk:Arm", self._ontology), "sk:hasA", f"scene:{person.id}")
+        elif is_a(person.class_, "sk:SpatialThing") and not is_a(person.class_, "sk:Root"):
+            person.facts["sk:on"] = ["scene:floor"]
+            person.facts["sk:pose"] = [f'"{2.0 + next(self._row):.1f} 0 0 0 0 0"^^sk:poseLiteral']
+            if is_a(person.class_, "sk:Location") and not self._ontology.class_value(person.class_, "sk:drivingPose"):
+                person.facts["sk:drivingPose"] = ['"-0.8 0 0 0 0 0"^^sk:poseLiteral']
+
+    # ------------------------------------------------------------------ what shall hold
+
+    def suppose(self, pattern: Pattern, binding: dict[str, str]) -> tuple[str, ...]:
+        """States facts that make a pattern true, as far as a scene can state them.
+
+        Where a robot stands is left out: it drives there.
+
+        Returns:
+            What cannot be stated.
+        """
+        match pattern:
+            case Related(relation, subject, object_):
+                self.relate(binding[subject], relation, binding[object_])
+            case Compare(property_, "=", subject, value):
+                self._say(binding[subject], property_, _turtle(value), instead=True)
+            case Has(property_, subject):
+                if not self._value(binding[subject], property_):
+                    self._say(binding[subject], property_, self._sample(property_), instead=True)
+            case Exists(variable, class_, inner):
+                return self.suppose(inner, {**binding, variable: self.cast(class_, class_.partition(":")[2])})
+            case AllOf(patterns):
+                return tuple(left for part in patterns for left in self.suppose(part, binding))
+            case AnyOf(patterns):
+                return self.suppose(patterns[0], binding)
+            case Computed("sk:graspableBy", subject, _):
+                self._say(binding[subject], "sk:graspWidth", "0.04", instead=True)
+            case Computed(relation):
+                return (f"{relation} is computed",)
+            case _:
+                pass  # that something is not so needs no fact
+        return ()
+
+    def relate(self, subject: str, relation: str, object_: str) -> None:
+        """States that a relation holds; a placement moves what it places."""
+        family = self._ontology.family(relation)
+        if family is Family.PLACEMENT:
+            moved, placement = self._ontology.placed(subject, relation, object_)
+            if self._robot and moved in self._robot.individuals:
+                self.left_to_robot.append((moved, placement.relation, placement.place))
+                return
+            self._unplace(moved, keep_pose=placement.place == "floor")
+        if family is Family.STRUCTURE:
+            if self._robot and (subject, object_) in self._robot.pieces:
+                return
+            for owner in (*self._own.values(), *self._of_robot.values()):
+                owner.facts["sk:hasA"] = [o for o in owner.facts.get("sk:hasA", []) if o != f"scene:{object_}"]
+        self._say(subject, relation, f"scene:{object_}")
+
+    def _unplace(self, moved: str, *, keep_pose: bool) -> None:
+        for person in self._own.values():
+            for relation in [r for r in person.facts if self._places(r)]:
+                person.facts[relation] = [
+                    o for o in person.facts[relation] if self._ontology.placed(person.id, relation, o[6:])[0] != moved
+                ]
+        if not keep_pose and moved in self._own:
+            self._own[moved].facts.pop("sk:pose", None)
+
+    def _places(self, relation: str) -> bool:
+        return relation in self._ontology.relations and self._ontology.is_placement(relation)
+
+    def _value(self, id_: str, property_: str) -> bool:
+        person = self._own.get(id_) or self._of_robot.get(id_)
+        if person is None:
+            return False
+        return property_ in person.facts or self._ontology.class_value(person.class_, property_) is not None
+
+    def _sample(self, property_: str) -> str:
+        return _SAMPLES[self._ontology.properties[property_].range]
+
+    def _say(self, subject: str, predicate: str, value: str, *, instead: bool = False) -> None:
+        person = self._own.get(subject)
+        if person is None:
+            class_ = self._robot.individuals.get(subject, "") if self._robot else ""
+            person = self._of_robot.setdefault(subject, _Individual(subject, class_, ""))
+        values = person.facts.setdefault(predicate, [])
+        if instead:
+            values.clear()
+        if value not in values:
+            values.append(value)
+
+    # ------------------------------------------------------------------ as Turtle
+
+    def turtle(self, help_: str) -> str:
+        """Returns the scene as a Turtle file.
+
+        Args:
+            help_: What it is for, in a sentence.
+        """
+        people = [*self._of_robot.values(), *self._own.values()]
+        used = {self._name_of(p.class_) for p in self._own.values()} | {self._name_of(f) for p in people for f in p.facts}
+        return render(
+            "scene.ttl",
+            name=self._name,
+            help=help_,
+            label=words_of(self._name),
+            prefixes=sorted((p, self._ontology.names.prefixes[p]) for p in used - set(STANDARD_PREFIXES)),
+            imports=[_CORE, *self._imports(used), *([self._robot.iri] if self._robot else ())],
+            goals=[json.dumps(goal) for goal in self.goals],
+            base=self._robot.first("sk:Base", self._ontology) if self._robot else "",
+            people=[(p, _statements(p)) for p in people if p.class_ and _statements(p)],
+        )
+
+    def _name_of(self, curie: str) -> str:
+        return curie.partition(":")[0]
+
+    def _imports(self, prefixes: Iterable[str]) -> list[str]:
+        """IRIs of the ontologies that declare words of some prefixes."""
+        spaces = {self._ontology.names.prefixes[p] for p in prefixes if p not in STANDARD_PREFIXES}
+        return sorted(file.iri for file in self._ontology.sources if f"{file.iri}#" in spaces or f"{file.iri}/" in spaces)
+
+
+def _statements(person: _Individual) -> list[str]:
+    head = [] if not person.label else [f"rdfs:label {json.dumps(person.label)}"]
+    return head + [f"{predicate} {' , '.join(values)}" for predicate, values in person.facts.items() if values]
+
+
+def _turtle(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,124 @@
+"""What bringing a condition about does to the world, as data: for planning, for pretending, and for writing.
+
+This is the one place that says which conditions can be brought about, and how.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from skiros_py.errors import DescriptionError
+from skiros_py.skills.conditions.compare import Compare
+from skiros_py.skills.conditions.condition import Condition
+from skiros_py.skills.conditions.pattern import AllOf, Has, Not, Nothing, Pattern, Related
+from skiros_py.world.element import Value
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.overlay import Overlay
+from skiros_py.world.transaction import Transaction
+
+__all__ = ["Assign", "Effect", "Relate", "Unrelate", "effects_of", "suppose_effects", "write_effects"]
+
+
+@dataclass(frozen=True, slots=True)
+class Relate:
+    """A relation comes to hold; a placement moves what it places."""
+
+    relation: str
+    subject: str
+    object: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unrelate:
+    """A relation holds no longer."""
+
+    relation: str
+    subject: str
+    object: str
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """A property gets a value of its own; None takes that away."""
+
+    property: str
+    subject: str
+    value: Value | None
+
+
+Effect = Relate | Unrelate | Assign
+"""One thing that changes; over a skill's parameters, or over elements once the condition is bound."""
+
+
+def effects_of(condition: Condition) -> tuple[Effect, ...]:
+    """Returns what has to be done that a condition holds; nothing for what merely follows ("nothing is there").
+
+    Raises:
+        DescriptionError: It cannot be brought about; the text names it.
+    """
+    return _effects(condition.pattern, condition)
+
+
+def _effects(pattern: Pattern, condition: Condition) -> tuple[Effect, ...]:
+    match pattern:
+        case Related(relation, subject, object_):
+            return (Relate(relation, subject, object_),)
+        case Not(Related(relation, subject, object_)):
+            return (Unrelate(relation, subject, object_),)
+        case Compare(property_, "=", subject, value):
+            return (Assign(property_, subject, value),)
+        case Compare(property_, "!=", subject, bool(value)) | Not(Compare(property_, "=", subject, bool(value))):
+            return (Assign(property_, subject, not value),)
+        case Not(Has(property_, subject)):
+            return (Assign(property_, subject, None),)
+        case Nothing() | Not(Nothing()):
+            return ()
+        case Not(Not(inner)):
+            return _effects(inner, condition)
+        case AllOf(patterns):
+            return tuple(effect for part in patterns for effect in _effects(part, condition))
+        case _:
+            raise DescriptionError(
+                f"{condition} cannot be brought about: a skill can bring about a relation, the end of one, a value of "
+                "a property (=), that it has none, or that nothing is there; use what this condition follows from"
+            )
+
+
+def suppose_effects(overlay: Overlay, effects: Iterable[Effect]) -> None:
+    """Lets effects be so on an overlay.
+
+    Raises:
+        UnknownName: An element, relation or property is not there.
+    """
+    for effect in effects:
+        match effect:
+            case Relate(relation, subject, object_):
+                overlay.set_relation(subject, relation, object_)
+            case Unrelate(relation, subject, object_):
+                overlay.unset_relation(subject, relation, object_)
+            case Assign(property_, subject, value):
+                overlay.set_value(subject, property_, value)
+
+
+def write_effects(tx: Transaction, ontology: Ontology, effects: Iterable[Effect]) -> None:
+    """Writes effects into the world; what is so already stays as it is.
+
+    The end of a placement is left out: everything is somewhere, so it ends by another one.
+    """
+    for effect in effects:
+        match effect:
+            case Relate(relation, subject, object_):
+                tx.relate(subject, relation, object_)
+            case Unrelate(relation, subject, object_):
+                _unrelate(tx, ontology, effect)
+            case Assign(property_, subject, value):
+                tx.set(subject, property_, value)
+
+
+def _unrelate(tx: Transaction, ontology: Ontology, effect: Unrelate) -> None:
+    known = effect.relation in ontology.relations and tx.view.has(effect.subject) and tx.view.has(effect.object)
+    if known and ontology.is_placement(effect.relation):
+        return
+    if not known or tx.view.related(effect.subject, effect.relation, effect.object):
+        tx.unrelate(effect.subject, effect.relation, effect.object)  # which says what is wrong, if anything

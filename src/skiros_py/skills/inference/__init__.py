@@ -1,0 +1,6 @@
+"""Parameters that nobody specified, found in the world: what fits the conditions under which a skill can start."""
+
+from skiros_py.skills.inference.inferring import applying, infer
+from skiros_py.skills.inference.result import Inferred, Missing
+
+__all__ = ["Inferred", "Missing", "applying", "infer"]

@@ -1,0 +1,189 @@
+"""Finds elements for the parameters of a skill that nobody specified."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+from skiros_py.skills.conditions import Condition, Verdict
+from skiros_py.skills.inference.choice import Solution, choose
+from skiros_py.skills.inference.narrowing import conjuncts
+from skiros_py.skills.inference.result import Inferred, Missing
+from skiros_py.skills.inference.search import Search
+from skiros_py.skills.parameters import IT, Param, missing
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.variables import variables
+from skiros_py.world.view import WorldView
+
+__all__ = ["applying", "infer"]
+
+_ENOUGH = 100_000
+"""So many combinations are compared; more only arise where nothing connects one parameter with the others."""
+
+
+def infer(
+    description: SkillDescription, given: Mapping[str, Any], view: WorldView, agent: str | None = None
+) -> Inferred | Missing:
+    """Specifies the required element parameters that are not given, by what the skill needs. Nothing is remembered.
+
+    Elements are looked for that fulfil all needs together (:attr:`SkillDescription.needs`); of several solutions
+    :func:`~skiros_py.skills.inference.choice.choose` takes one. Where no elements fulfil all needs, those needs are
+    put aside, from the first one on, that do not go with the others: a parameter that they speak of is still set where
+    only one element is left for it, so that the check of the preconditions can say of this one what does not hold.
+    Otherwise it is missing, with the reason. Needs that speak of given parameters only are not looked at here.
+
+    Args:
+        description: The skill.
+        given: Values by key, as :func:`~skiros_py.skills.parameters.read_arguments` gives them.
+        view: The world.
+        agent: Who does it, where that is not given.
+
+    Raises:
+        UnknownName: A pattern asks for what no ontology or reasoner knows.
+        DescriptionError: A plug-in that was asked broke.
+    """
+    values = {p.key: p.default if given.get(p.key) is None else given[p.key] for p in description.params}
+    reasons: dict[str, str] = {}
+    if agent is not None and values[description.agent] is None:
+        values[description.agent], reasons[description.agent] = agent, "it does it"
+    verdicts: dict[str, Verdict] = {}
+    for group in _groups(description, values):
+        found = _solve(group, view)
+        values |= found.values
+        reasons |= found.reasons
+        verdicts |= found.missing
+    for key in missing(description.params, values):
+        verdicts.setdefault(key, Verdict(False, _must_be_given(description.param(key))))
+    if verdicts:
+        return Missing({p.key: verdicts[p.key] for p in description.params if p.key in verdicts}, values)
+    return Inferred(values, {p.key: reasons[p.key] for p in description.params if p.key in reasons})
+
+
+def applying(conditions: Iterable[Condition], values: Mapping[str, Any]) -> tuple[Condition, ...]:
+    """Returns the conditions that speak of specified parameters only: others are about what the call does without."""
+    return tuple(c for c in conditions if all(values.get(argument) is not None for argument in c.arguments))
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """Open parameters that depend on each other, and what they need."""
+
+    params: tuple[Param, ...]
+    needs: tuple[Condition, ...]
+    known: Mapping[str, str]
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        return tuple(param.key for param in self.params)
+
+    def without(self, params: Sequence[Param]) -> _Group:
+        keys = {param.key for param in params}
+        needs = tuple(need for need in self.needs if not keys.intersection(need.arguments))
+        return _Group(tuple(p for p in self.params if p not in params), needs, self.known)
+
+    def solutions(self, needs: Sequence[Condition], view: WorldView, most: int = _ENOUGH) -> list[Solution]:
+        classes = {param.key: param.element_class for param in self.params}
+        patterns = [part for need in needs for part in conjuncts(need.pattern)]
+        return list(islice(Search(view, classes, patterns, self.known).solutions(), most))
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    values: Mapping[str, str]
+    reasons: Mapping[str, str]
+    missing: Mapping[str, Verdict]
+
+
+def _groups(description: SkillDescription, values: Mapping[str, Any]) -> list[_Group]:
+    """The open parameters, apart where no need and no preference connects them."""
+    elements = [param for param in description.params if param.is_element]
+    known = {param.key: str(values[param.key]) for param in elements if values[param.key] is not None}
+    open_ = [param for param in elements if param.is_inferred and param.key not in known]
+    speakable = {*known, *(param.key for param in open_)}
+    needs = [need for need in description.needs if speakable.issuperset(need.arguments)]
+    preferences = [{p.key, *variables(pattern)} - {IT} for p in open_ for pattern in p.preferred]
+    sets = _connected([p.key for p in open_], [*(set(need.arguments) for need in needs), *preferences])
+    groups = []
+    for keys in sets:
+        params = tuple(param for param in open_ if param.key in keys)
+        groups.append(_Group(params, tuple(n for n in needs if keys.intersection(n.arguments)), known))
+    return groups
+
+
+def _connected(keys: Sequence[str], links: Iterable[set[str]]) -> list[set[str]]:
+    sets = [{key} for key in keys]
+    for link in links:
+        touched = [one for one in sets if one & link]
+        if len(touched) > 1:
+            sets = [one for one in sets if one not in touched] + [set().union(*touched)]
+    return sets
+
+
+def _solve(group: _Group, view: WorldView) -> _Found:
+    solutions = group.solutions(group.needs, view)
+    if solutions:
+        return _chosen(group, solutions, view)
+    nobody = [param for param in group.params if not view.instances(param.element_class)]
+    if nobody:
+        rest = _solve(group.without(nobody), view) if len(nobody) < len(group.params) else _Found({}, {}, {})
+        there_is_none = {p.key: Verdict(False, f"{p.key}: there is no {p.element_class}") for p in nobody}
+        return _Found(rest.values, rest.reasons, {**rest.missing, **there_is_none})
+    return _as_far_as_possible(group, view)
+
+
+def _chosen(group: _Group, solutions: Sequence[Solution], view: WorldView) -> _Found:
+    best, reasons = choose(group.params, solutions, group.known, view)
+    unclear = {}
+    for param in group.params:
+        fitting = sorted({solution[param.key] for solution in solutions})
+        if param.unique and len(fitting) > 1:
+            unclear[param.key] = Verdict(False, f"{param.key}: {_listed(fitting)} all fit: say which")
+    return _without(unclear, best, reasons)
+
+
+def _as_far_as_possible(group: _Group, view: WorldView) -> _Found:
+    """Chooses by those needs that go together; of what the others speak, only one element may be left."""
+    kept: list[Condition] = []
+    failed: list[Condition] = []
+    for need in group.needs:
+        (kept if group.solutions([*kept, need], view, most=1) else failed).append(need)
+    solutions = group.solutions(kept, view)
+    best, reasons = choose(group.params, solutions, group.known, view)
+    open_ = {}
+    for param in group.params:
+        fitting = sorted({solution[param.key] for solution in solutions})
+        lacking = [need for need in failed if param.key in need.arguments]
+        if len(fitting) > 1 and (lacking or param.unique):
+            open_[param.key] = _nothing_fits(param, fitting, lacking, {**group.known, **best}, view)
+        elif lacking:
+            reasons[param.key] = f"the only candidate, although {lacking[0]} does not hold"
+    return _without(open_, best, reasons)
+
+
+def _without(open_: Mapping[str, Verdict], best: Solution, reasons: Mapping[str, str]) -> _Found:
+    return _Found(
+        {key: value for key, value in best.items() if key not in open_},
+        {key: reason for key, reason in reasons.items() if key not in open_},
+        open_,
+    )
+
+
+def _nothing_fits(
+    param: Param, fitting: Sequence[str], lacking: Sequence[Condition], best: Mapping[str, str], view: WorldView
+) -> Verdict:
+    """Says what is wrong with the candidates, and of the best one exactly why."""
+    if not lacking:
+        return Verdict(False, f"{param.key}: {_listed(fitting)} are left: say which")
+    text = f"{param.key}: {best[param.key]}, the best of {len(fitting)} candidates"
+    return Verdict(False, text, tuple(need.evaluate(view, best) for need in lacking))
+
+
+def _must_be_given(param: Param) -> str:
+    unit = f" [{param.unit}]" if param.unit else ""
+    return f"{param.key}: a {param.type_name}{unit} must be given"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return f"{', '.join(names[:10])}{', …' if len(names) > 10 else ''}"

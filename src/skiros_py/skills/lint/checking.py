@@ -1,0 +1,70 @@
+"""Asks the rules about things."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from skiros_py.skills.lint.finding import Finding, Problem, Spot
+from skiros_py.skills.lint.registry import RULES
+from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.subject import Known, PrimitiveClass, Source, Subject, title
+from skiros_py.skills.skill import Skill
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
+
+__all__ = ["check", "problems_of"]
+
+_ALLOWED = re.compile(r"#\s*skiros:\s*allow\s+([a-z-]+(?:\s*,\s*[a-z-]+)*)")
+
+
+def check(
+    subject: Subject, known: Known, spot: Spot | None = None, rules: Iterable[Rule] = RULES.values()
+) -> Iterator[Finding]:
+    """Yields which rules a thing breaks.
+
+    What a line of a source says after ``# skiros: allow RULE`` is allowed there.
+
+    Args:
+        subject: The thing.
+        known: What it may refer to.
+        spot: Where it is defined.
+        rules: Rules to ask.
+    """
+    allowed = _allowances(subject) if isinstance(subject, Source) else {}
+    for rule in rules:
+        for problem in rule.check(subject, known) if rule.check is not None else ():
+            found = Finding(rule.name, rule.severity, title(subject), problem.text, problem.spot or spot)
+            if rule.name not in allowed.get(found.spot.line if found.spot else 0, ()):
+                yield found
+
+
+def _allowances(source: Source) -> Mapping[int, Sequence[str]]:
+    lines = enumerate(source.text.splitlines(), start=1)
+    return {n: re.split(r"\s*,\s*", said[1]) for n, line in lines if (said := _ALLOWED.search(line))}
+
+
+def problems_of(
+    skill: Skill,
+    ontology: Ontology,
+    primitives: Mapping[str, PrimitiveClass],
+    reasoners: Reasoners = NO_REASONERS,
+    skills: Sequence[Skill] = (),
+) -> tuple[str, ...]:
+    """Returns why a skill cannot be used: words that no ontology declares, questions and calls that nobody answers.
+
+    Args:
+        skill: The skill.
+        ontology: The words.
+        primitives: The primitives that it may call.
+        reasoners: What computes relations.
+        skills: The skills that it may call, itself among them.
+    """
+    known = Known(ontology, primitives, skills, reasoners)
+    rules = [rule for rule in RULES.values() if rule.disables]
+    subjects: tuple[Subject, ...] = (skill.description, skill)
+    return tuple(p.text for s in subjects for rule in rules for p in _asked(rule, s, known))
+
+
+def _asked(rule: Rule, subject: Subject, known: Known) -> Iterator[Problem]:
+    return rule.check(subject, known) if rule.check is not None else iter(())

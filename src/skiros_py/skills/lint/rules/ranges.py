@@ -1,0 +1,144 @@
+"""What a relation, a property, a role or a parameter asks for must be something that can be given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from skiros_py.skills.composition import Do, P
+from skiros_py.skills.conditions import (
+    ClassRelated,
+    Compare,
+    Computed,
+    Condition,
+    Has,
+    IsA,
+    Nothing,
+    Pattern,
+    Related,
+)
+from skiros_py.skills.lint.finding import Problem, Severity
+from skiros_py.skills.lint.patterns import Classes, Use, classes_of, leaves, uses_of, walk_scoped
+from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.subject import Known, Subject
+from skiros_py.skills.skill import Skill
+from skiros_py.world.literals import CLASS_NAME, DATATYPES
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.terms import End
+
+__all__ = ["WRONG_RANGE"]
+
+
+def _misfits(subject: Subject, known: Known) -> Iterator[Problem]:
+    for use in uses_of(subject):
+        wrong = list(_roles(use.condition, use.classes, known.ontology)) if use.condition is not None else []
+        wrong = wrong or list(_ends(use, known.ontology))
+        yield from (Problem(f"{use.where}: {text}") for text in wrong)
+    if isinstance(subject, Skill):
+        yield from map(Problem, _passed(subject, known))
+
+
+def _roles(condition: Condition, classes: Classes, ontology: Ontology) -> Iterator[str]:
+    for role, argument in zip(condition.type.roles, condition.arguments, strict=True):
+        class_ = classes.get(argument)
+        if class_ is not None and not _overlap(ontology, class_, role.class_):
+            yield f"its {role.name} is a {role.class_}, and {argument} is a {class_}: nothing is both"
+
+
+def _overlap(ontology: Ontology, one: str, other: str) -> bool:
+    """Tells whether something can be of both classes; of what is not declared nothing is known."""
+    if one not in ontology.classes or other not in ontology.classes:
+        return True
+    return any(ontology.is_a(below, other) for below in ontology.subclasses(one))
+
+
+def _ends(use: Use, ontology: Ontology) -> Iterator[str]:
+    for leaf, classes in leaves(use.pattern, use.classes):
+        match leaf:
+            case Related(relation, subject, object_) | Computed(relation, subject, object_):
+                yield from _end("subject", relation, subject, classes, ontology)
+                yield from _end("object", relation, object_, classes, ontology)
+            case ClassRelated(relation, subject, object_):
+                yield from _end("subject", relation, subject, classes, ontology)
+                yield from _end("object", relation, object_, classes, ontology)
+            case Nothing(relation, object_):
+                yield from _end("object", relation, object_, classes, ontology)
+            case Has() | Compare():
+                yield from _property(leaf, classes, ontology)
+            case IsA(subject, class_) if not _overlap(ontology, classes.get(subject, class_), class_):
+                yield f"{subject} is a {classes[subject]}, and can never be a {class_}"
+            case _:
+                pass
+
+
+def _end(end: str, relation: str, variable: str, classes: Classes, ontology: Ontology) -> Iterator[str]:
+    class_ = classes.get(variable)
+    if class_ is None or relation not in ontology.relations:
+        return
+    below = [ontology.relations[name] for name in ontology.sub_relations(relation)]
+    asked = [r.domains if end == "subject" else r.ranges for r in below]
+    if not any(_fits(ontology, class_, one) for one in asked):
+        yield f"the {end} of {relation} is a {_said(asked[0])}, and {variable} is a {class_}: nothing is both"
+
+
+def _fits(ontology: Ontology, class_: str, end: End) -> bool:
+    if class_ not in ontology.classes:
+        return True
+    return any(not ontology.missed_end(below, end) for below in ontology.subclasses(class_))
+
+
+def _said(end: End) -> str:
+    return " and a ".join(" or ".join(group) for group in end)
+
+
+def _property(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[str]:
+    assert isinstance(leaf, Has | Compare)
+    declared = ontology.properties.get(leaf.property)
+    class_ = classes.get(leaf.subject)
+    if declared is None:
+        return
+    if class_ is not None and not _fits(ontology, class_, declared.domains):
+        yield f"{leaf.property} is borne by a {_said(declared.domains)}, and {leaf.subject} is a {class_}"
+    if isinstance(leaf, Compare) and not _comparable(leaf, declared.range, ontology):
+        yield f"{leaf.property} has {DATATYPES[declared.range].says}, never {leaf.value!r}"
+
+
+def _comparable(leaf: Compare, range_: str, ontology: Ontology) -> bool:
+    if range_ == CLASS_NAME and isinstance(leaf.value, str):
+        return leaf.value in ontology.classes
+    # A whole number may well lie above 0.5 or below 1.5: only the kind of value counts for an order.
+    values = (leaf.value,) if leaf.op in ("=", "!=") else (leaf.value, 1, 0.5, -1)
+    return any(_is_value(value, range_) for value in values)
+
+
+def _is_value(value: object, range_: str) -> bool:
+    try:
+        DATATYPES[range_].check(value)
+    except ValueError:
+        return False
+    return True
+
+
+def _passed(skill: Skill, known: Known) -> Iterator[str]:
+    """Yields parameters that are passed on as something they can never be."""
+    for root in skill.nodes:
+        for node, classes in walk_scoped(root, classes_of(skill.description)):
+            if isinstance(node, Do):
+                yield from _in_call(node, classes, skill, known)
+
+
+def _in_call(call: Do, classes: Classes, skill: Skill, known: Known) -> Iterator[str]:
+    wanted = {param.key: param for param in known.params(call.module) or ()}
+    values = {param.key for param in skill.description.params if not param.is_element}
+    for key, value in call.arguments.items():
+        if not isinstance(value, P) or key not in wanted:
+            continue
+        param, class_ = wanted[key], classes.get(value.key)
+        if class_ is not None and not param.is_element:
+            yield f"'{call.module}' takes {param.type_name} as {key}, and {value.key} is a {class_}"
+        elif param.is_element and value.key in values:
+            yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is no element"
+        elif class_ is not None and param.is_element and not _overlap(known.ontology, class_, param.element_class):
+            yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is a {class_}: nothing is both"
+
+
+WRONG_RANGE = Rule("wrong-range", Severity.ERROR, "Something is asked of a thing that can never have it.", _misfits)

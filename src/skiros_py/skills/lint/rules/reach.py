@@ -1,0 +1,135 @@
+"""What a skill needs must be possible, and so must what it promises."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+from skiros_py.errors import DescriptionError
+from skiros_py.skills.conditions import (
+    AllOf,
+    Assign,
+    Compare,
+    Condition,
+    Effect,
+    Has,
+    Not,
+    Nothing,
+    Pattern,
+    Relate,
+    Related,
+    Unrelate,
+    effects_of,
+)
+from skiros_py.skills.lint.finding import Problem, Severity
+from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.subject import Known, Subject
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.ontology import Ontology
+
+__all__ = ["IMPOSSIBLE_EFFECT", "UNREACHABLE_PRECONDITION", "brought_about"]
+
+
+def brought_about(condition: Condition) -> tuple[Effect, ...]:
+    """Returns the effects of a condition; none where it cannot be brought about."""
+    try:
+        return effects_of(condition)
+    except DescriptionError:
+        return ()
+
+
+def _impossible(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    if not isinstance(subject, SkillDescription):
+        return
+    for condition in subject.post:
+        try:
+            effects_of(condition)
+        except DescriptionError as error:
+            yield Problem(f"postcondition {error}")
+
+
+def _unreachable(subject: Subject, known: Known) -> Iterator[Problem]:
+    """Yields what cannot hold together, and what skills take away and none gives back.
+
+    What the scene may say at the start counts as possible: this finds what is certain only.
+    """
+    if not isinstance(subject, SkillDescription):
+        return
+    needed = [(condition, atom) for condition in subject.needs for atom in _certain(condition.pattern)]
+    for (one, first), (other, second) in combinations(needed, 2):
+        if _exclude(first, second, known.ontology):
+            yield Problem(f"{one} and {other} can never hold together")
+    effects = [e for s in known.skills for condition in s.description.post for e in brought_about(condition)]
+    for condition, atom in needed:
+        if _lost(atom, effects, known.ontology):
+            yield Problem(f"{condition}: skills end it, and none brings it about again")
+
+
+def _certain(pattern: Pattern) -> Iterator[Pattern]:
+    match pattern:
+        case AllOf(patterns):
+            for part in patterns:
+                yield from _certain(part)
+        case _:
+            yield pattern
+
+
+def _exclude(one: Pattern, other: Pattern, ontology: Ontology) -> bool:
+    match one, other:
+        case Not(inner), _ if inner == other:
+            return True
+        case _, Not(inner) if inner == one:
+            return True
+        case (Nothing(relation, place), Related(held, _, object_)) | (
+            Related(held, _, object_),
+            Nothing(relation, place),
+        ):
+            return place == object_ and _is_below(held, relation, ontology)
+        case Related(first), Related(second) if first != second:
+            return _two_places(one, other, ontology)
+        case Compare(property_, "=", subject, value), Compare(another, "=", thing, wanted):
+            return (property_, subject) == (another, thing) and value != wanted
+        case _:
+            return False
+
+
+def _is_below(relation: str, above: str, ontology: Ontology) -> bool:
+    return above in ontology.relations and relation in ontology.sub_relations(above)
+
+
+def _two_places(one: Related, other: Related, ontology: Ontology) -> bool:
+    """Tells whether one thing would have to be in two places by relations of which nothing can be both."""
+    if not all(r in ontology.relations and ontology.is_placement(r) for r in (one.relation, other.relation)):
+        return False
+    if set(ontology.sub_relations(one.relation)) & set(ontology.sub_relations(other.relation)):
+        return False
+    return _placed(one, ontology) == _placed(other, ontology)
+
+
+def _placed(said: Related, ontology: Ontology) -> str:
+    return said.subject if ontology.relation(said.relation).place_end == "object" else said.object
+
+
+def _lost(atom: Pattern, effects: list[Effect], ontology: Ontology) -> bool:
+    """Tells whether skills take something away by name that none gives; placements end by moving, and count not."""
+    match atom:
+        case Related(relation) if relation in ontology.relations:
+            below = ontology.sub_relations(relation)
+            ended = any(isinstance(e, Unrelate) and e.relation == relation for e in effects)
+            return ended and not any(isinstance(e, Relate) and e.relation in below for e in effects)
+        case Compare(property_):
+            values = [e.value for e in effects if isinstance(e, Assign) and e.property == property_]
+            return bool(values) and not any(atom.allows(value) for value in values)
+        case Has(property_):
+            values = [e.value for e in effects if isinstance(e, Assign) and e.property == property_]
+            return None in values and all(value is None for value in values)
+        case _:
+            return False
+
+
+IMPOSSIBLE_EFFECT = Rule(
+    "impossible-effect", Severity.ERROR, "A postcondition that no skill can bring about.", _impossible
+)
+UNREACHABLE_PRECONDITION = Rule(
+    "unreachable-precondition", Severity.WARNING, "A precondition that can never hold, or never again.", _unreachable
+)

@@ -1,0 +1,70 @@
+"""A skill may call itself, as long as it can also do without."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from skiros_py.skills.composition import (
+    Do,
+    Fallback,
+    ForEach,
+    Node,
+    Parallel,
+    Policy,
+    children_of,
+)
+from skiros_py.skills.lint.finding import Problem, Severity
+from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.subject import Known, Subject
+from skiros_py.skills.skill import Skill
+
+__all__ = ["RECURSIVE_SKILL"]
+
+
+def _endless(subject: Subject, known: Known) -> Iterator[Problem]:
+    """Yields a problem for an implementation none of whose ways to succeed ever ends."""
+    if not isinstance(subject, Skill):
+        return
+    others = [s for s in known.skills if s.driver == subject.driver]
+    endless = {s.description.name for s in others} - _ending(others)
+    if _ends(subject, endless):
+        return
+    calls = sorted({n.module for root in subject.nodes for n in _all_calls(root) if n.module in endless})
+    yield Problem(f"whichever way it succeeds, it calls {' and '.join(calls)}, which in the end calls itself again")
+
+
+def _ending(skills: Collection[Skill]) -> set[str]:
+    """Returns the skills that can succeed without calling themselves, however indirectly."""
+    names = {skill.description.name for skill in skills}
+    ending: set[str] = set()
+    while True:
+        more = {s.description.name for s in skills if _ends(s, names - ending)}
+        if more <= ending:
+            return ending
+        ending |= more
+
+
+def _ends(skill: Skill, open_: Collection[str]) -> bool:
+    return all(_can_end(node, open_) for node in skill.nodes)
+
+
+def _can_end(node: Node, open_: Collection[str]) -> bool:
+    match node:
+        case Do(module):
+            return module not in open_
+        case Fallback(children) | Parallel(children, Policy.FIRST_SUCCESS):
+            return any(_can_end(child, open_) for child in children)
+        case ForEach():
+            return True  # there may be none
+        case _:
+            return all(_can_end(child, open_) for child in children_of(node))
+
+
+def _all_calls(node: Node) -> Iterator[Do]:
+    if isinstance(node, Do):
+        yield node
+    for child in children_of(node):
+        yield from _all_calls(child)
+
+
+RECURSIVE_SKILL = Rule("recursive-skill", Severity.ERROR, "A skill that calls itself without end.", _endless)

@@ -1,0 +1,112 @@
+"""Words must be declared, and questions must have somebody who answers."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Iterator
+
+from skiros_py.errors import SkirosError
+from skiros_py.skills.composition import ForEach, walk
+from skiros_py.skills.conditions import (
+    ClassRelated,
+    Compare,
+    Computed,
+    ConditionType,
+    Exists,
+    Has,
+    IsA,
+    Nothing,
+    Pattern,
+    Related,
+    Sensor,
+)
+from skiros_py.skills.lint.finding import Problem, Severity
+from skiros_py.skills.lint.patterns import leaves, uses_of
+from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.subject import Known, Source, Subject
+from skiros_py.skills.parameters import Param, params_of
+from skiros_py.skills.sensing import ARM_QUANTITIES, BASE_QUANTITIES, GRIPPER_QUANTITIES
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.world.ontology import Ontology
+
+__all__ = ["NOT_COMPUTED", "UNKNOWN_WORD", "own_params"]
+
+_ALIKE = 0.8
+"""How much a word must be like another one that this is what was meant."""
+_QUANTITIES = {*ARM_QUANTITIES, *BASE_QUANTITIES, *GRIPPER_QUANTITIES}
+
+
+def _undeclared(subject: Subject, known: Known) -> Iterator[Problem]:
+    ontology = known.ontology
+    for where, class_ in _named_classes(subject):
+        yield from (Problem(f"{where}: {text}") for text in _missing("class", class_, ontology.classes))
+    for use in uses_of(subject):
+        for leaf, _ in leaves(use.pattern):
+            yield from (Problem(f"{use.where}: {text}") for text in _in_leaf(leaf, ontology))
+
+
+def _named_classes(subject: Subject) -> Iterator[tuple[str, str]]:
+    match subject:
+        case Skill():
+            yield from (("requires", class_) for class_ in subject.requires)
+            bodies = (below for node in subject.nodes for below in walk(node))
+            yield from ((f"for each {b.key}", b.class_) for b in bodies if isinstance(b, ForEach))
+        case ConditionType():
+            yield from ((f"role {role.name}", role.class_) for role in subject.roles)
+        case _:
+            yield from ((f"parameter {p.key}", p.element_class) for p in own_params(subject) if p.is_element)
+            watched = getattr(subject, "watches", None)
+            yield from (("watches", class_) for class_ in (watched,) if isinstance(class_, str))
+
+
+def own_params(subject: Subject) -> tuple[Param, ...]:
+    """Returns the parameters of a skill's description or of a primitive; none for anything else."""
+    match subject:
+        case SkillDescription(params=params):
+            return params
+        case Skill() | ConditionType() | Source():
+            return ()
+        case _:
+            try:
+                return params_of(subject.Params)
+            except (SkirosError, AttributeError, TypeError):
+                return ()  # another rule says so
+
+
+def _in_leaf(leaf: Pattern, ontology: Ontology) -> Iterator[str]:
+    match leaf:
+        case Related(relation) | Nothing(relation) | Computed(relation) | ClassRelated(relation):
+            yield from _missing("relation", relation, ontology.relations)
+        case Has(property_) | Compare(property_):
+            yield from _missing("property", property_, ontology.properties)
+        case Exists(_, class_) | IsA(_, class_):
+            yield from _missing("class", class_, ontology.classes)
+        case Sensor(_, quantity):
+            if quantity not in _QUANTITIES:
+                yield f"no device says its {quantity}; there is {', '.join(sorted(_QUANTITIES))}"
+        case _:
+            yield f"its pattern {type(leaf).__name__} is not known"
+
+
+def _missing(kind: str, word: str, declared: Collection[str]) -> Iterator[str]:
+    if word not in declared:
+        near = difflib.get_close_matches(word, declared, n=1, cutoff=_ALIKE)
+        yield f"no ontology declares the {kind} {word}{f'; did you mean {near[0]}?' if near else ''}"
+
+
+def _uncomputed(subject: Subject, known: Known) -> Iterator[Problem]:
+    for use in uses_of(subject):
+        for leaf, _ in leaves(use.pattern):
+            match leaf:
+                case Computed(relation, _, _, None) if not known.reasoners.computes(relation):
+                    yield Problem(f"{use.where}: no reasoner computes {relation}, and no function is given for it")
+                case _:
+                    pass
+
+
+UNKNOWN_WORD = Rule(
+    "unknown-word", Severity.ERROR, "A class, relation, property or quantity that nobody declares.", _undeclared, True
+)
+NOT_COMPUTED = Rule(
+    "not-computed", Severity.ERROR, "A computed relation that no reasoner works out.", _uncomputed, True
+)

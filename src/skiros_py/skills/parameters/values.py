@@ -1,0 +1,147 @@
+"""The value of one parameter: read from Python, JSON or a command line, and written again."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.skills.parameters.custom import custom_type
+from skiros_py.skills.parameters.param import Param
+from skiros_py.skills.parameters.value_types import VALUE_TYPES, ValueType
+from skiros_py.world.literals import shown
+from skiros_py.world.view import WorldView
+
+__all__ = ["as_json", "as_text", "read_value", "schema"]
+
+
+def read_value(param: Param, value: Any, view: WorldView) -> Any:
+    """Checks a value of a parameter and returns it in its own form.
+
+    Args:
+        param: The parameter.
+        value: A Python value, plain data as JSON has it, or a text as it stands on a command line ("0.5", "1 2 3").
+        view: Where elements and classes are looked up.
+
+    Raises:
+        UnknownName: There is no such element or class.
+        UsageError: It is no value of that parameter; the message says what would be.
+    """
+    if param.is_element:
+        return _element(param, value, view)
+    try:
+        read = _one(param, value) if param.length == 1 else _several(param, value)
+    except (ValueError, RecursionError) as error:
+        raise UsageError(_refusal(param, value, str(error))) from None
+    if param.type == "class":
+        return _classes(read, view)
+    return read
+
+
+def as_text(param: Param, value: Any) -> str:
+    """Returns a value as a text that :func:`read_value` reads again."""
+    if value is None or param.is_element:
+        return "" if value is None else str(value)
+    if param.length == 1:
+        return _type_of(param).text(value)
+    if param.type in ("number", "integer", "boolean"):
+        return " ".join(_type_of(param).text(one) for one in value)
+    return json.dumps(as_json(param, value))
+
+
+def as_json(param: Param, value: Any) -> Any:
+    """Returns a value as plain data that :func:`read_value` reads again."""
+    if value is None or param.is_element:
+        return value
+    written = _type_of(param).json
+    return written(value) if param.length == 1 else [written(one) for one in value]
+
+
+def schema(param: Param) -> dict[str, Any]:
+    """Returns the JSON schema of a parameter's value: what a form shows of it and allows.
+
+    Of an element it says the class (``class``), of a number the unit (``unit``); ``kind`` is the parameter's kind.
+    """
+    said: dict[str, Any] = {"title": param.key, "description": param.help, "kind": param.kind.value}
+    if param.is_element:
+        said |= {"type": "string", "class": param.element_class}
+    elif param.length == 1:
+        said = {**_type_of(param).schema, **said}
+    else:
+        said |= {"type": "array", "items": dict(_type_of(param).schema)}
+        said |= {"minItems": param.length, "maxItems": param.length} if param.length else {}
+    if param.unit:
+        said["unit"] = param.unit
+    if param.default is not None:
+        said["default"] = as_json(param, param.default)
+    return said
+
+
+def _type_of(param: Param) -> ValueType:
+    return VALUE_TYPES[param.type] if isinstance(param.type, str) else custom_type(param.type)
+
+
+def _one(param: Param, value: Any) -> Any:
+    type_ = _type_of(param)
+    if not isinstance(value, str) or param.type in ("text", "class"):
+        return type_.check(value)
+    if param.type in VALUE_TYPES and _is_json(value):
+        return type_.check(json.loads(value))
+    return type_.check(type_.parse(value))
+
+
+def _several(param: Param, value: Any) -> tuple[Any, ...]:
+    if isinstance(value, str):
+        value = json.loads(value) if _is_json(value) else value.split()
+    if not isinstance(value, list | tuple):
+        raise ValueError
+    if param.length and len(value) != param.length:
+        raise ValueError(f"it has {len(value)}")
+    return tuple(_one(param, one) for one in value)
+
+
+def _is_json(text: str) -> bool:
+    return text.lstrip()[:1] in ("[", "{")
+
+
+def _refusal(param: Param, value: Any, why: str) -> str:
+    says = _type_of(param).says
+    if param.length != 1:
+        says = f"{param.length or 'any number of'} values, each {says}"
+    unit = f" [{param.unit}]" if param.unit else ""
+    return f"parameter {param.key} takes {says}{unit}, not {shown(value)}{': ' + why if why else ''}"
+
+
+def _classes(read: Any, view: WorldView) -> Any:
+    if isinstance(read, tuple):
+        return tuple(view.ontology.resolve_class(name) for name in read)
+    return view.ontology.resolve_class(read)
+
+
+def _element(param: Param, value: Any, view: WorldView) -> str:
+    class_ = param.element_class
+    if not isinstance(value, str):
+        raise UsageError(f"parameter {param.key} takes the id of a {class_}, not {shown(value)}")
+    name = value if view.has(value) else _labelled(param, value, view)
+    type_ = view.element(name).type
+    if not view.ontology.is_a(type_, class_):
+        raise UsageError(f"parameter {param.key} takes a {class_}, and {name} is a {type_}. {_there_are(class_, view)}")
+    return name
+
+
+def _labelled(param: Param, label: str, view: WorldView) -> str:
+    """The one element of the parameter's class that is called so."""
+    names = view.instances(param.element_class)
+    found = [name for name in names if view.element(name).label == label]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise UsageError(f"parameter {param.key}: {', '.join(found[:20])} are all called {shown(label)}: say which")
+    raise UnknownName("element", label, names, where=f"for parameter {param.key}, a {param.element_class}")
+
+
+def _there_are(class_: str, view: WorldView) -> str:
+    names = view.instances(class_)
+    if not names:
+        return "There is none."
+    return f"There are {', '.join(names[:20])}{', …' if len(names) > 20 else ''}."

@@ -1,0 +1,193 @@
+"""What every planner of arm motions must do."""
+
+# ruff: noqa: D102 - the names of tests say what they claim
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from skiros_py.errors import SkirosError
+from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.robot.cell import ArmSpec, RobotSpec
+from skiros_py.robot.motion import (
+    ArmPlanner,
+    JointMove,
+    LineMove,
+    MotionPlan,
+    MotionRequest,
+    NoMotion,
+    Obstacle,
+    PoseMove,
+    Route,
+)
+from skiros_py.testing.conformance.cells import small_cell
+from skiros_py.testing.conformance.pending import check_pending
+
+__all__ = ["ArmPlannerContract"]
+
+
+class ArmPlannerContract:
+    """Claims about an :class:`~skiros_py.robot.motion.ArmPlanner`; one planner serves all tests of the class.
+
+    The robot's first arm must be able to move each joint by 0.2 rad from home, and its tip by 4 cm, in free space.
+
+    Class attributes:
+        period: Time between two set-points [s].
+        reach_tolerance: How well a tip's pose is reached [m].
+        turn_tolerance: How well its direction is reached [rad].
+        line_tolerance: How far a tip may leave its straight line [m].
+    """
+
+    period: ClassVar[float] = 1.0 / 200.0
+    reach_tolerance: ClassVar[float] = 0.002
+    turn_tolerance: ClassVar[float] = 0.01
+    line_tolerance: ClassVar[float] = 0.003
+
+    def make(self, robot: RobotSpec) -> ArmPlanner:
+        """Returns the planner for a robot; it is closed by its ``close``, where it has one."""
+        raise NotImplementedError("say how to make the planner: def make(self, robot): return MyPlanner(robot)")
+
+    def robot(self) -> RobotSpec:
+        """Returns the robot; override it for one of another kind."""
+        return small_cell(cameras=False).robots[0]
+
+    @pytest.fixture(scope="class")
+    @classmethod
+    def planner(cls) -> Iterator[ArmPlanner]:
+        """One planner for all tests: models take seconds to load."""
+        planner = cls().make(cls().robot())
+        yield planner
+        getattr(planner, "close", lambda: None)()
+
+    # ------------------------------------------------------------------ kinematics
+
+    def test_the_tip_is_somewhere_and_moves_with_the_joints(self, planner: ArmPlanner) -> None:
+        home, moved = self._tip(planner, self._arm.home), self._tip(planner, self._near)
+
+        assert all(map(math.isfinite, (*home.position, *home.orientation)))
+        assert home.distance(moved) > 0.001
+        assert self._tip(planner, self._arm.home) == home
+
+    def test_a_frame_or_an_arm_that_is_not_there_is_refused(self, planner: ArmPlanner) -> None:
+        with pytest.raises(SkirosError, match="nobodys_frame"):
+            planner.frame_pose(self._arm.id, self._arm.home, "nobodys_frame").result()
+        with pytest.raises(SkirosError, match="nobodys_arm"):
+            planner.plan(replace(self._request((JointMove(self._near),)), arm="nobodys_arm")).result()
+
+    # ------------------------------------------------------------------ motions
+
+    def test_a_joint_move_goes_from_rest_to_rest_between_its_ends(self, planner: ArmPlanner) -> None:
+        (leg,) = self._planned(planner, (JointMove(self._near),)).legs
+
+        assert leg.positions[0] == pytest.approx(self._arm.home, abs=1e-6)
+        assert leg.positions[-1] == pytest.approx(self._near, abs=1e-3)
+        assert leg.velocities[[0, -1]] == pytest.approx(np.zeros((2, len(self._near))), abs=1e-3)
+
+    def test_speeds_are_those_of_the_positions(self, planner: ArmPlanner) -> None:
+        (leg,) = self._planned(planner, (JointMove(self._near),)).legs
+        slopes = np.gradient(leg.positions, self.period, axis=0)
+
+        assert leg.positions.shape == leg.velocities.shape
+        assert np.abs(slopes - leg.velocities)[1:-1].max() <= 0.1 * max(1.0, np.abs(slopes).max())
+
+    def test_a_pose_move_brings_the_tip_to_the_pose_wherever_the_base_stands(self, planner: ArmPlanner) -> None:
+        base = Pose.of(2.0, -1.0, 0.0, yaw=2.0)
+        wanted = base @ self._tip(planner, self._near)
+        request = replace(self._request((PoseMove(wanted),)), base=base)
+
+        plan = self._done(planner, request)
+
+        self._assert_at(base @ self._tip(planner, plan.legs[-1].positions[-1]), wanted)
+
+    def test_a_line_move_keeps_the_tip_on_its_line_within_its_speed(self, planner: ArmPlanner) -> None:
+        start = self._tip(planner, self._arm.home)
+        wanted = Pose((*start.position[:2], start.position[2] - 0.04), start.orientation)
+        (leg,) = self._planned(planner, (LineMove(wanted, speed=0.05),)).legs
+
+        tips = [self._tip(planner, row).position for row in leg.positions[::10]]
+        steps = [math.dist(a, b) for a, b in pairwise(tips)]
+
+        assert max(math.dist(tip[:2], start.position[:2]) for tip in tips) <= self.line_tolerance
+        assert max(steps) <= 0.05 * 10 * self.period * 1.1
+        self._assert_at(self._tip(planner, leg.positions[-1]), wanted)
+
+    def test_each_move_of_a_route_has_a_leg_that_begins_where_the_last_one_ended(self, planner: ArmPlanner) -> None:
+        route = (JointMove(self._near), PoseMove(self._tip(planner, self._arm.home)), JointMove(self._near))
+
+        legs = self._planned(planner, route).legs
+
+        assert len(legs) == len(route)
+        for before, after in pairwise(legs):
+            assert after.positions[0] == pytest.approx(before.positions[-1], abs=1e-6)
+
+    def test_half_the_speed_takes_longer(self, planner: ArmPlanner) -> None:
+        request = self._request((JointMove(self._near),))
+
+        fast, slow = self._done(planner, request), self._done(planner, replace(request, speed=0.3))
+
+        assert len(slow.legs[0].positions) > len(fast.legs[0].positions)
+
+    def test_the_same_request_has_the_same_answer(self, planner: ArmPlanner) -> None:
+        request = self._request((PoseMove(self._tip(planner, self._near)),))
+
+        one, other = self._done(planner, request), self._done(planner, request)
+
+        assert np.array_equal(one.legs[0].positions, other.legs[0].positions)
+
+    # ------------------------------------------------------------------ what is not possible
+
+    def test_a_pose_out_of_reach_has_a_reason_instead_of_a_motion(self, planner: ArmPlanner) -> None:
+        answer = planner.plan(self._request((PoseMove(Pose((50.0, 0.0, 0.0))),))).result()
+
+        assert isinstance(answer, NoMotion)
+        assert answer.reason
+
+    def test_nothing_is_planned_into_an_obstacle(self, planner: ArmPlanner) -> None:
+        tip = self._tip(planner, self._near)
+        block = Obstacle("block", Solid.box(0.1, 0.1, 0.1), Pose(tip.position) @ Pose((0.0, 0.0, -0.05)))
+
+        answer = planner.plan(replace(self._request((JointMove(self._near),)), obstacles=(block,))).result()
+
+        assert isinstance(answer, NoMotion)
+
+    def test_of_several_routes_a_feasible_one_is_taken(self, planner: ArmPlanner) -> None:
+        request = self._request((PoseMove(Pose((50.0, 0.0, 0.0))),), (JointMove(self._near),))
+
+        assert self._done(planner, request).route == 1
+
+    # ------------------------------------------------------------------ requests
+
+    @property
+    def _arm(self) -> ArmSpec:
+        return self.robot().arms[0]
+
+    @property
+    def _near(self) -> tuple[float, ...]:
+        return tuple(angle + 0.2 for angle in self._arm.home)
+
+    def _request(self, *routes: Route) -> MotionRequest:
+        return MotionRequest(self._arm.id, self._arm.home, Pose(), routes)
+
+    def _planned(self, planner: ArmPlanner, route: Route) -> MotionPlan:
+        return self._done(planner, self._request(route))
+
+    def _done(self, planner: ArmPlanner, request: MotionRequest) -> MotionPlan:
+        answer = check_pending(planner.plan(request))
+        assert isinstance(answer, MotionPlan), answer
+        return answer
+
+    def _tip(self, planner: ArmPlanner, positions: tuple[float, ...] | Array) -> Pose:
+        angles = tuple(map(float, positions))
+        return planner.frame_pose(self._arm.id, angles, self._arm.tip).result()
+
+    def _assert_at(self, tip: Pose, wanted: Pose) -> None:
+        turn: Any = (tip.inverse() @ wanted).orientation
+        assert tip.distance(wanted) <= self.reach_tolerance
+        assert 2.0 * math.acos(min(1.0, abs(turn[3]))) <= self.turn_tolerance

@@ -1,0 +1,355 @@
+"""What every driver of a robot cell must do: simulated, pretended or real."""
+
+# ruff: noqa: D102 - the names of tests say what they claim
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import ClassVar, TypeVar
+
+import pytest
+
+from skiros_py.errors import DeviceError
+from skiros_py.robot.cell import ArmSpec, BaseSpec, CellSpec, GripperSpec
+from skiros_py.robot.driver import CellDriver
+from skiros_py.robot.values import ArmTarget, BaseState, BaseTwist, Commands, GripperTarget, Snapshot
+from skiros_py.testing.conformance.cells import small_cell
+from skiros_py.testing.conformance.pending import check_pending
+
+__all__ = ["CellDriverContract"]
+
+_NOTHING = Commands()
+
+
+class CellDriverContract:
+    """Claims about a :class:`~skiros_py.robot.driver.CellDriver`; every test gets a cell of its own.
+
+    The robot needs 0.5 m of free floor ahead and behind. Devices that a robot does not have are not tested.
+
+    Class attributes:
+        inertia: False for an adapter that does at once what it is told: limits of speed and acceleration do not concern
+            it.
+        pictures: False for an adapter whose cameras cannot be asked: it must refuse.
+        arm_tolerance: How well an arm keeps its set-points at rest [rad].
+        gap_tolerance: How well a gripper keeps a gap [m].
+        speed_tolerance: How well a base keeps a speed: share of its greatest speed.
+    """
+
+    inertia: ClassVar[bool] = True
+    pictures: ClassVar[bool] = True
+    arm_tolerance: ClassVar[float] = 0.01
+    gap_tolerance: ClassVar[float] = 0.003
+    speed_tolerance: ClassVar[float] = 0.1
+
+    def make(self, spec: CellSpec) -> CellDriver:
+        """Returns the adapter for a cell, at rest."""
+        raise NotImplementedError("say how to make the driver: def make(self, spec): return MyDriver(spec)")
+
+    def spec(self) -> CellSpec:
+        """Returns the cell; override it for a robot of another kind."""
+        return small_cell(cameras=self.pictures)
+
+    @pytest.fixture
+    def cell(self) -> Iterator[CellDriver]:
+        """A cell of its own for each test."""
+        driver = self.make(self.spec())
+        yield driver
+        driver.close()
+
+    # ------------------------------------------------------------------ time
+
+    def test_cycles_count_up_and_time_is_cycle_times_period(self, cell: CellDriver) -> None:
+        snapshots = [cell.read(), *(cell.exchange(_NOTHING) for _ in range(10))]
+
+        assert cell.period > 0.0
+        assert [after.cycle - before.cycle for before, after in pairwise(snapshots)] == [1] * 10
+        assert all(s.time == pytest.approx(s.cycle * cell.period, abs=1e-9) for s in snapshots)
+
+    def test_reading_gives_the_last_snapshot_and_takes_no_time(self, cell: CellDriver) -> None:
+        last = cell.exchange(_NOTHING)
+
+        assert [cell.read() for _ in range(3)] == [last] * 3
+
+    def test_a_snapshot_stays_as_it_was(self, cell: CellDriver) -> None:
+        first = cell.read()
+        arms, grippers, bases = dict(first.arms), dict(first.grippers), dict(first.bases)
+
+        for _ in range(20):
+            cell.exchange(self._moving(first))
+
+        assert (first.arms, first.grippers, first.bases) == (arms, grippers, bases)
+
+    # ------------------------------------------------------------------ devices
+
+    def test_every_device_answers_with_finite_numbers(self, cell: CellDriver) -> None:
+        spec = self.spec()
+        now = cell.exchange(_NOTHING)
+
+        assert set(now.arms) == {arm.id for arm in _arms(spec)}
+        assert set(now.grippers) == {gripper.id for gripper in _grippers(spec)}
+        assert set(now.bases) == {base.id for base in _bases(spec)}
+        assert all(len(now.arms[arm.id].positions) == len(arm.joints) for arm in _arms(spec))
+        assert all(len(now.arms[arm.id].velocities) == len(arm.joints) for arm in _arms(spec))
+        assert all(map(math.isfinite, _numbers(now)))
+
+    def test_everything_stands_at_the_start(self, cell: CellDriver) -> None:
+        now = _after(cell, 0.2)
+
+        assert all(state.still for state in (*now.arms.values(), *now.bases.values()))
+
+    @pytest.mark.parametrize("kind", ["arms", "grippers", "bases"])
+    def test_a_command_for_an_unknown_device_is_refused(self, cell: CellDriver, kind: str) -> None:
+        wanted = {"arms": ArmTarget((0.0,), (0.0,)), "grippers": GripperTarget(0.0, 1.0), "bases": BaseTwist(0.0, 0.0)}
+
+        with pytest.raises(DeviceError, match="nobodys_device"):
+            cell.exchange(Commands(**{kind: {"nobodys_device": wanted[kind]}}))  # type: ignore[arg-type]
+
+    def test_a_refused_command_takes_no_time_and_it_goes_on(self, cell: CellDriver) -> None:
+        before = cell.exchange(_NOTHING).cycle
+        with pytest.raises(DeviceError):
+            cell.exchange(Commands(bases={"nobodys_device": BaseTwist(0.0, 0.0)}))
+
+        assert cell.exchange(_NOTHING).cycle == before + 1
+
+    # ------------------------------------------------------------------ arms
+
+    def test_an_arm_follows_its_set_points(self, cell: CellDriver) -> None:
+        for arm in _each(_arms(self.spec())):
+            start = cell.read().arms[arm.id].positions
+            wanted = _set_point(start, 1.0).positions
+
+            self._swing(cell, arm.id, start, 1.0)
+            reached = _after(cell, 0.5).arms[arm.id].positions
+
+            assert reached == pytest.approx(wanted, abs=self.arm_tolerance)
+
+    def test_an_arm_without_a_command_holds(self, cell: CellDriver) -> None:
+        for arm in _each(_arms(self.spec())):
+            self._swing(cell, arm.id, cell.read().arms[arm.id].positions, 1.0)
+            before = _after(cell, 0.5).arms[arm.id]
+            after = _after(cell, 1.0).arms[arm.id]
+
+            assert after.still
+            assert after.positions == pytest.approx(before.positions, abs=self.arm_tolerance)
+
+    def test_an_arm_whose_commands_cease_in_motion_comes_to_a_standstill(self, cell: CellDriver) -> None:
+        for arm in _each(_arms(self.spec())):
+            self._swing(cell, arm.id, cell.read().arms[arm.id].positions, 0.5)
+            if self.inertia:
+                assert not cell.read().arms[arm.id].still, "it says that it stands in the middle of a motion"
+
+            assert _after(cell, cell.braking_time + cell.period).arms[arm.id].still
+
+    # ------------------------------------------------------------------ grippers
+
+    def test_a_gripper_keeps_its_target_until_it_gets_another(self, cell: CellDriver) -> None:
+        for gripper in _each(_grippers(self.spec())):
+            half = gripper.max_gap / 2.0
+
+            cell.exchange(Commands(grippers={gripper.id: GripperTarget(half, gripper.max_force / 2.0)}))
+            soon = _after(cell, 2.0).grippers[gripper.id]
+            later = _after(cell, 2.0).grippers[gripper.id]
+
+            assert soon.gap == pytest.approx(half, abs=self.gap_tolerance), "one command is enough"
+            assert later.gap == pytest.approx(half, abs=self.gap_tolerance), "nothing is let go by omission"
+            assert later.still
+
+    # ------------------------------------------------------------------ bases
+
+    def test_a_base_drives_ahead_and_turns_as_told(self, cell: CellDriver) -> None:
+        for base in _each(_bases(self.spec())):
+            start = cell.read().bases[base.id].pose
+            ahead = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 1.0)
+            stood = self._driven(cell, base, BaseTwist(0.0, 0.0), cell.braking_time)
+            turned = self._driven(cell, base, BaseTwist(0.0, base.max_angular / 4.0), 1.0)
+
+            assert ahead.linear == pytest.approx(base.max_linear / 4.0, abs=self.speed_tolerance * base.max_linear)
+            assert (start.inverse() @ ahead.pose).position[0] > 0.0
+            assert turned.angular == pytest.approx(base.max_angular / 4.0, abs=self.speed_tolerance * base.max_angular)
+            assert (stood.pose.inverse() @ turned.pose).yaw > 0.0
+
+    def test_a_base_without_a_command_brakes_and_stands(self, cell: CellDriver) -> None:
+        for base in _each(_bases(self.spec())):
+            self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
+
+            stopped = _after(cell, cell.braking_time + cell.period).bases[base.id]
+            later = _after(cell, 1.0).bases[base.id]
+
+            assert stopped.still
+            assert later.still
+            assert abs(later.linear) <= 0.01
+            assert later.pose.distance(stopped.pose) <= 0.02
+
+    def test_a_base_that_drives_is_not_still(self, cell: CellDriver) -> None:
+        for base in _each(_bases(self.spec())):
+            driving = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
+            stopped = _after(cell, cell.braking_time + cell.period).bases[base.id]
+            turning = self._driven(cell, base, BaseTwist(0.0, base.max_angular / 4.0), 0.5)
+
+            assert not driving.still
+            assert stopped.still
+            assert not turning.still
+
+    def test_a_base_keeps_its_limits_whatever_it_is_told(self, cell: CellDriver) -> None:
+        if not self.inertia:
+            pytest.skip("it has no inertia")
+        for base in _each(_bases(self.spec())):
+            far = BaseTwist(9.0 * base.max_linear, 0.0)
+            count = int(0.5 / cell.period)
+            speeds = [cell.read().bases[base.id].linear]
+            speeds += [cell.exchange(Commands(bases={base.id: far})).bases[base.id].linear for _ in range(count)]
+            steps = [abs(after - before) for before, after in pairwise(speeds)]
+
+            assert max(speeds) <= base.max_linear * (1.0 + self.speed_tolerance)
+            assert max(steps) <= base.max_linear_acceleration * cell.period * 1.5
+
+    # ------------------------------------------------------------------ halting
+
+    def test_halting_returns_at_once_in_any_thread(self, cell: CellDriver) -> None:
+        cell.exchange(self._moving(cell.read()))
+        began = time.monotonic()
+
+        _in_thread(cell.halt)
+
+        assert time.monotonic() - began < 0.5
+
+    def test_a_halted_cell_brakes_whatever_is_commanded(self, cell: CellDriver) -> None:
+        self._run(cell, 0.5)
+        _in_thread(cell.halt)
+        stopped = self._run(cell, cell.braking_time + cell.period)
+        later = self._run(cell, 0.5)
+
+        for now in (stopped, later):
+            assert all(state.still for state in (*now.arms.values(), *now.bases.values()))
+        assert all(later.bases[b].pose.distance(stopped.bases[b].pose) <= 0.02 for b in later.bases)
+
+    def test_a_released_cell_stands_until_it_is_told_to_move(self, cell: CellDriver) -> None:
+        self._run(cell, 0.5)
+        cell.halt()
+        _after(cell, cell.braking_time + cell.period)
+
+        cell.release()
+        waiting = _after(cell, 0.5)
+
+        assert all(state.still for state in (*waiting.arms.values(), *waiting.bases.values()))
+        for base in _bases(self.spec()):
+            driving = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
+            assert driving.linear > 0.0
+
+    def test_a_halted_gripper_keeps_what_it_has(self, cell: CellDriver) -> None:
+        for gripper in _each(_grippers(self.spec())):
+            cell.exchange(
+                Commands(grippers={gripper.id: GripperTarget(gripper.max_gap / 2.0, gripper.max_force / 2.0)})
+            )
+            before = _after(cell, 2.0).grippers[gripper.id]
+            cell.halt()
+            opened = Commands(grippers={gripper.id: GripperTarget(gripper.max_gap, gripper.max_force)})
+            for _ in range(int(1.0 / cell.period)):
+                cell.exchange(opened)
+
+            assert cell.read().grippers[gripper.id].gap == pytest.approx(before.gap, abs=self.gap_tolerance)
+
+    # ------------------------------------------------------------------ cameras, end
+
+    def test_a_picture_shows_the_cycle_in_which_it_was_asked_for(self, cell: CellDriver) -> None:
+        if not self.pictures:
+            pytest.skip("it takes no pictures")
+        for robot in self.spec().robots:
+            for camera in robot.cameras:
+                now = _after(cell, 0.1)
+                pending = cell.capture(camera.id)
+                _after(cell, 0.1)
+                picture = check_pending(pending)
+
+                assert pending.latency == pytest.approx(camera.latency, abs=1e-9)
+                assert picture.cycle == now.cycle
+                assert picture.depth.shape == (camera.height, camera.width)
+                assert picture.colour.shape == (camera.height, camera.width, 3)
+                assert picture.arms == {arm: state.positions for arm, state in now.arms.items()}
+                assert picture.bases == {base: state.pose for base, state in now.bases.items()}
+
+    def test_a_camera_that_is_not_there_is_refused(self, cell: CellDriver) -> None:
+        with pytest.raises(DeviceError, match="nobodys_camera"):
+            cell.capture("nobodys_camera")
+
+    def test_it_may_be_closed_twice(self, cell: CellDriver) -> None:
+        cell.close()
+        cell.close()
+
+    # ------------------------------------------------------------------ how the robot is moved
+
+    def _run(self, cell: CellDriver, seconds: float) -> Snapshot:
+        """Moves everything that can move: bases ahead, arms to and fro around where they are."""
+        start = cell.read()
+        for cycle in range(1, round(seconds / cell.period) + 1):
+            cell.exchange(self._moving(start, cycle * cell.period))
+        return cell.read()
+
+    def _moving(self, start: Snapshot, time: float = 0.0) -> Commands:
+        bases = {base.id: BaseTwist(base.max_linear / 4.0, 0.0) for base in _bases(self.spec())}
+        arms = {arm: _set_point(state.positions, time / _SWING) for arm, state in start.arms.items()}
+        return Commands(arms=arms, bases=bases)
+
+    def _swing(self, cell: CellDriver, arm: str, start: tuple[float, ...], share: float) -> None:
+        """Moves an arm from rest to rest by a little, or only for a share of that motion."""
+        for cycle in range(1, round(share * _SWING / cell.period) + 1):
+            cell.exchange(Commands(arms={arm: _set_point(start, cycle * cell.period / _SWING)}))
+
+    def _driven(self, cell: CellDriver, base: BaseSpec, twist: BaseTwist, seconds: float) -> BaseState:
+        for _ in range(round(seconds / cell.period)):
+            cell.exchange(Commands(bases={base.id: twist}))
+        return cell.read().bases[base.id]
+
+
+_SWING = 1.0
+"""Time of an arm's test motion [s]."""
+_REACH = 0.1
+"""How far each joint moves in it [rad]."""
+T = TypeVar("T")
+
+
+def _each(devices: tuple[T, ...]) -> tuple[T, ...]:
+    return devices or pytest.skip("the robot has no such device")
+
+
+def _set_point(start: tuple[float, ...], share: float) -> ArmTarget:
+    """A motion from rest to rest along a half wave; to and fro where the share is above 1."""
+    way, speed = (1.0 - math.cos(math.pi * share)) / 2.0, math.pi * math.sin(math.pi * share) / 2.0 / _SWING
+    count = len(start)
+    return ArmTarget(tuple(angle + _REACH * way for angle in start), (_REACH * speed,) * count)
+
+
+def _after(cell: CellDriver, seconds: float) -> Snapshot:
+    """Lets so much time pass without a command."""
+    for _ in range(math.ceil(seconds / cell.period - 1e-6)):
+        cell.exchange(_NOTHING)
+    return cell.read()
+
+
+def _in_thread(call: Callable[[], None]) -> None:
+    thread = threading.Thread(target=call)
+    thread.start()
+    thread.join(timeout=10.0)
+
+
+def _numbers(now: Snapshot) -> list[float]:
+    arms = [number for arm in now.arms.values() for number in (*arm.positions, *arm.velocities)]
+    grippers = [number for gripper in now.grippers.values() for number in (gripper.gap, gripper.force)]
+    poses = [n for base in now.bases.values() for n in (*base.pose.position, *base.pose.orientation)]
+    return [*arms, *grippers, *poses, *(n for base in now.bases.values() for n in (base.linear, base.angular))]
+
+
+def _arms(spec: CellSpec) -> tuple[ArmSpec, ...]:
+    return tuple(arm for robot in spec.robots for arm in robot.arms)
+
+
+def _grippers(spec: CellSpec) -> tuple[GripperSpec, ...]:
+    return tuple(gripper for robot in spec.robots for gripper in robot.grippers)
+
+
+def _bases(spec: CellSpec) -> tuple[BaseSpec, ...]:
+    return tuple(robot.base for robot in spec.robots)

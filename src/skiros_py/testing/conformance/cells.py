@@ -1,0 +1,31 @@
+"""A cell for contracts: one robot on a free floor."""
+
+from __future__ import annotations
+
+import math
+
+from skiros_py.geometry import Pose
+from skiros_py.robot.cell import ArmSpec, BaseSpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
+
+__all__ = ["small_cell"]
+
+_HOME = (-1.5708, -0.6, 0.0, -2.4, 0.0, 1.9, 0.7854)
+_FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
+
+
+def small_cell(*, cameras: bool = True) -> CellSpec:
+    """Returns a cell with nothing but one mobile manipulator of the model that comes with the simulation.
+
+    Args:
+        cameras: False for a robot without a camera.
+    """
+    eye = CameraSpec("camera", "camera_optical", 160, 120, math.radians(56.0), 0.05, 2.0, 0.001, 0.1)
+    robot = RobotSpec(
+        "robot",
+        "mobile_panda",
+        BaseSpec("base", Pose(), 0.8, 1.2, 0.8, 1.6, _FOOTPRINT),
+        (ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", _HOME),),
+        (GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),),
+        (eye,) if cameras else (),
+    )
+    return CellSpec((), (robot,))

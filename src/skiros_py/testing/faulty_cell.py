@@ -1,0 +1,141 @@
+"""A cell that breaks as told: a driver around any other driver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from skiros_py.errors import DeviceError, UnknownName
+from skiros_py.robot.driver import CellDriver
+from skiros_py.robot.pending import Pending
+from skiros_py.robot.values import Commands, DepthImage, Snapshot
+from skiros_py.testing.cell_faults import Blind, CellFault, Dies, Late, Noisy, heard, said
+
+__all__ = ["FaultyCell"]
+
+
+class FaultyCell:
+    """A :class:`skiros_py.robot.driver.CellDriver` that passes everything on, but for its faults.
+
+    >>> cell = FaultyCell(FakeCell(spec), Deaf("base_1", after=2.0), Dies(after=10.0))
+
+    Args:
+        driver: The cell.
+        *faults: What goes wrong, and when; applied in this order.
+
+    Raises:
+        UnknownName: A fault is for a device that the cell does not have.
+    """
+
+    def __init__(self, driver: CellDriver, *faults: CellFault) -> None:
+        self._driver = driver
+        self._faults = [_Fault(fault) for fault in faults]
+        start = driver.read()
+        known = [*start.arms, *start.grippers, *start.bases]
+        for fault in faults:
+            if not isinstance(fault, Dies | Blind | Late) and fault.device not in known:
+                raise UnknownName("device", fault.device, known, where=f"in {fault}")
+        self._snapshot = self._reported(start)
+
+    @property
+    def period(self) -> float:
+        """Length of one control cycle [s]."""
+        return self._driver.period
+
+    @property
+    def kind(self) -> str:
+        """Name of the adapter inside."""
+        return self._driver.kind
+
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill [s]."""
+        return self._driver.braking_time
+
+    def read(self) -> Snapshot:
+        """Returns the present state, as reported, without advancing time."""
+        return self._snapshot
+
+    def exchange(self, commands: Commands) -> Snapshot:
+        """Applies the commands that are heard for one period, and returns what is reported at its end.
+
+        Raises:
+            DeviceError: The cell is dead, or a device inside broke.
+        """
+        for fault in self._active():
+            if isinstance(fault, Dies):
+                raise DeviceError(f"{fault.device} does not answer")
+            commands = heard(fault, commands)
+        self._snapshot = self._reported(self._driver.exchange(commands))
+        return self._snapshot
+
+    def halt(self) -> None:
+        """Brakes everything."""
+        self._driver.halt()
+
+    def release(self) -> None:
+        """Obeys commands again."""
+        self._driver.release()
+
+    def capture(self, camera: str) -> Pending[DepthImage]:
+        """Takes a picture now.
+
+        Raises:
+            DeviceError: The camera does not answer.
+        """
+        active = [fault for fault in self._active() if isinstance(fault, Blind | Late) and fault.device == camera]
+        if any(isinstance(fault, Blind) for fault in active):
+            raise DeviceError(f"camera '{camera}' does not answer")
+        picture = self._driver.capture(camera)
+        late = sum(fault.seconds for fault in active if isinstance(fault, Late))
+        return _Delayed(picture, late) if late else picture
+
+    def close(self) -> None:
+        """Brings the cell inside down."""
+        self._driver.close()
+
+    def _active(self) -> Iterable[CellFault]:
+        return [fault.fault for fault in self._faults if fault.active(self._snapshot.time)]
+
+    def _reported(self, snapshot: Snapshot) -> Snapshot:
+        for fault in self._faults:
+            snapshot = fault.reported(snapshot)
+        return snapshot
+
+
+class _Fault:
+    """One fault in one cell: what it must remember."""
+
+    def __init__(self, fault: CellFault) -> None:
+        self.fault = fault
+        self._onset: Snapshot | None = None
+        self._rng = np.random.default_rng(fault.seed if isinstance(fault, Noisy) else 0)
+
+    def active(self, time: float) -> bool:
+        return self.fault.after <= time < self.fault.after + self.fault.for_
+
+    def reported(self, snapshot: Snapshot) -> Snapshot:
+        if not self.active(snapshot.time):
+            self._onset = None
+            return snapshot
+        self._onset = self._onset or snapshot
+        return said(self.fault, snapshot, self._onset, self._rng)
+
+
+class _Delayed(Pending[DepthImage]):
+    """A picture that takes longer."""
+
+    def __init__(self, picture: Pending[DepthImage], seconds: float) -> None:
+        self._picture = picture
+        self._latency = picture.latency + seconds
+
+    @property
+    def latency(self) -> float:
+        return self._latency
+
+    def done(self) -> bool:
+        return self._picture.done()
+
+    def result(self) -> DepthImage:
+        return self._picture.result()

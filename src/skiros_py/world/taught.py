@@ -1,0 +1,60 @@
+"""What robots were taught about classes of things: values that count before those that the class itself gives.
+
+A taught pose is an element of the learned concepts (or of an ontology) that bears the value and says by ``sk:appliesTo``
+for which class. So teaching changes no element and no class, outlives the scene, and can be forgotten.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from skiros_py.world.element import Element, Value
+from skiros_py.world.vocabulary import (
+    APPLIES_TO,
+    DRIVING_POSE,
+    GRASP_POSE,
+    GRASP_WIDTH,
+    PLACING_POSE,
+    TAUGHT_POSE,
+)
+
+if TYPE_CHECKING:
+    from skiros_py.world.view import WorldView
+
+__all__ = ["TEACHABLE", "class_value", "lessons"]
+
+TEACHABLE = frozenset({DRIVING_POSE, GRASP_POSE, GRASP_WIDTH, PLACING_POSE})
+"""Properties whose values can be taught."""
+
+
+def class_value(view: WorldView, class_: str, property_: str) -> Value | None:
+    """Returns what things of a class have where they have no value of their own: as taught, else as the class gives it.
+
+    What was taught for the most specific class counts, of several the last.
+
+    Raises:
+        UnknownName: It is not a class.
+    """
+    taught = _taught(view, class_, property_) if property_ in TEACHABLE else None
+    return view.ontology.class_value(class_, property_) if taught is None else taught
+
+
+def lessons(view: WorldView) -> tuple[Element, ...]:
+    """Returns everything that was taught about classes, in the order in which it was taught."""
+    if TAUGHT_POSE not in view.ontology.classes:
+        return ()
+    return tuple(view.element(name) for name in sorted(view.abstracts(TAUGHT_POSE), key=_age))
+
+
+def _taught(view: WorldView, class_: str, property_: str) -> Value | None:
+    about: dict[str, Value] = {}
+    for lesson in lessons(view):
+        properties = lesson.properties
+        if property_ in properties and APPLIES_TO in properties:
+            about[str(properties[APPLIES_TO])] = properties[property_]
+    return next((about[above] for above in view.ontology.ancestors(class_) if above in about), None)
+
+
+def _age(element: str) -> tuple[int, str]:
+    """Ids of one class are numbered and never used again: the greatest number is the last ("…_10" after "…_9")."""
+    return len(element), element

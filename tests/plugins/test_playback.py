@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_primitives.playback import Playback
+from skiros_py.execution.clock import RunClock
+from skiros_py.robot.motion import Trajectory
+from skiros_py.robot.values import ArmTarget
+
+PERIOD = 0.005
+TIMES = np.linspace(0.0, 1.0, 201)
+SWING = Trajectory(
+    np.column_stack([1.0 - np.cos(np.pi * TIMES), TIMES]), np.column_stack([np.pi * np.sin(np.pi * TIMES), TIMES**0])
+)
+
+
+def played(clock: RunClock, cycles: int, *, pause: int = -1, resume: int = -1, first: int = 0) -> list[ArmTarget]:
+    """The targets of so many cycles; the clock is paused and resumed at given ones."""
+    targets: list[ArmTarget] = []
+    playback: Playback | None = None
+    for cycle in range(cycles):
+        if cycle == pause:
+            clock.slow_down()
+        if cycle == resume:
+            clock.speed_up()
+        clock.advance((first + cycle) * PERIOD)
+        if clock.stands:
+            continue
+        playback = playback or Playback(SWING, PERIOD, clock.now)
+        if not playback.ended:
+            targets.append(playback.target(clock.now))
+    return targets
+
+
+@given(st.integers(0, 10**6))
+def test_on_a_clock_that_runs_on_time_each_sample_is_given_out_exactly_once(first: int) -> None:
+    targets = played(RunClock(first * PERIOD), 300, first=first)
+
+    assert [t.positions for t in targets] == [tuple(row) for row in SWING.positions[1:].tolist()]
+    assert [t.velocities for t in targets] == [tuple(row) for row in SWING.velocities[1:].tolist()]
+
+
+@given(st.integers(1, 199), st.integers(70, 400))
+def test_a_pause_leaves_the_path_as_it_is_and_ends_at_its_end(pause: int, length: int) -> None:
+    targets = played(RunClock(), 1000, pause=pause, resume=pause + length)
+
+    done = np.array([t.positions for t in targets])
+    assert done[-1] == pytest.approx(SWING.positions[-1])
+    assert (np.diff(done[:, 1]) >= 0.0).all()
+    assert np.abs(done[:, 0] - (1.0 - np.cos(np.pi * done[:, 1]))).max() < 1e-4
+
+
+@given(st.integers(1, 130))
+def test_a_pause_brakes_without_a_jump_and_ends_with_hardly_any_speed(pause: int) -> None:
+    targets = played(RunClock(), pause + 100, pause=pause)
+
+    steps = np.diff([t.positions[1] for t in targets]) / PERIOD
+    speeds = np.array([t.velocities[1] for t in targets])
+    assert np.abs(np.diff(steps)).max() < 0.05
+    assert speeds[-1] < 0.05
+    assert np.abs(steps - speeds[1:]).max() < 0.05
+
+
+def test_a_motion_without_length_has_no_targets() -> None:
+    assert Playback(Trajectory(SWING.positions[:1], SWING.velocities[:1] * 0.0), PERIOD, 3.0).ended

@@ -1,0 +1,172 @@
+"""However modules ask for devices and give them back: no device has two owners, nobody starves, nothing stays taken."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+
+from skiros_py.errors import DescriptionError, UsageError
+from skiros_py.execution.claims import Claim, Claims
+
+DEVICES = ["arm", "base", "camera", "gripper"]
+
+
+def test_a_module_takes_all_its_devices_or_none() -> None:
+    claims = Claims()
+    claims.request("wave", ["arm"])
+    pick = claims.request("pick", ["arm", "gripper"])
+
+    assert not pick.granted
+    assert claims.request("open", ["camera"]).granted
+    assert pick.waits_for() == ("arm (wave)",)
+
+
+def test_who_asks_later_does_not_overtake_who_waits_for_the_same() -> None:
+    claims = Claims()
+    wave = claims.request("wave", ["arm"])
+    pick = claims.request("pick", ["arm", "gripper"])
+    open_ = claims.request("open", ["gripper"])
+
+    assert not open_.granted, "the gripper is free, but somebody older waits for it"
+    wave.release()
+    assert (pick.granted, open_.granted) == (True, False)
+    pick.release()
+    assert open_.granted
+
+
+def test_a_claim_is_given_back_at_the_end_of_its_block_whatever_happens() -> None:
+    claims = Claims()
+    with pytest.raises(ZeroDivisionError), claims.request("pick", ["arm"]):
+        raise ZeroDivisionError
+
+    assert claims.request("wave", ["arm"]).granted
+
+
+def test_who_gives_up_waiting_is_passed_over() -> None:
+    claims = Claims()
+    wave = claims.request("wave", ["arm"])
+    claims.request("pick", ["arm"]).release()
+    place = claims.request("place", ["arm"])
+
+    wave.release()
+
+    assert place.granted
+
+
+def test_a_module_without_devices_never_waits() -> None:
+    claims = Claims()
+    claims.request("pick", DEVICES)
+
+    assert claims.request("think", []).granted
+
+
+def test_the_parts_of_a_skill_share_out_what_it_has() -> None:
+    claims = Claims()
+    pick = claims.request("pick", ["arm", "gripper"])
+    move = claims.request("move", ["arm"], within=pick)
+    grip = claims.request("grip", ["gripper"], within=pick)
+    wave = claims.request("wave", ["arm"], within=pick)
+
+    assert (move.granted, grip.granted, wave.granted) == (True, True, False)
+    move.release()
+    assert wave.granted
+
+
+def test_a_device_that_the_skill_has_not_declared_is_refused_with_what_to_declare() -> None:
+    claims = Claims()
+    pick = claims.request("pick", ["arm"])
+
+    with pytest.raises(
+        DescriptionError, match=r"grip needs gripper, but pick has arm: .* a hardware parameter of pick"
+    ):
+        claims.request("grip", ["arm", "gripper"], within=pick)
+
+
+def test_a_skill_that_waits_or_has_ended_has_nothing_to_share_out() -> None:
+    claims = Claims()
+    wave = claims.request("wave", ["arm"])
+    pick = claims.request("pick", ["arm"])
+
+    with pytest.raises(UsageError, match=r"move: pick itself has to wait for arm \(wave\)"):
+        claims.request("move", ["arm"], within=pick)
+    wave.release()
+    with pytest.raises(UsageError, match="move: wave itself has given its devices back"):
+        claims.request("move", ["arm"], within=wave)
+
+
+def test_what_ends_takes_its_parts_with_it() -> None:
+    claims = Claims()
+    pick = claims.request("pick", ["arm"])
+    move, wave = (claims.request(name, ["arm"], within=pick) for name in ("move", "wave"))
+
+    pick.release()
+
+    assert (move.released, wave.released) == (True, True)
+    assert (move.granted, wave.granted) == (False, False)
+
+
+class ClaimsMachine(RuleBasedStateMachine):
+    """Modules of modules ask and end in any order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.claims = Claims()
+        self.alive: list[Claim] = []  # by age
+        self.names = iter(range(10**6))
+
+    @rule(devices=st.sets(st.sampled_from(DEVICES)))
+    def request(self, devices: set[str]) -> None:
+        self.alive.append(self.claims.request(f"module {next(self.names)}", devices))
+
+    @precondition(lambda self: any(claim.granted for claim in self.alive))
+    @rule(data=st.data())
+    def request_within(self, data: st.DataObject) -> None:
+        parent = data.draw(st.sampled_from([claim for claim in self.alive if claim.granted]))
+        devices = {device for device in sorted(parent.devices) if data.draw(st.booleans())}
+        self.alive.append(self.claims.request(f"part {next(self.names)}", devices, within=parent))
+
+    @precondition(lambda self: self.alive)
+    @rule(data=st.data())
+    def release(self, data: st.DataObject) -> None:
+        data.draw(st.sampled_from(self.alive)).release()
+        self.alive = [claim for claim in self.alive if not claim.released]
+
+    def levels(self) -> list[list[Claim]]:
+        parents = {id(claim.parent): claim.parent for claim in self.alive}
+        return [[claim for claim in self.alive if claim.parent is parent] for parent in parents.values()]
+
+    @invariant()
+    def no_device_has_two_owners_at_one_level(self) -> None:
+        for level in self.levels():
+            taken = [device for claim in level if claim.granted for device in claim.devices]
+            assert len(taken) == len(set(taken))
+
+    @invariant()
+    def a_claim_is_granted_exactly_when_no_older_one_of_its_level_wants_one_of_its_devices(self) -> None:
+        for level in self.levels():
+            for age, claim in enumerate(level):
+                assert claim.granted == all(claim.devices.isdisjoint(older.devices) for older in level[:age])
+                assert claim.granted != bool(claim.waits_for())
+
+    @invariant()
+    def whoever_waits_waits_for_somebody_who_has_and_does_not_wait(self) -> None:
+        for level in self.levels():
+            assert any(claim.granted for claim in level)
+
+    @invariant()
+    def parts_have_only_what_their_module_has(self) -> None:
+        for claim in self.alive:
+            if claim.parent is not None:
+                assert claim.parent.granted
+                assert claim.devices <= claim.parent.devices
+
+    def teardown(self) -> None:
+        for claim in self.alive:
+            claim.release()
+        assert self.claims.request("last", DEVICES).granted
+
+
+TestClaimsMachine = ClaimsMachine.TestCase
+TestClaimsMachine.settings = settings(max_examples=100, stateful_step_count=30, deadline=None)

@@ -1,0 +1,313 @@
+"""Code that holds the control cycle is named and interrupted, and everything brakes: real threads, real hogs."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from skiros_py.errors import ModuleError, UsageError
+from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.pulse import CycleOverrun, Overrun, Pulse, Watched
+from skiros_py.execution.watchdog import Watchdog
+from skiros_py.robot.devices import Base, DeviceBoard
+from skiros_py.robot.values import BaseTwist
+from skiros_py.simulation.fake.cell import FakeCell
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.testing import tiny_world
+
+SPEC = read_cell(tiny_world(), ["robot_1"])
+LIMIT = 0.1
+AGES = 20.0
+
+
+@pytest.fixture
+def cycle() -> ControlCycle:
+    return ControlCycle(DeviceBoard(FakeCell(SPEC)))
+
+
+@pytest.fixture
+def watchdog(cycle: ControlCycle) -> Iterator[Watchdog]:
+    with Watchdog(cycle, LIMIT, again=0.1, patience=0.3) as watchdog:
+        yield watchdog
+
+
+def hog() -> None:
+    while True:
+        pass
+
+
+def sleep_in_c() -> None:
+    time.sleep(3 * LIMIT)
+
+
+def after_one_tick(action: Callable[[], None]) -> Iterator[None]:
+    yield
+    action()
+    yield
+
+
+def idle(log: list[str]) -> Iterator[None]:
+    while True:
+        log.append("tick")
+        yield
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + AGES
+    while not condition():
+        assert time.monotonic() < end, "nothing happened for ages"
+        time.sleep(0.005)
+
+
+@pytest.mark.parametrize("action", [hog, sleep_in_c])
+def test_a_tick_that_takes_too_long_is_interrupted_and_everything_is_halted(
+    cycle: ControlCycle, watchdog: Watchdog, action: Callable[[], None]
+) -> None:
+    told: list[Overrun] = []
+    watchdog.on_overrun(told.append)
+    task, other = cycle.start(after_one_tick(action), "sluggish"), cycle.start(idle([]))
+    cycle.step()
+    cycle.step()
+
+    assert isinstance(task.fault, CycleOverrun)
+    assert other.done
+    assert cycle.halted.startswith("sluggish held the control cycle for 0.")
+    with pytest.raises(ModuleError, match=f"(?s)sluggish held the control cycle.*in {action.__name__}"):
+        _ = task.result
+    wait_for(lambda: bool(told))
+    assert [overrun.task for overrun in told] == [task]
+    cycle.reset()
+    cycle.run(cycle.start(after_one_tick(lambda: None)))
+
+
+class CloseFingers(Primitive[None]):
+    """A primitive that forgets to yield."""
+
+    name = "close_fingers"
+
+    def execute(self) -> Execution[Outcome]:
+        yield from ()
+        while True:
+            hog()
+
+
+def test_the_innermost_primitive_is_named(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    cycle.start(CloseFingers(None, None).execute(), "pick")  # type: ignore[arg-type]  # it reaches for nothing
+    cycle.step()
+
+    assert cycle.halted.startswith("close_fingers (of pick) held the control cycle")
+
+
+def test_nothing_moves_while_a_tick_takes_too_long() -> None:
+    cell = FakeCell(SPEC)
+    cycle = ControlCycle(DeviceBoard(cell))
+
+    def drives_then_hangs() -> Iterator[None]:
+        Base(cycle.board, "base_1").command(BaseTwist(0.5, 0.0))
+        yield
+        wait_for(lambda: bool(cycle.halted))
+        Base(cycle.board, "base_1").command(BaseTwist(0.5, 0.0))
+        yield
+
+    with Watchdog(cycle, LIMIT):
+        cycle.start(drives_then_hangs())
+        cycle.step()
+        cycle.step()
+        assert not cycle.board.still
+        cycle.step()
+
+    assert cycle.board.still
+
+
+def test_no_except_exception_of_the_author_swallows_it(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def careful() -> None:
+        while True:
+            with contextlib.suppress(Exception):
+                hog()
+
+    task = cycle.start(after_one_tick(careful))
+    cycle.step()
+    cycle.step()
+
+    assert isinstance(task.fault, CycleOverrun)
+
+
+def test_who_swallows_everything_but_comes_back_ends_with_the_fault(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def stubborn() -> None:
+        with contextlib.suppress(BaseException):
+            hog()
+
+    task = cycle.start(after_one_tick(stubborn))
+    cycle.step()
+    cycle.step()
+
+    assert isinstance(task.fault, CycleOverrun)
+    assert task.fault.overrun is not None
+
+
+def test_code_that_does_not_come_back_is_lost_and_other_threads_go_on(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    lost: list[Watched] = []
+    released = threading.Event()
+    watchdog.on_lost(lost.append)
+
+    def never_gives_up() -> None:
+        while not released.is_set():
+            with contextlib.suppress(BaseException):
+                hog()
+
+    task = cycle.start(after_one_tick(never_gives_up))
+    cycle.step()
+    control = threading.Thread(target=cycle.step)
+    control.start()
+    wait_for(lambda: bool(lost))
+    time.sleep(0.3)
+    released.set()
+    control.join(AGES)
+
+    assert not control.is_alive()
+    assert lost == [task], "told once"
+    assert isinstance(task.fault, CycleOverrun)
+    with pytest.raises(UsageError, match="reset the robots first"):
+        cycle.start(idle([]))
+
+
+def test_a_stuck_call_into_c_is_lost_and_its_task_ends_when_it_comes_back(
+    cycle: ControlCycle, watchdog: Watchdog
+) -> None:
+    lost: list[Watched] = []
+    watchdog.on_lost(lost.append)
+    task = cycle.start(after_one_tick(lambda: time.sleep(1.0)))
+    cycle.step()
+    cycle.step()
+
+    assert lost == [task]
+    assert isinstance(task.fault, CycleOverrun)
+
+
+def test_clean_up_that_never_ends_is_interrupted_under_its_own_name(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def hangs_at_the_end() -> Iterator[None]:
+        try:
+            yield
+        finally:
+            hog()
+
+    log: list[str] = []
+    task = cycle.start(hangs_at_the_end(), "messy")
+    cycle.start(after_one_tick(task.stop), "stopper")
+    cycle.start(idle(log))
+    cycle.step()
+    cycle.step()
+
+    assert isinstance(task.fault, CycleOverrun)
+    assert cycle.halted.startswith("messy held")
+    assert log, "who comes after is not hit"
+
+
+def test_clean_up_that_never_ends_is_interrupted_between_two_cycles_too(
+    cycle: ControlCycle, watchdog: Watchdog
+) -> None:
+    def hangs_at_the_end() -> Iterator[None]:
+        try:
+            yield
+        finally:
+            hog()
+
+    task = cycle.start(hangs_at_the_end())
+    cycle.step()
+    task.stop()
+
+    assert isinstance(task.fault, CycleOverrun)
+
+
+def test_waiting_for_a_worker_is_no_overrun(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def waits() -> None:
+        with cycle.pulse.waiting():
+            time.sleep(5 * LIMIT)
+
+    task = cycle.start(after_one_tick(waits))
+    cycle.step()
+    cycle.step()
+
+    assert task.fault is None
+    assert not cycle.halted
+
+
+def test_a_cycle_that_nobody_steps_is_no_overrun(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    cycle.start(idle([]))
+    cycle.step()
+    time.sleep(3 * LIMIT)
+    cycle.step()
+
+    assert not cycle.halted
+
+
+@pytest.mark.parametrize(("pace", "limit"), [(None, 5.0), (1.0, 0.1), (10.0, 0.1), (0.5, 0.2)])
+def test_the_limit_is_20_periods_of_wall_time_or_5_s_in_lockstep(pace: float | None, limit: float) -> None:
+    cycle = ControlCycle(DeviceBoard(FakeCell(SPEC)), pace)
+
+    assert Watchdog(cycle).limit == pytest.approx(limit)
+
+
+def test_the_watchdogs_thread_has_a_name_and_ends(cycle: ControlCycle) -> None:
+    def names() -> list[str]:
+        return [thread.name for thread in threading.enumerate()]
+
+    with Watchdog(cycle):
+        assert "skiros-watchdog" in names()
+    assert "skiros-watchdog" not in names()
+
+
+class Tick:
+    """A task as the pulse sees it."""
+
+    def __init__(self) -> None:
+        self.name = "tick"
+        self.done = False
+        self.faults: list[BaseException] = []
+
+    def fail(self, fault: BaseException) -> None:
+        self.done = True
+        self.faults.append(fault)
+
+
+def test_however_late_an_interruption_comes_it_never_hits_what_comes_after() -> None:
+    """Ticks of about no length, struck at any moment: the exception arrives inside the tick or is taken back."""
+    pulse, ended = Pulse(), threading.Event()
+
+    def strike() -> None:
+        while not ended.is_set():
+            task, beat = pulse.task, pulse.beat
+            if task is not None:
+                pulse.strike(Overrun(task, beat, 1.0, 0.1, "tick", ""))
+
+    pulse.begin_cycle()
+    striker = threading.Thread(target=strike)
+    striker.start()
+    ticks = [Tick() for _ in range(20_000)]
+    coming = iter(ticks)
+    while True:
+        try:
+            for tick in coming:
+                pulse.task = tick
+                if pulse.overrun is not None:
+                    pulse.settle()
+                sum(range(50))
+            pulse.task = None
+            if pulse.overrun is not None:
+                pulse.settle()
+            break
+        except CycleOverrun:
+            continue
+    for _ in range(1000):  # here an interruption would end the test
+        sum(range(50))
+    ended.set()
+    striker.join()
+
+    assert pulse.overrun is None
+    assert all(len(tick.faults) <= 1 for tick in ticks)

@@ -1,0 +1,79 @@
+"""A halted cell brakes whatever is commanded, from any thread, and obeys again when it is released."""
+
+import threading
+
+import pytest
+
+from skiros_py.robot.values import ArmTarget, BaseTwist, Commands, GripperTarget
+from skiros_py.simulation.fake import FakeCell
+
+FULL = BaseTwist(-0.8, 0.0)  # backwards: ahead stands the table
+
+
+@pytest.fixture(params=["fake", "pybullet"])
+def cell(request, make_cell, kitting):
+    spec = kitting.cell_spec()
+    return FakeCell(spec) if request.param == "fake" else make_cell(spec)
+
+
+def _swing(kitting, cell, cycle):
+    """Turns the first joint with 2 rad/s."""
+    angle = kitting.HOME[0] + 2.0 * cycle * cell.period
+    return ArmTarget((angle, *kitting.HOME[1:]), (2.0, *(0.0,) * 6))
+
+
+def _at_speed(kitting, cell):
+    """Drives and swings until both go fast; returns the commands that would go on with it."""
+    for cycle in range(1, 221):
+        arm = _swing(kitting, cell, max(0, cycle - 180))
+        cell.exchange(
+            Commands({"arm": arm if cycle > 180 else ArmTarget(kitting.HOME, (0.0,) * 7)}, {}, {"base": FULL})
+        )
+    return Commands({"arm": _swing(kitting, cell, 41)}, {}, {"base": FULL})
+
+
+def test_a_halted_cell_stands_within_its_braking_time_whatever_is_commanded(cell, kitting):
+    commands = _at_speed(kitting, cell)
+    assert not cell.read().bases["base"].still
+    assert not cell.read().arms["arm"].still
+
+    threading.Thread(target=cell.halt).start()
+    end = cell.read().time + cell.braking_time
+    while cell.read().time < end:
+        cell.exchange(commands)
+
+    assert cell.read().bases["base"].still
+    assert cell.read().arms["arm"].still
+
+
+def test_without_commands_it_stands_within_its_braking_time_too(cell, kitting):
+    _at_speed(kitting, cell)
+
+    end = cell.read().time + cell.braking_time
+    while cell.read().time < end:
+        cell.exchange(Commands())
+
+    assert cell.read().bases["base"].still
+    assert cell.read().arms["arm"].still
+
+
+def test_a_released_cell_stands_until_it_is_commanded_and_then_obeys(cell, kitting):
+    cell.halt()
+    cell.exchange(Commands(bases={"base": FULL}))
+    cell.release()
+    for _ in range(20):
+        cell.exchange(Commands())
+    assert cell.read().bases["base"].still
+
+    for _ in range(20):
+        cell.exchange(Commands(bases={"base": FULL}))
+    assert cell.read().bases["base"].linear < -0.05
+
+
+def test_a_halted_gripper_keeps_its_grip(cell):
+    cell.exchange(Commands(grippers={"gripper": GripperTarget(0.02, 30.0)}))
+    cell.halt()
+    for _ in range(200):
+        cell.exchange(Commands(grippers={"gripper": GripperTarget(0.08, 30.0)}))
+
+    assert cell.read().grippers["gripper"].gap == pytest.approx(0.02, abs=1e-3)

@@ -1,0 +1,66 @@
+"""The adapters that come with the platform keep the contracts that everybody's must keep."""
+
+from __future__ import annotations
+
+import pytest
+
+from skiros_py.motion.arm_planner import WorkerArmPlanner
+from skiros_py.motion.base_paths import ShapelyBasePlanner
+from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.planning.planner import Planner
+from skiros_py.robot.cell import CellSpec, RobotSpec
+from skiros_py.robot.driver import CellDriver
+from skiros_py.robot.motion import ArmPlanner, BasePlanner
+from skiros_py.robot.pending import Done, Pending
+from skiros_py.simulation.fake import FakeCell
+from skiros_py.simulation.pybullet import PyBulletCell
+from skiros_py.testing import FaultyCell
+from skiros_py.testing.conformance import (
+    ArmPlannerContract,
+    BasePlannerContract,
+    CellDriverContract,
+    PendingContract,
+    PlannerContract,
+)
+
+
+class TestFakeCell(CellDriverContract):
+    inertia = False
+    pictures = False
+
+    def make(self, spec: CellSpec) -> CellDriver:
+        return FakeCell(spec)
+
+
+class TestFaultyCellWithoutFaults(CellDriverContract):
+    inertia = False
+    pictures = False
+
+    def make(self, spec: CellSpec) -> CellDriver:
+        return FaultyCell(FakeCell(spec))
+
+
+@pytest.mark.physics
+class TestPyBulletCell(CellDriverContract):
+    def make(self, spec: CellSpec) -> CellDriver:
+        return PyBulletCell(spec, seed=1)
+
+
+class TestWorkerArmPlanner(ArmPlannerContract):
+    def make(self, robot: RobotSpec) -> ArmPlanner:
+        return WorkerArmPlanner(robot)
+
+
+class TestShapelyBasePlanner(BasePlannerContract):
+    def make(self) -> BasePlanner:
+        return ShapelyBasePlanner()
+
+
+class TestFastDownward(PlannerContract):
+    def make(self) -> Planner:
+        return FastDownward()
+
+
+class TestDone(PendingContract):
+    def make(self) -> Pending[str]:
+        return Done("here", latency=0.1)

@@ -1,0 +1,125 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_py.geometry import Pose
+from skiros_py.skills.conditions.watch import Watches
+from skiros_py.testing import tiny_world
+from skiros_py.testing.tiny import tiny_ontology
+from skiros_py.testing.tiny_skills import REACHABLE
+from skiros_py.world.journal import DataDirectory
+from skiros_py.world.overlay import Overlay
+from skiros_py.world.vocabulary import APPLIES_TO, DRIVING_POSE, GRASP_WIDTH, TAUGHT_DRIVING_POSE, TAUGHT_GRASP
+from skiros_py.world.world import World
+
+BENCH = "scene:bench_1 a tiny:Bench ; sk:on scene:floor ."
+
+
+def teach(world: World, class_: str, x: float) -> str:
+    with world.transaction("person", "shows it") as tx:
+        properties = {APPLIES_TO: class_, DRIVING_POSE: Pose((x, 0.0, 0.0))}
+        return tx.add(TAUGHT_DRIVING_POSE, properties=properties, learned=True)
+
+
+def docks(world: World, element: str) -> float | None:
+    pose = world.value(element, DRIVING_POSE)
+    return pose.position[0] if isinstance(pose, Pose) else None
+
+
+def test_what_was_taught_for_a_class_counts_before_what_the_class_gives() -> None:
+    world = tiny_world()
+
+    teach(world, "tiny:Box", -2.0)
+
+    assert docks(world, "box_a") == -2.0
+
+
+def test_the_own_value_of_an_element_counts_before_what_was_taught() -> None:
+    world = tiny_world()
+    teach(world, "tiny:Box", -2.0)
+
+    with world.transaction("person", "this one is different") as tx:
+        tx.set("box_a", DRIVING_POSE, Pose((-3.0, 0.0, 0.0)))
+
+    assert (docks(world, "box_a"), docks(world, "box_b")) == (-3.0, -2.0)
+
+
+def test_what_was_taught_for_the_more_specific_class_counts_whatever_came_last() -> None:
+    world = tiny_world(BENCH)
+
+    teach(world, "tiny:Bench", -2.0)
+    teach(world, "tiny:Box", -3.0)
+
+    assert (docks(world, "bench_1"), docks(world, "box_a")) == (-2.0, -3.0)
+
+
+@given(st.integers(1, 25))
+def test_of_several_for_one_class_the_last_counts(times: int) -> None:
+    world = tiny_world()
+
+    for number in range(times):
+        teach(world, "tiny:Box", -2.0 - number)
+
+    assert docks(world, "box_a") == -1.0 - times
+
+
+def test_a_class_that_gives_nothing_can_be_taught() -> None:
+    world = tiny_world()
+    assert docks(world, "slot_1") is None
+
+    teach(world, "tiny:Slot", -2.0)
+
+    assert docks(world, "slot_1") == -2.0
+    assert docks(Overlay(world), "slot_1") == -2.0
+
+
+def test_what_is_forgotten_no_longer_counts() -> None:
+    world = tiny_world()
+    teach(world, "tiny:Box", -2.0)
+    lesson = teach(world, "tiny:Box", -3.0)
+
+    with world.transaction("person", "that was wrong") as tx:
+        tx.remove(lesson)
+
+    assert docks(world, "box_a") == -2.0
+
+
+def test_a_grasp_that_was_taught_says_what_a_gripper_can_take() -> None:
+    world = tiny_world()
+    assert not world.related("ball_1", "sk:graspableBy", "gripper_1")
+
+    with world.transaction("person", "shows it") as tx:
+        tx.add(TAUGHT_GRASP, properties={APPLIES_TO: "tiny:Ball", GRASP_WIDTH: 0.05}, learned=True)
+
+    assert world.related("ball_1", "sk:graspableBy", "gripper_1")
+    assert world.related("red_ball_1", "sk:graspableBy", "gripper_1")
+
+
+def test_who_watches_a_condition_hears_of_what_is_taught_and_forgotten() -> None:
+    world = tiny_world()
+    watch = Watches(world).add((REACHABLE("slot_1"),), {})
+    before = watch.broken()
+
+    lesson = teach(world, "tiny:Slot", -2.0)
+    taught = watch.broken()
+    with world.transaction("person", "that was wrong") as tx:
+        tx.remove(lesson)
+
+    assert (before is None, taught is None, watch.broken() is None) == (False, True, False)
+
+
+def test_what_was_taught_survives_a_restart(tmp_path: Path) -> None:
+    with DataDirectory.open(tmp_path / "data", tiny_ontology()) as directory:
+        lesson = teach(directory.world, "tiny:Slot", -2.0)
+
+    with DataDirectory.open(tmp_path / "data", tiny_ontology()) as directory:
+        with directory.world.transaction("person", "builds") as tx:
+            tx.add("sk:Floor", id="floor")
+            tx.add("tiny:Slot", id="slot_9")
+            tx.place("slot_9", "sk:on", "floor")
+        assert directory.world.element(lesson).properties[APPLIES_TO] == "tiny:Slot"
+        assert docks(directory.world, "slot_9") == pytest.approx(-2.0)
