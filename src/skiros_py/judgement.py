@@ -8,7 +8,8 @@ from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.robot.cell import CellSpec
 from skiros_py.simulation.pybullet.cell import PyBulletCell
 from skiros_py.simulation.truth import Truth
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
+from skiros_py.world.ontology.kinds import Family
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import (
@@ -30,8 +31,8 @@ _THERE = (0.06, 0.06)
 """A robot is at a location when it stands this close to where it should [m, rad]."""
 
 
-def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Condition]) -> tuple[bool, ...]:
-    """Evaluates conditions on the world as it really is.
+def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
+    """Evaluates conditions on the world as it really is; None for those that a simulator knows nothing of.
 
     Args:
         cell: The simulation.
@@ -50,7 +51,20 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
             real.place(part, _relation(view, place), place if view.has(place) else _floor(view))
     for robot in spec.robots:
         real.place(robot.id, AT, _location(view, truth, robot.base.id))
-    return tuple(bool(condition.evaluate(real)) for condition in goal)
+    return tuple(bool(c.evaluate(real)) if _is_physical(c.pattern, view) else None for c in goal)
+
+
+def _is_physical(pattern: Pattern, view: WorldView) -> bool:
+    """Tells whether a pattern is about where things are, and nothing else."""
+    match pattern:
+        case Related(relation, _, _) | Nothing(relation, _):
+            return view.ontology.family(relation) in (Family.PLACEMENT, Family.STRUCTURE)
+        case Not(inner) | Exists(_, _, inner):
+            return _is_physical(inner, view)
+        case AllOf(patterns) | AnyOf(patterns):
+            return all(_is_physical(part, view) for part in patterns)
+        case _:
+            return False
 
 
 def _relation(view: WorldView, place: str) -> str:

@@ -136,12 +136,12 @@ class Session:
         self.spec = read_cell(self.world, self._robots())
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
+        self._simulated = self.options.driver is None and not self.options.fake
         board = DeviceBoard(self.cell)
         self.world.clock = lambda: board.snapshot.time
         self.world.sensors = BoardSensors(board)
         self.world.subscribe(self._digest_change)
         self.cycle = ControlCycle(board, self.options.pace)
-        self._stack.enter_context(Watchdog(self.cycle))
         self.cycle.observe(self._digest_state)
         context = RunContext(
             world=self.world,
@@ -200,9 +200,8 @@ class Session:
 
     def _start_cell(self) -> CellDriver:
         if self.options.driver is not None:
-            make = self.catalogue.drivers[self.options.driver]
-            cell: CellDriver = self._stack.enter_context(closing(make(self.spec, seed=self.options.seed)))
-            return cell
+            driver = self.catalogue.driver(self.options.driver, self.spec, seed=self.options.seed)
+            return self._stack.enter_context(closing(driver))
         if self.options.fake:
             from skiros_py.simulation.fake.cell import FakeCell
 
@@ -266,7 +265,7 @@ class Session:
             UsageError: There is no goal.
         """
         wanted = self._conditions(goal)
-        self._digest = hashlib.sha256() if self.options.fake else hashlib.sha256(self.simulation.state_bytes())
+        self._digest = hashlib.sha256(self.simulation.state_bytes() if self._simulated else b"")
         started = time.perf_counter(), self.cycle.board.snapshot.time
         task = self.cycle.start(self._patient(self.tasks.pursue(wanted)), "the task manager")
         while not task.done and not self._stop_wanted:
@@ -278,7 +277,7 @@ class Session:
             self._halt()
             report = self._stopped_report(wanted, why, *started)
         report = replace(report, digest=self._digest.hexdigest()[:16])
-        return report if self.options.fake else report.with_truth(self._truths(wanted))
+        return report.with_truth(self._truths(wanted)) if self._simulated else report
 
     def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
         """Starts one skill or primitive by itself; step the cycle until it is done.
@@ -353,7 +352,7 @@ class Session:
         used = self.cycle.board.snapshot.time - simulated, time.perf_counter() - wall
         return GoalReport(conditions, tuple(self.tasks.steps), *used, stopped=not why)
 
-    def _truths(self, goal: Sequence[Condition]) -> tuple[bool, ...]:
+    def _truths(self, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
         from skiros_py.judgement import judge
 
         return judge(self.simulation, self.spec, self.world, goal)
@@ -368,7 +367,7 @@ class Session:
         from skiros_py.simulation.pybullet.cell import PyBulletCell
 
         if not isinstance(self.cell, PyBulletCell):
-            raise UsageError("there is no simulation behind a fake robot: leave out --fake")
+            raise UsageError("there is no simulation behind this robot: leave out --fake and --driver")
         return self.cell
 
     # ------------------------------------------------------------------ digest and end
@@ -377,7 +376,7 @@ class Session:
         self._digest.update(json.dumps(change.as_json(), sort_keys=True).encode())
 
     def _digest_state(self) -> None:
-        if not self.options.fake and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
+        if self._simulated and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
             self._digest.update(self.simulation.state_bytes())
 
     def close(self) -> None:

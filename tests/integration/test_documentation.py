@@ -6,6 +6,7 @@ import re
 import shlex
 import subprocess
 import sys
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
@@ -13,22 +14,31 @@ import pytest
 from skiros_py.cli.main import cli
 
 ROOT = Path(__file__).parents[2]
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
+PLUGIN = (
+    ["-p", "no:dash"] if entry_points(group="pytest11", name="skiros") else ["-p", "skiros_py.testing.pytest_plugin"]
+)
 
 
 def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.name)
+# Tutorials are run as a whole, in an environment of their own.
+@pytest.mark.parametrize(
+    "page", [p for p in PAGES if blocks(p, "python") and p.parent.name != "tutorials"], ids=lambda p: p.name
+)
 def test_python_examples_run_as_printed(page, tmp_path):
-    script = tmp_path / "example.py"
-    script.write_text("\n".join(blocks(page, "python")), encoding="utf-8")
+    text = "\n".join(blocks(page, "python"))
+    tests = re.search(r"^(def test_|class Test)", text, re.MULTILINE) is not None
+    script = tmp_path / "test_example.py"
+    script.write_text(text, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-q", *PLUGIN, str(script)] if tests else [sys.executable, str(script)]
 
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
 
-    assert done.returncode == 0, done.stderr
-    assert page.name == "world.md" or "goal reached" in done.stdout
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert tests or page.name == "world.md" or "goal reached" in done.stdout
 
 
 def test_the_small_scene_of_the_manual_plans_and_runs(tmp_path, monkeypatch, capsys):

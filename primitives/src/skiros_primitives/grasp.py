@@ -10,6 +10,7 @@ from skiros_primitives.fingers import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of
 from skiros_primitives.poses import level
+from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
 from skiros_py.robot.devices import Gripper
 from skiros_py.robot.motion import LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
@@ -45,6 +46,14 @@ class Grasp(ArmPrimitive):
 
     _retreat: Trajectory | None = None
     _lifting = False
+
+    def start(self) -> Failure | None:
+        """Looks whether anybody said how to take such a part."""
+        try:
+            grasp_of(self.world, self.params.part)
+        except DescriptionError as error:
+            return Failure(str(error))
+        return None
 
     def execute(self) -> Execution[Outcome]:
         """Approaches, closes, lifts, feels."""

@@ -46,6 +46,5 @@ class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
             return Failure(f"nobody knows where {self.params.location} is")
         if not base.state.still:
             return Failure(f"{self.params.base} still moves: let it stand where it should")
-        values = {DRIVING_POSE: place.inverse() @ base.state.pose}
         lesson = TAUGHT_DRIVING_POSE, self.params.location, self.params.type
-        return keep(self.world, *lesson, values, author=self.name)
+        return keep(self.world, *lesson, {DRIVING_POSE: place.inverse() @ base.state.pose}, author=self.name)

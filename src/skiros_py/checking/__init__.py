@@ -1,7 +1,8 @@
 """Checks plug-ins: asks the rules about all that a distribution brings, and runs its skills on a fake robot."""
 
 from skiros_py.checking.as_installed import as_installed
+from skiros_py.checking.cases import Ground
 from skiros_py.checking.contract import Contract, check_contract
-from skiros_py.checking.plugin_check import PluginReport, check_plugins
+from skiros_py.checking.plugin_check import PluginReport, check_plugins, own_contracts
 
-__all__ = ["Contract", "PluginReport", "as_installed", "check_contract", "check_plugins"]
+__all__ = ["Contract", "Ground", "PluginReport", "as_installed", "check_contract", "check_plugins", "own_contracts"]

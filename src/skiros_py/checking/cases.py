@@ -12,8 +12,8 @@ from typing import Any
 from skiros_py.checking.making import make_up
 from skiros_py.checking.rig import Rig
 from skiros_py.checking.samples import sample_values
-from skiros_py.errors import SkirosError
-from skiros_py.skills.conditions import Assign, Condition, Not, Nothing, Relate, Related, Unrelate
+from skiros_py.errors import SkirosError, WorldError
+from skiros_py.skills.conditions import Assign, Condition, Not, Nothing, Relate, Related, Unrelate, write_effects
 from skiros_py.skills.inference import Missing, infer
 from skiros_py.skills.lint.patterns import leaves
 from skiros_py.skills.lint.rules.reach import brought_about
@@ -73,7 +73,7 @@ class NoCase:
 def find_case(
     skill: Skill, grounds: Sequence[Ground], skills: Sequence[Skill], primitives: Mapping[str, type[Primitive[Any]]]
 ) -> Case | NoCase:
-    """Finds where a skill can start and has something to do; where there is no such place, where it can start."""
+    """Finds where a skill can start and has something to do that the world allows; else, where it can start."""
     reasons: list[str] = []
     idle: Case | None = None
     for way in (_as_it_is, _after_other_skills, _made_up):
@@ -94,7 +94,27 @@ def find_case(
 
 
 def _has_work(description: SkillDescription, case: Case) -> bool:
-    return not all(condition.evaluate(case.rig.world, case.arguments) for condition in description.post)
+    posts = [condition.bind(case.arguments) for condition in description.post]
+    return not all(condition.evaluate(case.rig.world) for condition in posts) and _is_allowed(posts, case.rig.world)
+
+
+class _TakenBackError(Exception):
+    """Ends a transaction that was only to see whether it would be allowed."""
+
+
+def _is_allowed(posts: Sequence[Condition], world: World) -> bool:
+    """Tells whether the world could be as the postconditions say: a robot cannot stand on its own deck."""
+    try:
+        with world.transaction("contract test", "tries effects") as tx:
+            for condition in posts:
+                write_effects(tx, world.ontology, brought_about(condition))
+            if tx.problems():
+                return False
+            raise _TakenBackError
+    except _TakenBackError:
+        return True
+    except WorldError:
+        return False
 
 
 def _as_it_is(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -> Case | NoCase:

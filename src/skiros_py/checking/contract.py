@@ -57,8 +57,22 @@ def check_contract(
         primitives: Primitives that any of them calls, by name.
         spot: Where it is written.
     """
+    try:
+        return _tried(skill, grounds, skills, primitives or {}, spot)
+    except Exception as error:  # noqa: BLE001 - an author's conditions and primitives run here: whatever they raise
+        broke = f"it could not be tried: {type(error).__name__}: {error}"
+        return Contract(skill, (_finding(EFFECT_MISSING, skill, broke, spot),))
+
+
+def _tried(
+    skill: Skill,
+    grounds: Sequence[Ground],
+    skills: Sequence[Skill],
+    primitives: Mapping[str, type[Primitive[Any]]],
+    spot: Spot | None,
+) -> Contract:
     others = [s for s in skills if s.description.name != skill.description.name and is_testable(s)]
-    case = find_case(skill, grounds, [*others, skill], primitives or {})
+    case = find_case(skill, grounds, [*others, skill], primitives)
     if isinstance(case, NoCase):
         reason = f"no world was found in which it can start: {case.reason}"
         return Contract(skill, (_finding(NEVER_TRIED, skill, reason, spot),))

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+import sysconfig
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 
 from skiros_py.catalogue.survey import survey
 from skiros_py.checking.contract import Contract, check_contract, is_testable
@@ -21,10 +24,11 @@ from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 
-__all__ = ["PluginReport", "check_plugins"]
+__all__ = ["PluginReport", "check_plugins", "own_contracts"]
 
 _FRAME = re.compile(r'File "([^"<]+)", line (\d+)')
 _PLATFORM = Path(__file__).parents[1]
+_STANDARD = Path(sysconfig.get_path("stdlib"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +79,7 @@ def check_plugins(
     progress("asking the rules")
     known = _known(every)
     findings = [*_asked(parts, entries, known, wanted.values()), *_broken(entries, parts, wanted)]
-    contracts = tuple(_contracts(parts, known, entries, progress)) if run else ()
+    contracts = tuple(_run(_contracts(parts, known, entries), progress)) if run else ()
     findings += [finding for contract in contracts for finding in contract.findings if finding.rule in wanted]
     names = tuple(sorted({str(entry.distribution) for entry in entries}))
     return PluginReport(names, len(parts), tuple(sorted(set(findings), key=_order)), contracts)
@@ -154,18 +158,37 @@ def _raised_at(fault: PluginFault) -> Spot | None:
 
 
 def _is_foreign(file: Path) -> bool:
-    return _PLATFORM in file.parents or "importlib" in file.parts
+    is_standard = _STANDARD in file.parents and "site-packages" not in file.parts
+    return is_standard or _PLATFORM in file.parents or "importlib" in file.parts
 
 
 # -------------------------------------------------------------------- what they do
 
 
-def _contracts(
-    parts: Sequence[Part], known: Known, entries: Sequence[Entry], progress: Callable[[str], None]
-) -> Iterator[Contract]:
+def own_contracts(distribution: str) -> Mapping[str, Callable[[], Contract]]:
+    """Returns the contract test of each skill of a distribution that can be run on a fake, by entry point.
+
+    Raises:
+        UnknownName: There is no such distribution with plug-ins.
+        FileError: An ontology of the installation cannot be read.
+    """
+    entries = _entries(distribution)
+    every = parts_of(installation().entries)
+    return _contracts([part for part in every if part.entry in entries], _known(every), entries)
+
+
+def _contracts(parts: Sequence[Part], known: Known, entries: Sequence[Entry]) -> Mapping[str, Callable[[], Contract]]:
     own_scenes = [entry.name for entry in entries if entry.group == "skiros.scenes"]
     grounds = scene_grounds(known.ontology, known.reasoners, own_scenes)
+    found: dict[str, Callable[[], Contract]] = {}
     for part in parts:
         if isinstance(part.subject, Skill) and is_testable(part.subject):
-            progress(f"trying {part.subject.description.name}")
-            yield check_contract(part.subject, grounds, known.skills, known.primitives, part.spot)
+            name = part.entry.name if part.entry.name not in found else f"{part.entry.name}[{len(found)}]"
+            found[name] = partial(check_contract, part.subject, grounds, known.skills, known.primitives, part.spot)
+    return MappingProxyType(found)
+
+
+def _run(contracts: Mapping[str, Callable[[], Contract]], progress: Callable[[str], None]) -> Iterator[Contract]:
+    for name, run in contracts.items():
+        progress(f"trying {name}")
+        yield run()

@@ -73,7 +73,7 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
         manager = _manager(session, name, agent)
         panel = manager.panel(name, _given(params))
         info = manager.info(name)
-        body = _body(session, name) if info.kind == "skill" else []
+    body = _body(name) if info.kind == "skill" else []
     if as_json:
         click.echo(json.dumps({"agent": manager.agent, **info.as_json(), **panel.as_json(), "body": body}))
         return REACHED
@@ -163,12 +163,13 @@ def _given(params: Sequence[str]) -> dict[str, str]:
     return given
 
 
-def _body(session: Session, name: str) -> list[str]:
+def _body(name: str) -> list[str]:
     """Returns what each implementation does, also those for other drivers."""
+    from skiros_py.catalogue import load_catalogue
     from skiros_py.skills.composition import lines
 
     found = []
-    for skill in session.catalogue.skills.values():
+    for skill in load_catalogue().skills.values():
         if skill.description.name == name:
             title = ", ".join(word for word in (skill.label, f"driver {skill.driver}" if skill.driver else "") if word)
             found.append(f"does{' (' + title + ')' if title else ''}:")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -21,7 +22,9 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 _NAME = click.argument("name")
 _HELP = click.option("--help-text", "help_", default="", metavar="TEXT", help="What it is, in one sentence.")
 _DRY = click.option("--dry-run", is_flag=True, help="Write nothing; show what would be written.")
-_ROBOT = click.option("--robot", default="mobile_panda", metavar="NAME", help="The robot there.  [default: mobile_panda]")
+_ROBOT = click.option(
+    "--robot", default="mobile_panda", metavar="NAME", help="The robot there.  [default: mobile_panda]"
+)
 
 
 def _many(name: str, metavar: str, help_: str) -> Callable[[_Command], _Command]:
@@ -81,16 +84,18 @@ def skill(dry_run: bool, as_json: bool, **said: Any) -> int:
     """
     from skiros_py.scaffold import NewSkill, draft_skill
 
-    _ask(said, "agent", "Class of the subsystem that does it (such as sk:Arm)")
-    _ask_many(said, "param", "Parameter (such as Part:sk:Manipulatable)")
-    _ask_many(said, "pre", "What must hold before (such as RobotAtLocation(Robot, Station))")
-    _ask_many(said, "post", "What holds after it (such as Inspected(Part))")
-    _ask_many(said, "do", "Primitive that does it")
+    if not (said["agent"] and said["post"]):
+        _ask(said, "agent", "Class of the subsystem that does it (such as sk:Arm)")
+        _ask_many(said, "param", "Parameter (such as Part:sk:Manipulatable)")
+        _ask_many(said, "pre", "What must hold before (such as RobotAtLocation(Robot, Station))")
+        _ask_many(said, "post", "What holds after it (such as Inspected(Part))")
+        _ask_many(said, "do", "Primitive that does it")
     return _add(lambda known: draft_skill(known, NewSkill(**_renamed(said))), dry_run=dry_run, as_json=as_json)
 
 
 @command.command(
-    "primitive", epilog="Example: skiros new primitive read_code --param camera:sk:Camera --param 'seconds:number=1 [s]'"
+    "primitive",
+    epilog="Example: skiros new primitive read_code --param camera:sk:Camera --param 'seconds:number=1 [s]'",
 )
 @_NAME
 @_HELP
@@ -131,7 +136,7 @@ def condition(dry_run: bool, as_json: bool, **said: Any) -> int:
 
 @command.command(
     "ontology",
-    epilog="Example: skiros new ontology scanning --class Scanner:sk:Device --property scanned:sk:Manipulatable:boolean",
+    epilog="Example: skiros new ontology scanning --class Scanner:sk:Device --property scanned:sk:Object:boolean",
 )
 @_NAME
 @_HELP
@@ -180,10 +185,10 @@ def scene(dry_run: bool, as_json: bool, **said: Any) -> int:
     """Writes a scene NAME with a robot, things and a goal."""
     from skiros_py.scaffold import NewScene, draft_scene
 
-    _ask_many(said, "thing", "Something that is there (such as part:sk:Manipulatable)")
-    _ask_many(said, "goal", "Goal (such as Inspected(part))")
-    draft = _add(lambda known: draft_scene(known, NewScene(**_renamed(said))), dry_run=dry_run, as_json=as_json)
-    return draft
+    if not said["thing"]:
+        _ask_many(said, "thing", "Something that is there (such as part:sk:Manipulatable)")
+        _ask_many(said, "goal", "Goal (such as Inspected(part))")
+    return _add(lambda known: draft_scene(known, NewScene(**_renamed(said))), dry_run=dry_run, as_json=as_json)
 
 
 # ---------------------------------------------------------------- what all have in common
@@ -225,7 +230,13 @@ def _add(make: Callable[[Knowledge], Draft], *, dry_run: bool, as_json: bool) ->
 def _tell(draft: Draft, steps: tuple[str, ...], *, dry_run: bool, as_json: bool) -> int:
     if as_json:
         files = {"new": list(draft.new), "changed": list(draft.changed)}
-        told = {"folder": str(draft.root), **files, "notes": list(draft.notes), "next": list(steps), "written": not dry_run}
+        told = {
+            "folder": str(draft.root),
+            **files,
+            "notes": list(draft.notes),
+            "next": list(steps),
+            "written": not dry_run,
+        }
         click.echo(json.dumps(told))
         return REACHED
     _print_tree(draft)
@@ -252,7 +263,7 @@ def _print_tree(draft: Draft) -> None:
 
 
 def _on_terminal() -> bool:
-    return bool(click.get_text_stream("stdin").isatty())
+    return sys.stdin.isatty()
 
 
 def _ask(said: dict[str, Any], key: str, question: str, *, needed: bool = True) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from typing import Any
 
+from skiros_py.execution.contained import contained
 from skiros_py.execution.scope import Scope, make_up
 from skiros_py.skills.composition import (
     AssertEffects,
@@ -41,7 +42,8 @@ def run_node(node: Node, scope: Scope) -> Execution[Outcome]:
 
 
 def _do(node: Do, scope: Scope) -> Execution[Outcome]:
-    return scope.modules.run(node.module, _values(node.arguments, scope), scope)
+    run = contained(node.module, lambda: scope.modules.run(node.module, _values(node.arguments, scope), scope))
+    return run if isinstance(run, Failure) else (yield from run)
 
 
 def _values(arguments: Mapping[str, Any], scope: Scope) -> dict[str, Any]:

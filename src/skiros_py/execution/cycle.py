@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Generator
 from typing import Any, TypeVar
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.pulse import CycleOverrun, Pulse
 from skiros_py.execution.task import Task
@@ -197,7 +197,9 @@ class ControlCycle:
 
     def _tell(self, task: Task[Any]) -> None:
         if not self._fault_listeners:
-            _log.error("%s ended with a fault", task.name, exc_info=task.fault)
+            # The words of our own faults say it all, and the watchdog logs stacks itself.
+            own = isinstance(task.fault, SkirosError | CycleOverrun)
+            _log.error("%s ended with a fault: %s", task.name, task.fault, exc_info=None if own else task.fault)
         for listener in self._fault_listeners:
             listener(task)
 

@@ -7,6 +7,8 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from skiros_py.execution.pulse import CycleOverrun
+
 __all__ = ["ModuleEvent", "Monitor", "Status"]
 
 _log = logging.getLogger(__name__)
@@ -40,7 +42,7 @@ class ModuleEvent:
         text: Words for a person.
         target: Id of the element that a skill is done to; empty for primitives.
         agent: Id of the subsystem whose skill manager runs it.
-        caller: Name of the skill that it is part of; empty for a module that was started by itself.
+        caller: Name of the module that it is part of; empty for a module that was started by itself.
     """
 
     time: float
@@ -66,8 +68,10 @@ class Monitor:
 
     def publish(self, event: ModuleEvent) -> None:
         """Hands an event to all listeners."""
-        for listener in self._listeners:
+        for listener in tuple(self._listeners):
             try:
                 listener(event)
-            except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
+            except (KeyboardInterrupt, CycleOverrun):
+                raise
+            except BaseException:  # noqa: BLE001 - whoever only looks on must not break what is going on
                 _log.exception("a listener of module events broke")

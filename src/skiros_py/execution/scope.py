@@ -9,10 +9,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 from skiros_py.execution.claims import Claim
+from skiros_py.execution.contained import contained
 from skiros_py.execution.monitor import Monitor
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Execution
 
 __all__ = ["ModuleRunner", "Scope", "Unfinished", "make_up"]
@@ -59,7 +60,7 @@ class Scope:
         claim: The devices that whatever runs here may share out; None at the top.
         arguments: The skill's parameters.
         unfinished: What was broken off here.
-        callers: The skills around this, outermost first.
+        callers: The modules around this, outermost first.
     """
 
     context: RunContext
@@ -88,18 +89,38 @@ class Scope:
 
 def make_up(scope: Scope) -> Execution[None]:
     """Ticks what the modules broken off in a scope want to make up for, under a time limit for all together."""
-    deadline = scope.context.now + _RECOVERY_LIMIT
+    context = scope.context
+    deadline = context.now + _RECOVERY_LIMIT
     while scope.unfinished:
         entry = scope.unfinished.pop(0)
-        recovery = entry.recover()
         try:
-            while scope.context.now <= deadline:
-                next(recovery)
-                yield
-            recovery.close()
-        except StopIteration:
-            pass
-        except Exception:  # noqa: BLE001 - an author's mistake; the others still have to recover
-            _log.exception("%s broke while it recovered", entry.name)
-        finally:
-            entry.claim.release()
+            yield from _recovery(entry, context, deadline)
+        except GeneratorExit:
+            scope.unfinished.insert(0, entry)  # broken off itself: it keeps its devices, and begins again if it may
+            raise
+        entry.claim.release()
+
+
+def _recovery(entry: Unfinished, context: RunContext, deadline: float) -> Execution[None]:
+    what = f"{entry.name}, while it recovered,"
+    recovery = _begun(entry)
+    try:
+        while context.now <= deadline:
+            ended = contained(what, lambda: next(recovery, _ENDED))
+            if ended is _ENDED:
+                return
+            if isinstance(ended, Failure):
+                break
+            yield
+        else:
+            _log.warning("%s did not recover within %g s", entry.name, _RECOVERY_LIMIT)
+    finally:
+        contained(what, recovery.close)
+    context.board.clear(entry.claim.devices)
+
+
+def _begun(entry: Unfinished) -> Execution[None]:
+    yield from entry.recover()
+
+
+_ENDED = object()

@@ -23,7 +23,7 @@ from skiros_py.execution.scope import Scope
 from skiros_py.execution.task import Task
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.outcome import BROKEN, Failure, Outcome
 from skiros_py.skills.parameters import Kind, params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -280,11 +280,11 @@ class SkillManager:
                     self._tell_stopped(running)
 
     def _tell_stopped(self, running: RunningModule) -> None:
-        fault = running.task.fault
-        status = Status.PREEMPTED if fault is None else Status.ERROR
+        broke = running.task.fault is not None
+        status, code = (Status.ERROR, BROKEN) if broke else (Status.PREEMPTED, 0)
         kind = self._modules.kind(running.name)
-        text = running.task.reason or "stopped" if fault is None else str(running.result)
-        code = 0 if fault is None else -3
+        result = running.result
+        text = result.reason if isinstance(result, Failure) else result.message
         time = self._context.board.snapshot.time
         self._monitor.publish(ModuleEvent(time, kind, running.name, status, code, text, agent=self.agent))
 

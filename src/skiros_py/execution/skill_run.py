@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from skiros_py.errors import SkirosError
 from skiros_py.execution.claims import Claim
 from skiros_py.execution.composing import run_node, why
+from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import complete, devices_of
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.primitive_run import Take
+from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.execution.scope import Scope, Unfinished, make_up
 from skiros_py.skills.composition import Node
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions.watch import Watch
 from skiros_py.skills.effects import Effects
 from skiros_py.skills.inference import Inferred, Missing, infer
-from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
+from skiros_py.skills.outcome import BROKEN, BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -48,6 +51,7 @@ class SkillRun:
         self._outer = scope
         self._take = take
         self._broken_off = ""
+        self._claim: Claim | None = None
         self._finish: Node | None = None
         effects = Effects(scope.context.world, self.description.post, self.arguments)
         self._scope = replace(
@@ -59,48 +63,67 @@ class SkillRun:
         )
 
     def break_off(self, reason: str) -> None:
-        """Ends the body in the coming tick; what must follow (recovery, finishing motion) is done all the same."""
+        """Ends it in the coming tick; what must follow (recovery, finishing motion) is done all the same."""
         self._broken_off = reason
 
     def recover(self) -> Execution[None]:
         """What must follow where the run was broken off by what it is part of."""
         yield from make_up(self._scope)
         if self._finish is not None:
-            yield from run_node(self._finish, self._scope)
+            yield from self._part(self._finish, at_any_rate=True)
 
     def execute(self) -> Execution[Outcome]:
         """Runs it; also reports to the monitor."""
-        claim: Claim | None = None
         kept = False
         try:
-            found = self._specify()
-            outcome: Outcome | None = found if isinstance(found, Failure) else None
-            self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self.arguments.items() if v is not None))
-            for line in found.lines() if isinstance(found, Inferred) else ():
-                self._tell(Status.RUNNING, 0, line)
-            if outcome is None:
-                claim = self._take(self.description.name, self._devices(), self._outer.claim)
-                while not claim.granted:
-                    yield
-                self._scope = replace(self._scope, claim=claim)
-                outcome = yield from self._attempts()
+            outcome = yield from self._run()
         except GeneratorExit:
-            if claim is not None:
-                self._outer.unfinished.append(Unfinished(self.description.name, self.recover, claim))
-                kept = True
-            nested = bool(self._outer.callers)
-            self._tell(*((Status.PREEMPTED, 0, "broken off") if nested else (Status.RUNNING, 0, "stopping")))
+            kept = self._leave()
             raise
-        except SkirosError as error:
-            outcome = Failure(f"{self.description.name}: {error}")
+        except CycleOverrun:
+            if self._outer.callers:  # else whoever started it tells, when all stands
+                self._tell(Status.ERROR, BROKEN, "held the control cycle too long")
+            raise
         finally:
-            if claim is not None and not kept:
-                claim.release()
+            if self._claim is not None and not kept:
+                self._claim.release()
         if isinstance(outcome, Failure):
             self._tell(Status.ERROR, outcome.code, outcome.reason)
         else:
             self._tell(Status.TERMINATED, 1, outcome.message)
         return outcome
+
+    def _run(self) -> Execution[Outcome]:
+        name = self.description.name
+        found = contained(name, self._specify)
+        self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self.arguments.items() if v is not None))
+        for line in found.lines() if isinstance(found, Inferred) else ():
+            self._tell(Status.RUNNING, 0, line)
+        if isinstance(found, Failure):
+            return found
+        claim = contained(name, lambda: self._take(name, self._devices(), self._outer.claim))
+        if isinstance(claim, Failure):
+            return claim
+        self._claim = claim
+        refusal = yield from self._granted(claim)
+        self._scope = replace(self._scope, claim=claim)
+        return refusal or (yield from self._attempts())
+
+    def _granted(self, claim: Claim) -> Execution[Failure | None]:
+        """Waits for its devices, or until it is broken off."""
+        if not claim.granted:
+            self._tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
+        while not claim.granted and not self._broken_off:
+            yield
+        return self._interruption()
+
+    def _leave(self) -> bool:
+        """Ends it at once; returns whether it keeps its devices to make up for that."""
+        if self._claim is not None:
+            self._outer.unfinished.append(Unfinished(self.description.name, self.recover, self._claim))
+        nested = bool(self._outer.callers)
+        self._tell(*((Status.PREEMPTED, 0, "broken off") if nested else (Status.RUNNING, 0, "stopping")))
+        return self._claim is not None
 
     # ------------------------------------------------------------------ parameters and devices
 
@@ -109,12 +132,9 @@ class SkillRun:
         world, name = self._scope.context.world, self.description.name
         if len(self._scope.callers) > _DEEPEST:
             return Failure(f"{name}: skills call each other without end: {' > '.join(self._scope.callers[-4:])}")
-        try:
-            given = read_arguments(self.description.params, self._given, world)
-            own = [self.description.param(self.description.agent)]
-            found = infer(self.description, complete(world, own, given, self._scope.agent), world)
-        except SkirosError as error:
-            return Failure(f"{name}: {error}")
+        given = read_arguments(self.description.params, self._given, world)
+        own = [self.description.param(self.description.agent)]
+        found = infer(self.description, complete(world, own, given, self._scope.agent), world)
         if isinstance(found, Missing):
             return Failure(f"{name}: {found}")
         self.arguments.update(found.values)
@@ -144,54 +164,52 @@ class SkillRun:
 
     def _attempt(self, skill: Skill) -> Execution[Outcome]:
         if skill.pre_sense is not None:
-            sensed = yield from run_node(skill.pre_sense, self._scope)
+            sensed = yield from self._part(skill.pre_sense)
             if isinstance(sensed, Failure):
                 return sensed
             yield
-        refusal = self._check("precondition", (*self.description.needs, *skill.when))
+        refusal = self._interruption() or self._check("precondition", (*self.description.needs, *skill.when))
         if refusal is not None:
             return refusal
         self._finish = skill.finish
-        outcome = yield from self._body(skill)
+        outcome = yield from self._part(skill.body, self.description.hold)
         if skill.finish is not None:
             yield
-            finished = yield from run_node(skill.finish, self._scope)
+            finished = yield from self._part(skill.finish, at_any_rate=True)
             self._finish = None
             outcome = finished if isinstance(finished, Failure) and isinstance(outcome, Success) else outcome
         if isinstance(outcome, Success) and skill.post_sense is not None:
             yield
-            sensed = yield from run_node(skill.post_sense, self._scope)
+            sensed = yield from self._part(skill.post_sense)
             outcome = sensed if isinstance(sensed, Failure) else outcome
         if isinstance(outcome, Failure):
             return outcome
         return self._check("postcondition", self.description.post) or outcome
 
-    def _body(self, skill: Skill) -> Execution[Outcome]:
-        watch = self._scope.watches.add(self.description.hold, self.arguments)
-        with closing(watch), closing(run_node(skill.body, self._scope)) as body:
+    def _part(self, node: Node, hold: Sequence[Condition] = (), *, at_any_rate: bool = False) -> Execution[Outcome]:
+        """Runs a part for as long as conditions hold and nobody breaks the skill off; then makes up for what is open."""
+        name = self.description.name
+        watch = self._scope.watches.add(hold, self.arguments)
+        with closing(watch), closing(run_node(node, self._scope)) as part:
             while True:
-                fault = self._fault(watch.broken)
-                if fault is not None:
+                ended = None if at_any_rate else self._interruption()
+                ended = ended or contained(name, lambda: _lost(watch)) or contained(name, lambda: _tick(part))
+                if ended is not None:
                     break
-                try:
-                    next(body)
-                except StopIteration as end:
-                    outcome: Outcome = end.value
-                    return outcome
                 yield
-            body.close()
+            part.close()
             yield from make_up(self._scope)
-        return fault
+        return ended
 
-    def _fault(self, broken: Any) -> Failure | None:
-        if self._broken_off:
-            return Failure(self._broken_off, BROKEN_OFF)
-        verdict = broken()
-        return None if verdict is None else Failure(f"hold condition {verdict.text}: {why(verdict)}")
+    def _interruption(self) -> Failure | None:
+        return Failure(self._broken_off, BROKEN_OFF) if self._broken_off else None
 
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
+        world = self._scope.context.world
         for condition in conditions:
-            verdict = condition.evaluate(self._scope.context.world, self.arguments)
+            verdict = contained(self.description.name, partial(condition.evaluate, world, self.arguments))
+            if isinstance(verdict, Failure):
+                return verdict
             if not verdict:
                 return Failure(f"{kind} {verdict.text}: {why(verdict)}")
         return None
@@ -202,6 +220,22 @@ class SkillRun:
         time, agent = self._scope.context.board.snapshot.time, self._scope.agent
         event = ModuleEvent(time, "skill", self.description.name, status, code, text, target, agent, caller)
         self._scope.monitor.publish(event)
+
+
+def _lost(watch: Watch) -> Failure | None:
+    """Returns why a hold condition holds no longer."""
+    broken = watch.broken()
+    return None if broken is None else Failure(f"hold condition {broken.text}: {why(broken)}")
+
+
+def _tick(run: Execution[Outcome]) -> Outcome | None:
+    """Runs up to the next ``yield``; returns how it ended, None while it goes on."""
+    try:
+        next(run)
+    except StopIteration as end:
+        outcome: Outcome = end.value
+        return outcome
+    return None
 
 
 _DEEPEST = 20

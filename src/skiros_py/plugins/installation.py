@@ -83,8 +83,12 @@ def _scanned(_sight: _Sight) -> Installation:
             else:
                 # As for imports, the first of a name on the path counts.
                 found.setdefault(canonical(distribution.name), (distribution, entries))
-    entries = tuple(sorted((e for _, own in found.values() for e in own), key=lambda e: (e.group, e.name, e.value)))
+    entries = tuple(sorted((entry for _, own in found.values() for entry in own), key=_order))
     return Installation(tuple(distribution for distribution, _ in found.values()), entries, tuple(faults))
+
+
+def _order(entry: Entry) -> tuple[str, ...]:
+    return entry.group, entry.name, canonical(entry.distribution.name), entry.value
 
 
 def _speaks_of_skiros(source: metadata.Distribution) -> bool:

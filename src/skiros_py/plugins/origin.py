@@ -17,12 +17,11 @@ def locate(module: str) -> ModuleSpec | None:
     top, *inner = module.split(".")
     try:
         spec = find_spec(top)
-        name = top
         for part in inner:
             if spec is None or spec.submodule_search_locations is None:
                 return None
-            name = f"{name}.{part}"
-            spec = PathFinder.find_spec(name, spec.submodule_search_locations)
+            # Under its full name, a folder without code is found only once the package around it is imported.
+            spec = PathFinder.find_spec(part, list(spec.submodule_search_locations))
     except (ImportError, ValueError, AttributeError):  # find_spec raises for what was imported half
         return None
     return spec

@@ -30,7 +30,7 @@ class Commander(Protocol):
 
     @property
     def rate(self) -> float:
-        """How fast its time goes: 1 in general, less while it is being paused; motions are slowed down by it."""
+        """How fast its time goes: 1 in general, less while it is being paused."""
         ...
 
 
@@ -136,6 +136,8 @@ class Arm:
     def command(self, target: ArmTarget) -> None:
         """Sets where the joints shall be at the end of the coming cycle.
 
+        Sample a motion by the clock of the run: then it brakes along its own path when the run is paused.
+
         Raises:
             DeviceError: A number is missing or is none.
         """
@@ -143,9 +145,7 @@ class Arm:
         if len(target.positions) != len(self.state.positions) or len(target.velocities) != len(target.positions):
             count = len(self.state.positions)
             raise DeviceError(f"{self.id}: a target needs {count} positions and {count} velocities: {target}")
-        rate = self._board.commanded(self.id)
-        if rate != 1.0:
-            target = ArmTarget(target.positions, tuple(speed * rate for speed in target.velocities))
+        self._board.commanded(self.id)
         self._board.arms[self.id] = target
 
 
@@ -185,7 +185,7 @@ class Base:
         return self._board.snapshot.bases[self.id]
 
     def command(self, twist: BaseTwist) -> None:
-        """Sets its speeds for the coming cycle; without a command it brakes.
+        """Sets its speeds for the coming cycle; without a command it brakes, and it slows down while the run is paused.
 
         Raises:
             DeviceError: A number is none.

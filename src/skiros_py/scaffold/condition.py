@@ -11,7 +11,7 @@ from skiros_py.scaffold.draft import Draft
 from skiros_py.scaffold.knowledge import Knowledge
 from skiros_py.scaffold.layout import folder_files
 from skiros_py.scaffold.rendering import literal, render
-from skiros_py.scaffold.spelling import class_name, constant_name, sentence, snake_case, words_of
+from skiros_py.scaffold.spelling import check_distinct, class_name, constant_name, sentence, snake_case, words_of
 from skiros_py.scaffold.stage import Stage
 from skiros_py.skills.conditions import Compare, Computed, Has, Pattern, Related
 from skiros_py.world.names import local_name
@@ -52,6 +52,7 @@ def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
     """
     name = class_name(said.name, "condition")
     known.check_free("condition", name)
+    check_distinct([constant_name(name)], f"condition '{name}'")
     if bool(said.property) == bool(said.relation):
         raise UsageError(f"condition '{name}': give either --property or --relation, of which it is made")
     roles, pattern = _meaning(known.ontology, said)
@@ -124,7 +125,7 @@ def _property(ontology: Ontology, name: str) -> str:
 
 
 def _roles(ontology: Ontology, said: NewCondition, ends: Sequence[End], word: str) -> tuple[Declared, ...]:
-    roles = tuple(read_parameter(text, ontology) for text in said.roles or _default_roles(ontology, ends))
+    roles = tuple(read_parameter(text, ontology) for text in said.roles or _default_roles(ends))
     if len(roles) != len(ends):
         must = "one role: what bears it" if len(ends) == 1 else "two roles: its subject, then its object"
         raise UsageError(f"condition '{said.name}': {word} takes {must}; {len(roles)} given")
@@ -134,11 +135,13 @@ def _roles(ontology: Ontology, said: NewCondition, ends: Sequence[End], word: st
         if not role.is_element:
             raise UsageError(f"condition '{said.name}': role '{role.key}' must be of a class, not a {role.type}")
         if missed := ontology.missed_end(role.type, end):
-            raise UsageError(f"condition '{said.name}': {word} is of {' or '.join(missed)}; {role.key} is a {role.type}")
+            raise UsageError(
+                f"condition '{said.name}': {word} is of {' or '.join(missed)}; {role.key} is a {role.type}"
+            )
     return roles
 
 
-def _default_roles(ontology: Ontology, ends: Sequence[End]) -> tuple[str, ...]:
+def _default_roles(ends: Sequence[End]) -> tuple[str, ...]:
     classes = [end[0][0] if end else "sk:Element" for end in ends]
     keys = [snake_case(local_name(class_)) for class_ in classes]
     if len(set(keys)) < len(keys):
@@ -172,7 +175,9 @@ def _told(pattern: Pattern, roles: Sequence[Declared]) -> str:
         case Has(property_, _):
             return f"The {words_of(local_name(property_))} of the {subject} is known"
         case Related(relation, _, _) | Computed(relation, _, _):
-            return f"The {subject} is in the relation '{words_of(local_name(relation))}' to the {words_of(roles[1].key)}"
+            return (
+                f"The {subject} is in the relation '{words_of(local_name(relation))}' to the {words_of(roles[1].key)}"
+            )
         case _:
             raise AssertionError(f"no words for {pattern}")
 

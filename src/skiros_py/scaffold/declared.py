@@ -75,7 +75,7 @@ def read_parameter(text: str, ontology: Ontology) -> Declared:
     said, _, help_ = text.partition(" -- ")
     match = _PARAMETER.fullmatch(said.strip())
     if match is None:
-        raise UsageError(f"parameter '{text}': write KEY:TYPE, such as Part:sk:Manipulatable or 'seconds:number=1.0 [s]'")
+        raise UsageError(f"parameter '{text}': write KEY:TYPE, such as Part:sk:Object or 'seconds:number=1.0 [s]'")
     key, type_ = match["key"].strip(), match["type"].strip()
     if not key.isidentifier() or not key.isascii() or len(key) > 40:
         raise UsageError(f"parameter '{text}': '{key}' is no name for a parameter: letters, digits and '_'")
@@ -154,6 +154,6 @@ def read_constant(text: str, range_: str, what: str) -> bool | int | float | str
     types = {"xsd:boolean": "boolean", "xsd:integer": "integer", "xsd:string": "text", "sk:className": "text"}
     type_ = types.get(range_, "number" if range_ in ("xsd:decimal", "xsd:double", "xsd:float") else "")
     if not type_:
-        raise UsageError(f"{what}: values of type {range_} are not compared; leave --value out to ask whether there is one")
+        raise UsageError(f"{what}: values of type {range_} are not compared; leave it out to ask whether there is one")
     value: bool | int | float | str = _read(what, type_, text)
     return value

@@ -88,7 +88,9 @@ class Knowledge:
         for entry in (entry for group in groups for entry in installation().of(group)):
             if entry.name == name:
                 what = entry.group.partition(".")[2].removesuffix("s")
-                raise UsageError(f"there is a {what} '{name}' of {entry.distribution.name} already; choose another name")
+                raise UsageError(
+                    f"there is a {what} '{name}' of {entry.distribution.name} already; choose another name"
+                )
 
 
 def _origin(group: str, name: str) -> Origin:

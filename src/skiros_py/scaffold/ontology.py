@@ -11,9 +11,9 @@ from pathlib import Path
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.scaffold.draft import Draft
 from skiros_py.scaffold.knowledge import Knowledge
+from skiros_py.scaffold.namespaces import declaring, prefix_of, prefix_table
 from skiros_py.scaffold.rendering import render
 from skiros_py.scaffold.spelling import class_name, module_name, sentence, words_of
-from skiros_py.world.names import STANDARD_PREFIXES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import read_document
 
@@ -80,15 +80,14 @@ def draft_ontology(known: Knowledge, said: NewOntology) -> Draft:
     words = [_parts(known, prefix, said, text, kind) for kind, text in _said(said)]
     _check_names([word.name for word in words])
     count = len(said.classes), len(said.relations)
-    spoken = {curie.partition(":")[0] for w in words for curie in (w.parent, w.domain, w.range) if curie}
-    others = sorted(spoken - set(STANDARD_PREFIXES) - {prefix})
+    others = {prefix_of(curie) for w in words for curie in (w.parent, w.domain, w.range) if curie} - {prefix}
     package = known.project.package
     text = render(
         "ontology.ttl",
         prefix=prefix,
         iri=f"https://example.org/{package}/{prefix}",
-        prefixes=[(other, known.ontology.names.prefixes[other]) for other in others],
-        imports=["https://w3id.org/skiros-py/core", *_iris(known, others)],
+        prefixes=prefix_table(known.ontology, others),
+        imports=declaring(known.ontology, others),
         label=words_of(prefix),
         help=sentence(said.help or f"The words of {words_of(prefix)}", "--help-text"),
         classes=words[: count[0]],
@@ -167,8 +166,3 @@ def _check_names(names: Sequence[str]) -> None:
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise UsageError(f"'{twice[0]}' is declared twice")
-
-
-def _iris(known: Knowledge, prefixes: Sequence[str]) -> list[str]:
-    spaces = {known.ontology.names.prefixes[prefix] for prefix in prefixes}
-    return sorted(file.iri for file in known.ontology.sources if {f"{file.iri}#", f"{file.iri}/"} & spaces)

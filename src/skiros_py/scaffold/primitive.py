@@ -13,7 +13,7 @@ from skiros_py.scaffold.knowledge import Knowledge
 from skiros_py.scaffold.layout import folder_files
 from skiros_py.scaffold.rendering import literal, render
 from skiros_py.scaffold.robots import find_robot
-from skiros_py.scaffold.spelling import joined, module_name, sentence, words_of
+from skiros_py.scaffold.spelling import check_distinct, joined, module_name, sentence, words_of
 from skiros_py.scaffold.stage import Stage
 from skiros_py.skills.parameters import Kind
 
@@ -21,6 +21,24 @@ __all__ = ["SAMPLES", "NewPrimitive", "check_keys", "draft_primitive"]
 
 SAMPLES: Mapping[str, Any] = {"number": 1.0, "integer": 1, "text": "text", "boolean": True}
 """Some value of each type."""
+
+_OF_TEST_KIT = frozenset(
+    {
+        "answers",
+        "config",
+        "driver",
+        "faults",
+        "libraries",
+        "limit",
+        "primitive",
+        "primitives",
+        "self",
+        "skill",
+        "skills",
+        "world",
+    }
+)
+"""Names that parameters of a module cannot have where a test gives them by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +66,7 @@ def draft_primitive(known: Knowledge, said: NewPrimitive) -> Draft:
     """
     name = module_name(said.name, "primitive")
     known.check_free("primitive", name)
+    check_distinct([joined(name)], f"primitive '{name}'")
     help_ = sentence(said.help or words_of(name), "--help-text")
     params = tuple(read_parameter(text, known.ontology) for text in said.params)
     check_keys(params, f"primitive '{name}'")
@@ -72,12 +91,14 @@ def check_keys(params: Sequence[Declared], owner: str) -> None:
     """Looks whether every parameter has a name of its own.
 
     Raises:
-        UsageError: Two have the same.
+        UsageError: Two have the same, or one has a name that the test kit needs for itself.
     """
     keys = [param.key for param in params]
     twice = [key for key in keys if keys.count(key) > 1]
     if twice:
         raise UsageError(f"{owner} has two parameters '{twice[0]}'")
+    if taken := sorted(_OF_TEST_KIT.intersection(keys)):
+        raise UsageError(f"{owner}: a parameter '{taken[0]}' could not be given in a test; choose another name")
 
 
 def _module(values: dict[str, str], params: Sequence[Declared]) -> str:

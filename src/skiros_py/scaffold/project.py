@@ -44,7 +44,9 @@ class Project:
         folder = folder.absolute()
         root = next((f for f in (folder, *folder.parents) if (f / _FILE).is_file()), None)
         if root is None:
-            raise UsageError(f"{folder} is in no package: there is no {_FILE} here or above; skiros new package makes one")
+            raise UsageError(
+                f"{folder} is in no package: there is no {_FILE} here or above; skiros new package makes one"
+            )
         text = _read(root / _FILE)
         project = cls(root, _package(root), text)
         if not any(_is_named(requirement, "skiros-py") for requirement in project.dependencies):
@@ -94,7 +96,7 @@ class Project:
         if taken:
             raise UsageError(f"{_FILE} has an entry point '{taken[0]}' of {group} already, and nothing is overwritten")
         document = tomlkit.parse(self.text)
-        groups = document["project"].setdefault("entry-points", tomlkit.table(is_super_table=True))  # type: ignore[union-attr]
+        groups = document["project"].setdefault("entry-points", tomlkit.table(is_super_table=True))
         if group not in groups:
             groups[group] = tomlkit.table()
         for name, value in entries.items():
@@ -107,7 +109,7 @@ class Project:
         if _is_named(self.name, name) or any(_is_named(own, name) for own in self.dependencies):
             return self
         document = tomlkit.parse(self.text)
-        document["project"]["dependencies"].append(requirement)  # type: ignore[index, union-attr]
+        document["project"]["dependencies"].append(requirement)
         return Project(self.root, self.package, tomlkit.dumps(document))
 
     def changes(self, before: Project) -> dict[str, str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-__all__ = ["render"]
+__all__ = ["call", "imports", "listed", "literal", "render"]
 
 _WIDTH = 120
 

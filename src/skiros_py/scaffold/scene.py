@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from skiros_py.config import scene_names
 from skiros_py.errors import DescriptionError, UsageError
 from skiros_py.scaffold.declared import Declared, Wanted, read_parameter, read_wanted
 from skiros_py.scaffold.draft import Draft
@@ -12,6 +13,7 @@ from skiros_py.scaffold.rendering import render
 from skiros_py.scaffold.robots import find_robot
 from skiros_py.scaffold.spelling import module_name, sentence, words_of
 from skiros_py.scaffold.stage import Stage
+from skiros_py.scaffold.trial import tried
 
 __all__ = ["NewScene", "draft_scene"]
 
@@ -41,8 +43,6 @@ def draft_scene(known: Knowledge, said: NewScene) -> Draft:
     Raises:
         UsageError: Something said of it is wrong; the text says what would be right.
     """
-    from skiros_py.config import scene_names
-
     name = module_name(said.name, "scene")
     if name in scene_names():
         raise UsageError(f"there is a scene '{name}' already; choose another name")
@@ -50,9 +50,11 @@ def draft_scene(known: Knowledge, said: NewScene) -> Draft:
     stage = Stage(known.ontology, name, find_robot(said.robot, known.ontology))
     cast = {thing.key: _added(stage, thing) for thing in things}
     stage.goals += [str(_meant(known, read_wanted(text), cast)) for text in said.goals]
+    text = stage.turtle(sentence(said.help or words_of(name), "--help-text"))
+    tried(known, text, f"scene '{name}'")
     package = known.project.package
     new = {
-        f"src/{package}/scenes/{name}.ttl": stage.turtle(sentence(said.help or words_of(name), "--help-text")),
+        f"src/{package}/scenes/{name}.ttl": text,
         f"tests/scenes/test_{name}.py": render("scene_test.py", name=name, package=package, goals=len(stage.goals)),
     }
     project = known.project

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
+from typing import Any
 
-from skiros_py.errors import DescriptionError, UnknownName, UsageError
+from skiros_py.errors import DescriptionError, PlanningError, UnknownName, UsageError
+from skiros_py.planning.literals import expand
 from skiros_py.scaffold.calls import calls_of
 from skiros_py.scaffold.declared import Declared, Wanted, kind_of, read_parameter, read_wanted
 from skiros_py.scaffold.draft import Draft
@@ -15,8 +18,9 @@ from skiros_py.scaffold.primitive import SAMPLES, check_keys
 from skiros_py.scaffold.project import Project
 from skiros_py.scaffold.rendering import literal, render
 from skiros_py.scaffold.robots import find_robot
-from skiros_py.scaffold.spelling import constant_name, module_name, sentence, words_of
+from skiros_py.scaffold.spelling import check_distinct, constant_name, module_name, sentence, words_of
 from skiros_py.scaffold.stage import Stage
+from skiros_py.scaffold.trial import open_questions, tried
 from skiros_py.skills.conditions import Condition, effects_of
 from skiros_py.skills.parameters import Kind
 from skiros_py.world.names import local_name
@@ -82,23 +86,35 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     described = _described(known, said)
     calls = calls_of(known, said.do, described.params)
     package, constant = known.project.package, constant_name(name)
+    imported = [known.origin(word).name for word in described.words]
+    check_distinct([constant, f"{constant}_FAKE", *imported], f"skill '{name}'")
     module = f"{package}.skills.{name}"
     entries = {name: f"{module}:{constant}"} if calls else {}
     project = known.project.with_entries("skiros.skills", {**entries, f"{name}_fake": f"{module}:{constant}_FAKE"})
     project = _depending(project, known, described)
-    stage, cast, left = _staged(known, said, described)
-    values = {"name": name, "help": help_, "stem": name, "module": module, "constant": constant, "calls": calls}
+    stage, cast = _staged(known, said, described)
+    values: dict[str, Any] = {
+        "name": name,
+        "help": help_,
+        "stem": name,
+        "module": module,
+        "constant": constant,
+        "calls": calls,
+    }
+    scene = stage.turtle(f"What is needed to {words_of(name)}.")
+    wanted = {str(one): condition for one, condition in described.pre}
+    left = open_questions(tried(known, scene, f"scene of skill '{name}'"), stage, wanted, cast)
+    trial = _tried(known, said, described, stage, cast)
     new = {
         **folder_files(known.project, "skills"),
         f"src/{package}/skills/{name}.py": _module(values, known, described),
-        f"tests/skills/test_{name}.py": render("skill_test.py", **values, **_tried(known, said, described, stage, cast)),
-        f"tests/skills/scenes/{name}.ttl": stage.turtle(f"What is needed to {words_of(name)}."),
+        f"tests/skills/test_{name}.py": render("skill_test.py", **values, **trial),
+        f"tests/skills/scenes/{name}.ttl": scene,
     }
-    notes = [f"tests/skills/scenes/{name}.ttl cannot say it all: {why}; see to it by hand" for why in left]
+    notes = [f"tests/skills/scenes/{name}.ttl does not make it true: {why}; see to it by hand" for why in left]
     if not calls:
         notes.append(f"{name} is only pretended: give --do PRIMITIVE, or add an implementation later")
     return Draft(project.root, new, project.changes(known.project), tuple(notes))
-
 
 
 # ---------------------------------------------------------------- the description
@@ -144,7 +160,7 @@ def _missing_devices(known: Knowledge, said: NewSkill, params: Sequence[Declared
             if not any(known.ontology.is_a(own, type_) for own in there):
                 there.append(type_)
                 key = local_name(type_)
-                yield Declared(key, type_, f"The {words_of(key)}.", kind_of(type_, known.ontology))
+                yield Declared(key, type_, param.help, kind_of(type_, known.ontology))
 
 
 def _with_robot(
@@ -212,7 +228,7 @@ def _target(said: NewSkill, params: Sequence[Declared], post: Sequence[Wanted]) 
 # ---------------------------------------------------------------- how it is written and tried
 
 
-def _module(values: dict[str, object], known: Knowledge, described: _Described) -> str:
+def _module(values: dict[str, Any], known: Knowledge, described: _Described) -> str:
     origins = {word: known.origin(word) for word in described.words}
     own = [(o.module, o.name) for o in origins.values() if o.module.partition(".")[0] == known.project.package]
     foreign = [(o.module, o.name) for o in origins.values() if (o.module, o.name) not in own]
@@ -257,29 +273,36 @@ def _depending(project: Project, known: Knowledge, described: _Described) -> Pro
     return project
 
 
-def _staged(
-    known: Knowledge, said: NewSkill, described: _Described
-) -> tuple[Stage, Mapping[str, str], Sequence[str]]:
+def _staged(known: Knowledge, said: NewSkill, described: _Described) -> tuple[Stage, Mapping[str, str]]:
     """Puts a scene together in which it can be done, and wants what it brings about.
 
     Returns:
-        The scene, its individuals by parameter, and what it cannot say.
+        The scene, and its individuals by parameter.
     """
     stage = Stage(known.ontology, said.name, find_robot(said.robot, known.ontology))
     cast = {param.key: stage.cast(param.type, param.key) for param in described.params if param.is_element}
-    left = [
-        f"{wanted} ({why})"
-        for wanted, condition in described.pre
-        for why in stage.suppose(condition.pattern, cast)
-    ]
-    for wanted, _ in described.post:
-        stage.goals.append(str(replace(wanted, arguments=tuple(cast[argument] for argument in wanted.arguments))))
-    return stage, cast, left
+    for _, condition in described.pre:
+        stage.suppose(condition.pattern, cast)
+    for wanted, condition in described.post:
+        if _is_plannable(known, condition):
+            stage.goals.append(str(replace(wanted, arguments=tuple(cast[argument] for argument in wanted.arguments))))
+    if not stage.goals:
+        raise UsageError(f"skill '{said.name}': nobody can plan for what is not so; give a --post of what is so then")
+    return stage, cast
+
+
+def _is_plannable(known: Knowledge, condition: Condition) -> bool:
+    """True when somebody may want it: that a relation does not hold is brought about, but is no goal."""
+    try:
+        expand(condition.pattern, str(condition), known.ontology, count(1))
+    except PlanningError:
+        return False
+    return True
 
 
 def _tried(
     known: Knowledge, said: NewSkill, described: _Described, stage: Stage, cast: Mapping[str, str]
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """What the test needs: its imports; and what it tries where all primitives are the package's own.
 
     Those of others may need arms that really move.

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import keyword
 import re
+from collections.abc import Iterable
 
 from skiros_py.errors import UsageError
 
 __all__ = [
+    "check_distinct",
     "class_name",
     "constant_name",
     "joined",
@@ -56,6 +58,46 @@ def _usable(name: str, what: str) -> str:
     if len(name) > _LONGEST:
         raise UsageError(f"{what} '{name[:_LONGEST]}…': {_LONGEST} letters at most")
     return name
+
+
+def check_distinct(names: Iterable[str], what: str) -> None:
+    """Looks whether the names in the code that is about to be written are all different.
+
+    Raises:
+        UsageError: Two are the same, or one is that of something that every such file has.
+    """
+    seen = set(_IN_TEMPLATES)
+    for name in names:
+        if name in seen:
+            raise UsageError(f"{what}: the code would have two things called {name}; choose another name")
+        seen.add(name)
+
+
+_IN_TEMPLATES = frozenset(
+    {
+        "Any",
+        "AssertEffects",
+        "ClassVar",
+        "DESCRIPTION",
+        "Do",
+        "Execution",
+        "Failure",
+        "Kind",
+        "Options",
+        "Outcome",
+        "P",
+        "Param",
+        "Path",
+        "Primitive",
+        "SCENE",
+        "Sequence",
+        "Session",
+        "Skill",
+        "SkillDescription",
+        "Success",
+    }
+)
+"""Names that the files written have anyway."""
 
 
 def sentence(text: str, what: str) -> str:

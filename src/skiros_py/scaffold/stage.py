@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import count
 
-from skiros_py.errors import UsageError
+from skiros_py.scaffold.namespaces import declaring, prefix_of, prefix_table
 from skiros_py.scaffold.rendering import render
 from skiros_py.scaffold.robots import RobotFile
 from skiros_py.scaffold.spelling import snake_case, words_of
 from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Exists, Has, Pattern, Related
-from skiros_py.world.names import STANDARD_PREFIXES, Names
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 
 __all__ = ["Stage"]
 
-_CORE = "https://w3id.org/skiros-py/core"
 _SAMPLES = {
     "xsd:boolean": "true",
     "xsd:integer": "1",
@@ -103,7 +101,7 @@ class Stage:
 
     # ------------------------------------------------------------------ what shall hold
 
-    def suppose(self, pattern: Pattern, binding: dict[str, str]) -> tuple[str, ...]:
+    def suppose(self, pattern: Pattern, binding: Mapping[str, str]) -> tuple[str, ...]:
         """States facts that make a pattern true, as far as a scene can state them.
 
         Where a robot stands is left out: it drives there.
@@ -190,26 +188,19 @@ class Stage:
             help_: What it is for, in a sentence.
         """
         people = [*self._of_robot.values(), *self._own.values()]
-        used = {self._name_of(p.class_) for p in self._own.values()} | {self._name_of(f) for p in people for f in p.facts}
+        used = {prefix_of(p.class_) for p in self._own.values()} | {prefix_of(f) for p in people for f in p.facts}
+        robot = [self._robot.iri] if self._robot else []
         return render(
             "scene.ttl",
             name=self._name,
             help=help_,
             label=words_of(self._name),
-            prefixes=sorted((p, self._ontology.names.prefixes[p]) for p in used - set(STANDARD_PREFIXES)),
-            imports=[_CORE, *self._imports(used), *([self._robot.iri] if self._robot else ())],
+            prefixes=prefix_table(self._ontology, used),
+            imports=declaring(self._ontology, used) + robot,
             goals=[json.dumps(goal) for goal in self.goals],
             base=self._robot.first("sk:Base", self._ontology) if self._robot else "",
             people=[(p, _statements(p)) for p in people if p.class_ and _statements(p)],
         )
-
-    def _name_of(self, curie: str) -> str:
-        return curie.partition(":")[0]
-
-    def _imports(self, prefixes: Iterable[str]) -> list[str]:
-        """IRIs of the ontologies that declare words of some prefixes."""
-        spaces = {self._ontology.names.prefixes[p] for p in prefixes if p not in STANDARD_PREFIXES}
-        return sorted(file.iri for file in self._ontology.sources if f"{file.iri}#" in spaces or f"{file.iri}/" in spaces)
 
 
 def _statements(person: _Individual) -> list[str]:

@@ -75,8 +75,8 @@ class GoalReport:
         """True when every condition holds: by the truth where there is one, else by belief."""
         return not self.stopped and all(c.believed if c.true is None else c.true for c in self.conditions)
 
-    def with_truth(self, truths: tuple[bool, ...]) -> GoalReport:
-        """Returns the report with the simulator's truth beside each belief."""
+    def with_truth(self, truths: tuple[bool | None, ...]) -> GoalReport:
+        """Returns the report with the simulator's truth, where it has one, beside each belief."""
         pairs = zip(self.conditions, truths, strict=True)
         return replace(self, conditions=tuple(replace(c, true=t) for c, t in pairs))
 

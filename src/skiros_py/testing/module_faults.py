@@ -75,7 +75,8 @@ def _with_fault(primitive: type[Primitive[Any]], fault: ModuleFault) -> type[Pri
                         raise fault.exception
                     case Slow():
                         yield from _idle(self, fault.seconds)
-            return (yield from super().execute())
+            outcome: Outcome = yield from super().execute()
+            return outcome
 
     Spoiled.__name__, Spoiled.__qualname__ = primitive.__name__, primitive.__qualname__
     return Spoiled

@@ -1,7 +1,7 @@
 """What robots were taught about classes of things: values that count before those that the class itself gives.
 
-A taught pose is an element of the learned concepts (or of an ontology) that bears the value and says by ``sk:appliesTo``
-for which class. So teaching changes no element and no class, outlives the scene, and can be forgotten.
+A taught pose is an element of the learned concepts (or of an ontology) that bears the value and says by
+``sk:appliesTo`` for which class. So teaching changes no element and no class, outlives the scene, and can be forgotten.
 """
 
 from __future__ import annotations

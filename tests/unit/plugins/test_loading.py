@@ -1,43 +1,29 @@
+"""Entry points are loaded; what breaks is reported, whatever it does, and the others are there."""
+
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
+from typing import Any
 
 import pytest
 
 from skiros_py.plugins import load_plugins
 
 GROUP = "skiros.testing_only"
-Install = Callable[..., None]
 
 
-@pytest.fixture
-def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Install:
-    """Installs distributions with entry points, as pip would leave them behind."""
-    monkeypatch.syspath_prepend(str(tmp_path))
-
-    def make(name: str, points: dict[str, str], **modules: str) -> None:
-        info = tmp_path / f"{name.replace('-', '_')}-1.2.dist-info"
-        info.mkdir()
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.2\n", encoding="utf-8")
-        lines = [f"[{GROUP}]", *(f"{key} = {value}" for key, value in points.items())]
-        (info / "entry_points.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        for module, text in modules.items():
-            (tmp_path / f"{module}.py").write_text(text, encoding="utf-8")
-
-    return make
-
-
-def test_plugins_are_loaded_in_the_order_of_their_names(install: Install) -> None:
-    install("plug-b", {"zebra": "plug_b:Z", "ant": "plug_b:A"}, plug_b="Z, A = 26, 1")
+def test_plugins_are_loaded_in_the_order_of_their_names(site: Any) -> None:
+    site.install("plug-b", {"testing_only": {"zebra": "plug_b:Z", "ant": "plug_b:A"}}, {"plug_b.py": "Z, A = 26, 1"})
 
     plugins, faults = load_plugins(GROUP)
 
     assert [(p.group, p.name, p.distribution, p.value) for p in plugins] == [
-        (GROUP, "ant", "plug-b 1.2", 1),
-        (GROUP, "zebra", "plug-b 1.2", 26),
+        (GROUP, "ant", "plug-b 0.3", 1),
+        (GROUP, "zebra", "plug-b 0.3", 26),
     ]
     assert faults == ()
+
+
+RUDE = "class Rude(BaseException):\n    def __str__(self): raise OSError\nraise Rude"
 
 
 @pytest.mark.parametrize(
@@ -47,19 +33,73 @@ def test_plugins_are_loaded_in_the_order_of_their_names(install: Install) -> Non
         ("def broken(:", "SyntaxError"),
         ("1 / 0", "ZeroDivisionError"),
         ("", "AttributeError"),
+        ("import sys; sys.exit(3)", "SystemExit: 3"),
+        ("raise GeneratorExit", "GeneratorExit: "),
+        ("def f(): f()\nf()", "RecursionError"),
+        (RUDE, "Rude, which does not say what"),
+        ("raise ExceptionGroup('all', [OSError(), ValueError()])", "ExceptionGroup: all (2 sub-exceptions)"),
     ],
 )
-def test_a_plugin_that_fails_to_load_is_reported_and_hurts_nobody(install: Install, text: str, reason: str) -> None:
-    install("plug-good", {"good": "plug_good:X"}, plug_good="X = 1")
+def test_a_plugin_that_fails_to_load_is_reported_and_hurts_nobody(site: Any, text: str, reason: str) -> None:
+    site.install("plug-good", {"testing_only": {"good": "plug_good:X"}}, {"plug_good.py": "X = 1"})
     module = f"plug_bad_{len(text)}"
-    install("plug-bad", {"bad": f"{module}:X"}, **{module: text})
+    site.install("plug-bad", {"testing_only": {"bad": f"{module}:X"}}, {f"{module}.py": text})
 
     plugins, (fault,) = load_plugins(GROUP)
 
     assert [p.name for p in plugins] == ["good"]
-    assert (fault.group, fault.name, fault.distribution) == (GROUP, "bad", "plug-bad 1.2")
+    assert (fault.group, fault.name, fault.distribution) == (GROUP, "bad", "plug-bad 0.3")
     assert fault.reason.startswith(reason)
-    assert fault.traceback.startswith("Traceback (most recent call last)")
+    assert fault.traceback.startswith("Traceback (most recent call last)") or "Exception Group" in fault.traceback
+    assert fault.origin == str(site.folder / f"{module}.py")
+
+
+def test_a_person_who_stops_the_program_while_a_plugin_is_imported_stops_it(site: Any) -> None:
+    site.install("plug-c", {"testing_only": {"c": "plug_c:X"}}, {"plug_c.py": "raise KeyboardInterrupt"})
+
+    with pytest.raises(KeyboardInterrupt):
+        load_plugins(GROUP)
+
+
+def test_what_a_plugin_prints_while_it_is_imported_does_not_mix_with_an_answer(
+    site: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    site.install("plug-loud", {"testing_only": {"loud": "plug_loud:X"}}, {"plug_loud.py": "print('hello'); X = 1"})
+
+    load_plugins(GROUP)
+
+    assert capsys.readouterr() == ("", "hello\n")
+
+
+def test_an_entry_point_of_a_distribution_that_is_half_removed_is_called_stale(site: Any) -> None:
+    site.install("plug-gone", {"testing_only": {"gone": "plug_gone.deep:X"}})
+
+    (fault,) = load_plugins(GROUP)[1]
+
+    assert "No module named 'plug_gone.deep': the entry point is stale" in fault.reason
+    assert fault.reason.endswith("install plug-gone again, or uninstall it")
+
+
+@pytest.mark.parametrize("value", ["not a reference", "mod:", ":obj", "mod:obj:more", ""])
+def test_an_entry_point_that_names_nothing_is_reported(site: Any, value: str) -> None:
+    site.install("plug-odd", {"testing_only": {"odd": value}})
+
+    plugins, (fault,) = load_plugins(GROUP)
+
+    assert plugins == ()
+    assert fault.reason == f"'{value}' names nothing: write module:object"
+
+
+def test_of_two_of_one_name_neither_counts_and_both_origins_are_named(site: Any) -> None:
+    site.install("plug-one", {"testing_only": {"twin": "plug_one:X", "only": "plug_one:X"}}, {"plug_one.py": "X = 1"})
+    site.install("plug-two", {"testing_only": {"twin": "plug_two:X"}}, {"plug_two.py": "raise SystemExit"})
+
+    plugins, faults = load_plugins(GROUP)
+
+    assert [plugin.name for plugin in plugins] == ["only"]
+    assert [fault.distribution for fault in faults] == ["plug-one 0.3", "plug-two 0.3"]
+    for fault in faults:
+        assert "plug-one 0.3 (plug_one:X) and plug-two 0.3 (plug_two:X); neither counts" in fault.reason
 
 
 def test_a_group_that_nobody_fills_is_empty() -> None:

@@ -123,7 +123,11 @@ class Condition:
         if gone:
             return Verdict(self.negated, str(grounded), (Verdict(False, f"there is no {' and no '.join(gone)}"),))
         pattern = grounded.closed_pattern(view.ontology)
-        inner = pattern.evaluate(view, {argument: argument for argument in grounded.arguments})
+        try:
+            inner = pattern.evaluate(view, {argument: argument for argument in grounded.arguments})
+        except Exception as error:
+            error.add_note(f"in condition {grounded}")
+            raise
         return Verdict(inner.holds, str(grounded), (inner,))
 
 

@@ -95,11 +95,11 @@ def _computed(pattern: Computed, name: str, values: Sequence[str], binding: Bind
     """Asks for all values together, but for the other end itself: reasoners leave that out of many."""
     ends = {pattern.subject, pattern.object} - {name}
     other = binding[ends.pop()] if ends else None
-    apart = tuple(value for value in values if other is not None and value != other)
-    alone = {value for value in values if value not in apart}
+    alone = values if other is None else [value for value in values if value == other]
     held = {value for value in alone if pattern.evaluate(view, {**binding, name: value})}
     if other is None:
         return frozenset(held)
+    apart = tuple(value for value in values if value != other)
     if pattern.subject == name:
         return frozenset(held.union(subject for subject, _ in pattern.pairs(view, apart, (other,))))
     return frozenset(held.union(object_ for _, object_ in pattern.pairs(view, (other,), apart)))

@@ -61,17 +61,19 @@ class Search:
         if not domains:
             yield binding
             return
-        name = min(domains, key=lambda n: self._size(n, domains[n]))
+        name = self._next(domains)
         rest = {other: domain for other, domain in domains.items() if other != name}
         for value in self._values(name, domains[name], binding):
             bound = {**binding, name: value}
-            left = self._after(name, bound, rest) if rest else rest
+            left = self._after(name, bound, rest)
             if left is not None:
                 yield from self._extensions(bound, left)
 
-    def _size(self, name: str, domain: _Domain) -> tuple[bool, int]:
-        """What is narrowed down comes first: a whole class is only gone through where nothing leads to it."""
-        return (False, len(domain)) if domain is not None else (True, len(self._all(name)))
+    def _next(self, domains: Mapping[str, _Domain]) -> str:
+        """The variable with the fewest candidates; a whole class is only gone through where nothing leads to it."""
+        sizes = {name: len(domain) for name, domain in domains.items() if domain is not None}
+        sizes = sizes or {name: len(self._all(name)) for name in domains}
+        return min(sizes, key=sizes.__getitem__)
 
     def _all(self, name: str) -> tuple[str, ...]:
         class_ = self._classes[name]
@@ -90,7 +92,7 @@ class Search:
     def _after(self, name: str, binding: Binding, domains: Mapping[str, _Domain]) -> Mapping[str, _Domain] | None:
         """The candidates of the other variables once one is bound; None where one has none left."""
         left: Mapping[str, _Domain] | None = domains
-        for constraint in self._constraints:
+        for constraint in self._constraints if domains else ():
             if name in constraint.names and left is not None:
                 left = self._narrowed(constraint, binding, left)
         return left

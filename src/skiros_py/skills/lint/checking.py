@@ -33,10 +33,17 @@ def check(
     """
     allowed = _allowances(subject) if isinstance(subject, Source) else {}
     for rule in rules:
-        for problem in rule.check(subject, known) if rule.check is not None else ():
+        for problem in _contained(rule, subject, known):
             found = Finding(rule.name, rule.severity, title(subject), problem.text, problem.spot or spot)
             if rule.name not in allowed.get(found.spot.line if found.spot else 0, ()):
                 yield found
+
+
+def _contained(rule: Rule, subject: Subject, known: Known) -> Iterator[Problem]:
+    try:
+        yield from _asked(rule, subject, known)
+    except Exception as error:  # noqa: BLE001 - to look at somebody else's objects may run their code
+        yield Problem(f"it cannot be looked at: {type(error).__name__}: {error}")
 
 
 def _allowances(source: Source) -> Mapping[int, Sequence[str]]:

@@ -39,8 +39,6 @@ def check_params(params: Sequence[Param], where: str) -> None:
 def _faults(param: Param) -> Iterator[str]:
     if not param.key or param.key == IT or "=" in param.key or param.key.strip() != param.key:
         yield f"its key must be a name, without '=' and blanks, and not '{IT}'"
-    if not param.help:
-        yield "it has no help text"
     yield from _element_faults(param) if param.is_element else _value_faults(param)
     yield from _default_faults(param)
 

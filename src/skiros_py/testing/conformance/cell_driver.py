@@ -99,7 +99,7 @@ class CellDriverContract:
     def test_everything_stands_at_the_start(self, cell: CellDriver) -> None:
         now = _after(cell, 0.2)
 
-        assert all(state.still for state in (*now.arms.values(), *now.bases.values()))
+        assert _stands(now)
 
     @pytest.mark.parametrize("kind", ["arms", "grippers", "bases"])
     def test_a_command_for_an_unknown_device_is_refused(self, cell: CellDriver, kind: str) -> None:
@@ -223,8 +223,8 @@ class CellDriverContract:
         stopped = self._run(cell, cell.braking_time + cell.period)
         later = self._run(cell, 0.5)
 
-        for now in (stopped, later):
-            assert all(state.still for state in (*now.arms.values(), *now.bases.values()))
+        assert _stands(stopped)
+        assert _stands(later)
         assert all(later.bases[b].pose.distance(stopped.bases[b].pose) <= 0.02 for b in later.bases)
 
     def test_a_released_cell_stands_until_it_is_told_to_move(self, cell: CellDriver) -> None:
@@ -235,7 +235,7 @@ class CellDriverContract:
         cell.release()
         waiting = _after(cell, 0.5)
 
-        assert all(state.still for state in (*waiting.arms.values(), *waiting.bases.values()))
+        assert _stands(waiting)
         for base in _bases(self.spec()):
             driving = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
             assert driving.linear > 0.0
@@ -328,6 +328,10 @@ def _after(cell: CellDriver, seconds: float) -> Snapshot:
     for _ in range(math.ceil(seconds / cell.period - 1e-6)):
         cell.exchange(_NOTHING)
     return cell.read()
+
+
+def _stands(now: Snapshot) -> bool:
+    return all(arm.still for arm in now.arms.values()) and all(base.still for base in now.bases.values())
 
 
 def _in_thread(call: Callable[[], None]) -> None:

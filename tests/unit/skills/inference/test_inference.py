@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.conditions import Computed, Exists, Has, Not, Nothing, Pattern, Related, any_of
+from skiros_py.skills.conditions import Computed, Exists, Has, Not, Nothing, Pattern, Related, Verdict, any_of
 from skiros_py.skills.inference import Inferred, Missing, applying, infer
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
@@ -123,8 +123,6 @@ def test_the_first_preference_that_anything_fulfils_counts() -> None:
 
 
 def _is_first(view: WorldView, subject: str, object_: str) -> Any:
-    from skiros_py.skills.conditions import Verdict
-
     return Verdict(subject == "ball_1", f"{subject} is first of {object_}")
 
 
@@ -137,6 +135,29 @@ def test_of_those_preferred_alike_the_cheapest_is_taken() -> None:
     assert by_property.values["Ball"] == "ball_2"
     assert by_property.reasons["Ball"] == "of 3 that fit, the one of least mass (0.2)"
     assert by_function.reasons["Ball"] == "of 3 that fit, the first by id"
+
+
+def test_what_is_preferred_counts_before_what_is_cheap() -> None:
+    world = world_at("box_a", MORE_BALLS, "scene:ball_3 sk:mass 0.5 .")
+    skill = with_param(PICK, "Ball", prefer=Has(MASS, "it"), cost=lambda view, ball: float(ball[-1]))
+
+    assert inferred(skill, world, "arm_1").values["Ball"] == "ball_3"
+
+
+def test_what_is_related_but_of_another_class_is_not_taken() -> None:
+    world = tiny_world("scene:ball_0 a tiny:Ball ; sk:in scene:a_slot . scene:a_slot a tiny:Slot ; sk:on scene:floor .")
+    skill = replace(PICK, pre=(IN_CONTAINER("Ball", "Box"),))
+
+    assert inferred(skill, world, "arm_1").values["Box"] == "box_a"
+    assert isinstance(infer(skill, {"Ball": "ball_0"}, world, "arm_1"), Missing)
+
+
+def test_a_computed_relation_of_an_element_with_itself_is_asked_too() -> None:
+    same = Computed("sk:near", "it", "Other", lambda view, a, b: Verdict(a == b, "the same"))
+    other = replace(PICK, pre=(), params=(*PICK.params, Param("Other", "tiny:Ball", "A ball.")))
+    skill = with_param(other, "Ball", where=same)
+
+    assert inferred(skill, at_box_a(), "arm_1", Other="ball_2").values["Ball"] == "ball_2"
 
 
 def test_a_preference_of_one_parameter_decides_what_goes_with_it() -> None:

@@ -21,7 +21,6 @@ EMPTY = Nothing(IN, "it")
 BAD = [
     (Param("Box", "tiny:Box", "A box.", length=2), "parameter Box of a test: it is one element, so its length"),
     (Param("Box", "tiny:Box", "A box.", unit="m"), "an element has no unit, so not 'm'"),
-    (Param("Box", "tiny:Box", ""), "it has no help text"),
     (Param("", "number", "How far."), r"parameter \(without a name\) of a test: its key must be a name"),
     (Param("it", "number", "How far."), "its key must be a name, without '=' and blanks, and not 'it'"),
     (Param("a=b", "number", "How far."), "its key must be a name"),
@@ -97,7 +96,7 @@ def test_a_rightly_described_parameter_is_accepted(good: Param) -> None:
 class _Params:
     device: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
     gains: tuple[float, ...] = param("number", "How stiff.", kind=Kind.OFFLINE, default=(1.0, 2.0), length=2)
-    side: Side = param(Side, "Which.", kind=Kind.OFFLINE, default=Side.LEFT)
+    side: Side = param(Side, "Which.", kind=Kind.OFFLINE, default=Side.LEFT)  # noqa: RUF009
 
 
 @dataclass(frozen=True)

@@ -221,7 +221,7 @@ def test_arguments_are_what_is_given_and_defaults() -> None:
 
 
 def test_an_unknown_parameter_is_answered_with_the_nearest() -> None:
-    with pytest.raises(UnknownName, match="unknown parameter 'speed'.*mean 'Speed'"):
+    with pytest.raises(UnknownName, match=r"unknown parameter 'speed'.*mean 'Speed'"):
         read_arguments(PARAMS, {"speed": 1.0}, world())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import textwrap
 from collections.abc import Iterable, Iterator
 
 from skiros_py.skills.lint.finding import Problem, Severity, Spot
@@ -75,7 +76,7 @@ def _hands_on(primitive: type[Primitive[object]]) -> bool:
     if getattr(primitive.execute, "__isabstractmethod__", False):
         return True
     try:
-        tree = ast.parse(inspect.cleandoc("if True:\n" + inspect.getsource(primitive.execute)))
+        tree = ast.parse(textwrap.dedent(inspect.getsource(primitive.execute)))
     except (OSError, TypeError, SyntaxError):
         return True  # nothing is known of it
     returned = [node.value for node in ast.walk(tree) if isinstance(node, ast.Return)]

@@ -1,0 +1,233 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import pytest
+
+from skiros_py.checking import Ground, check_contract
+from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.skills.conditions import Compare, Computed, ConditionType, Related, Role, Verdict
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, Param, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import Skill
+from skiros_py.testing import SKILLS, tiny_world
+from skiros_py.testing.contract import check_contract as assert_contract
+from skiros_py.testing.contract import contract_cases
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+
+TINY = [Ground("tiny", tiny_world)]
+
+
+class Meddle(Primitive["Meddle.Params"]):
+    """Does something to the world, and one thing more."""
+
+    name: ClassVar[str] = "meddle"
+    write: ClassVar[Callable[[Any, Meddle.Params], None]] = lambda _tx, _params: None
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        robot: str = param("sk:Robot", "The robot.", kind=Kind.PLANNING)
+        place: str = param("sk:Location", "The place.")
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        with self.world.transaction(self.name, "meddles") as tx:
+            type(self).write(tx, self.params)
+        return Success()
+
+
+def meddling(write: Callable[[Any, Meddle.Params], None]) -> type[Meddle]:
+    return type("Meddling", (Meddle,), {"write": staticmethod(write)})
+
+
+def rules_and_texts(skill: Skill, *primitives: type[Primitive[Any]]) -> list[tuple[str, str]]:
+    named = {primitive.name: primitive for primitive in primitives}
+    return [(f.rule, f.text) for f in check_contract(skill, TINY, SKILLS, named).findings]
+
+
+DRIVE_AND_MEDDLE = pretend(
+    DRIVE, Sequence.of(AssertEffects(0.02), Do.of("meddle", robot=P("Robot"), place=P("Location")))
+)
+
+
+@pytest.mark.parametrize("skill", SKILLS, ids=lambda s: s.description.name)
+def test_skills_that_do_what_they_declare_pass(skill: Skill) -> None:
+    contract = check_contract(skill, TINY, SKILLS)
+
+    assert contract.findings == ()
+    assert isinstance(contract.outcome, Success)
+
+
+def test_a_skill_that_can_start_as_the_scene_is_runs_there() -> None:
+    assert check_contract(pretend(DRIVE), TINY).where == "tiny"
+
+
+def test_other_skills_bring_about_what_it_needs() -> None:
+    contract = check_contract(pretend(PLACE), TINY, SKILLS)
+
+    assert contract.where == "tiny, after other skills"
+    assert contract.arguments is not None
+    assert contract.arguments["Ball"] == "ball_1"
+
+
+def test_what_no_skill_brings_about_is_made_up() -> None:
+    contract = check_contract(pretend(PICK), TINY)
+
+    assert (contract.where, contract.findings) == ("tiny, made up", ())
+
+
+def test_an_effect_that_did_not_happen_is_named_with_the_reason() -> None:
+    idle = pretend(DRIVE, Do.of("meddle", robot=P("Robot"), place=P("Location")))
+
+    ((rule, text),) = rules_and_texts(idle, Meddle)
+
+    assert rule == "effect-missing"
+    assert text.startswith("At(robot_1, ")
+    assert "it is at unknown_location" in text
+
+
+def test_why_a_skill_failed_is_said_beside_the_effects_that_did_not_happen() -> None:
+    class Refuse(Meddle):
+        name: ClassVar[str] = "refuse"
+
+        def execute(self) -> Execution[Outcome]:
+            yield
+            return Failure("the wheels are gone")
+
+    ((rule, text),) = rules_and_texts(pretend(DRIVE, Do.of("refuse", robot=P("Robot"), place=P("Location"))), Refuse)
+
+    assert rule == "effect-missing"
+    assert "the wheels are gone" in text
+
+
+@pytest.mark.parametrize(
+    ("write", "said"),
+    [
+        (lambda tx, p: tx.relate(p.robot, "tiny:knows", p.place), "tiny:knows"),
+        (lambda tx, p: tx.set(p.place, "sk:missing", True), "sk:missing"),
+        (lambda tx, _: tx.place("ball_1", "sk:in", "box_b"), "ball_1"),
+        (lambda tx, _: tx.remove("ball_1"), "ball_1 (tiny:Ball)"),
+        (lambda tx, _: tx.set_goals(["Free(slot_1)"]), "goal"),
+    ],
+    ids=["relation", "property", "place", "element", "goals"],
+)
+def test_a_change_that_is_not_declared_is_named(write: Callable[[Any, Meddle.Params], None], said: str) -> None:
+    ((rule, text),) = rules_and_texts(DRIVE_AND_MEDDLE, meddling(write))
+
+    assert rule == "undeclared-change"
+    assert said in text
+
+
+def test_a_new_element_is_one_finding_however_much_is_said_of_it() -> None:
+    def write(tx: Any, _params: Meddle.Params) -> None:
+        ball = tx.add("tiny:Ball")
+        tx.place(ball, "sk:in", "box_a")
+        tx.set(ball, "sk:missing", True)
+
+    assert [rule for rule, _ in rules_and_texts(DRIVE_AND_MEDDLE, meddling(write))] == ["undeclared-change"]
+
+
+def test_the_poses_of_what_is_moved_and_of_its_parts_go_without_saying() -> None:
+    from skiros_py.geometry import Pose
+
+    def write(tx: Any, params: Meddle.Params) -> None:
+        tx.set("base_1", "sk:pose", Pose.of(1.0, 2.0, 0.0))
+        tx.set(params.robot, "sk:pose", Pose.of(1.0, 2.0, 0.0))
+
+    assert rules_and_texts(DRIVE_AND_MEDDLE, meddling(write)) == []
+
+
+def test_the_pose_of_what_is_not_moved_does_not() -> None:
+    from skiros_py.geometry import Pose
+
+    def write(tx: Any, _params: Meddle.Params) -> None:
+        tx.set("ball_1", "sk:pose", Pose.of(1.0, 2.0, 0.0))
+
+    assert [rule for rule, _ in rules_and_texts(DRIVE_AND_MEDDLE, meddling(write))] == ["undeclared-change"]
+
+
+def test_a_declared_value_may_change_and_no_other() -> None:
+    missing = ConditionType("Lost", (Role("place", "sk:Location"),), Compare("sk:missing", "=", "place", True), "Lost.")
+    lose = pretend(replace(DRIVE, post=(*DRIVE.post, missing("Location"))), DRIVE_AND_MEDDLE.body)
+
+    assert rules_and_texts(lose, Meddle) == []
+
+
+def test_of_what_can_never_start_it_is_said_what_is_missing() -> None:
+    never = Computed("tiny:fitsIn", "a", "b", lambda *_: Verdict(False, "the stars stand badly"))
+    lucky = ConditionType("Lucky", (Role("a", "sk:Robot"), Role("b", "sk:Location")), never, "Luck.")
+    skill = pretend(replace(DRIVE, pre=(*DRIVE.pre, lucky("Robot", "Location"))))
+
+    ((rule, text),) = rules_and_texts(skill)
+
+    assert rule == "never-tried"
+    assert "the stars stand badly" in text
+
+
+def test_values_that_nobody_says_are_made_up() -> None:
+    slow = replace(DRIVE, params=(*DRIVE.params, Param("Speed", "number", "How fast.", unit="m/s")))
+
+    contract = check_contract(pretend(slow), TINY)
+
+    assert contract.findings == ()
+    assert contract.arguments is not None
+    assert contract.arguments["Speed"] == 1.0
+
+
+def test_a_skill_that_never_ends_is_broken_off() -> None:
+    class Sleep(Meddle):
+        name: ClassVar[str] = "snooze"
+
+        def execute(self) -> Execution[Outcome]:
+            while True:
+                yield
+
+    ((rule, text),) = rules_and_texts(pretend(DRIVE, Do.of("snooze", robot=P("Robot"), place=P("Location"))), Sleep)
+
+    assert rule == "effect-missing"
+    assert "did not end" in text
+
+
+def test_a_case_that_the_world_refuses_is_taken_only_where_there_is_no_other() -> None:
+    nested = ConditionType(
+        "Inside", (Role("a", "tiny:Box"), Role("b", "sk:Location")), Related("sk:in", "a", "b"), "In."
+    )
+    own = (Param("Box", "tiny:Box", "What."), Param("Into", "tiny:Box", "Where to."))
+    params = (*DRIVE.params[:2], *own)
+    pack = replace(DRIVE, params=params, target="Into", pre=DRIVE.pre[:1], post=(nested("Box", "Into"),))
+
+    contract = check_contract(pretend(pack), TINY)
+
+    assert contract.findings == ()
+    assert contract.arguments is not None
+    assert contract.arguments["Box"] != contract.arguments["Into"]
+
+
+def test_an_author_asserts_a_contract_of_one_skill() -> None:
+    assert_contract(pretend(PICK), tiny_world, skills=SKILLS)
+    idle = pretend(DRIVE, Do.of("meddle", robot=P("Robot"), place=P("Location")))
+
+    with pytest.raises(AssertionError, match="effect-missing"):
+        assert_contract(idle, tiny_world, primitives=[Meddle])
+
+
+@pytest.mark.parametrize("case", contract_cases("skiros-skills"), ids=str)
+def test_the_built_in_skills_do_what_they_declare(case: Any) -> None:
+    case.check()
+
+
+def test_a_condition_that_raises_is_a_finding() -> None:
+    def broken(*_: object) -> Verdict:
+        raise ZeroDivisionError("no such luck")
+
+    word = ConditionType(
+        "Odd", (Role("a", "sk:Robot"), Role("b", "sk:Location")), Computed("tiny:fitsIn", "a", "b", broken), "Odd."
+    )
+
+    ((rule, text),) = rules_and_texts(pretend(replace(DRIVE, pre=(*DRIVE.pre, word("Robot", "Location")))))
+
+    assert rule in ("effect-missing", "never-tried")
+    assert "no such luck" in text

@@ -1,0 +1,61 @@
+"""Files are written all or none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from skiros_py.errors import FileError, UsageError
+from skiros_py.scaffold import Draft
+
+
+def files(folder: Path) -> dict[str, str]:
+    return {str(f.relative_to(folder)): f.read_text(encoding="utf-8") for f in folder.rglob("*") if f.is_file()}
+
+
+def test_new_files_are_written_and_others_changed(tmp_path: Path) -> None:
+    (tmp_path / "a").write_text("old", encoding="utf-8")
+
+    Draft(tmp_path, {"b/c": "new"}, {"a": "changed"}).write()
+
+    assert files(tmp_path) == {"a": "changed", "b/c": "new"}
+
+
+def test_where_one_is_there_already_none_is_written(tmp_path: Path) -> None:
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "c").write_text("mine", encoding="utf-8")
+
+    with pytest.raises(UsageError, match="b/c: there already"):
+        Draft(tmp_path, {"a": "new", "b/c": "new"}).write()
+
+    assert files(tmp_path) == {"b/c": "mine"}
+
+
+def test_where_the_last_cannot_be_written_the_first_are_taken_back(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+
+    with pytest.raises(FileError, match="nothing was changed"):
+        Draft(tmp_path, {"deep/er/a": "new"}, {"nowhere/b": "changed"}).write()
+    with pytest.raises(UsageError, match="cannot be written"):
+        Draft(tmp_path, {"deep/a": "new", "file/b": "new"}).write()
+
+    assert files(tmp_path) == {"file": "mine"}
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
+
+
+def test_a_folder_appears_whole_and_never_over_another(tmp_path: Path) -> None:
+    draft = Draft(tmp_path / "deep" / "pack", {"src/a": "a", "b": "b"})
+
+    draft.write_folder()
+
+    assert files(tmp_path) == {"deep/pack/src/a": "a", "deep/pack/b": "b"}
+    with pytest.raises(UsageError, match="there already"):
+        draft.write_folder()
+
+
+def test_a_folder_that_cannot_be_written_leaves_nothing_behind(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="cannot be written"):
+        Draft(tmp_path / "pack", {"a": "", "a/b": ""}).write_folder()
+
+    assert list(tmp_path.iterdir()) == []

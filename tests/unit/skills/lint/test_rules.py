@@ -1,0 +1,523 @@
+"""What the rules find, and what they must leave alone; each rule's main example stands on its page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from skiros_py.skills.composition import (
+    AssertEffects,
+    Check,
+    Do,
+    Fallback,
+    ForEach,
+    Guard,
+    Node,
+    P,
+    Parallel,
+    Policy,
+    Retry,
+    Sequence,
+)
+from skiros_py.skills.conditions import (
+    AllOf,
+    AnyOf,
+    Compare,
+    Computed,
+    Condition,
+    ConditionType,
+    Exists,
+    Has,
+    IsA,
+    Not,
+    Nothing,
+    Pattern,
+    Related,
+    Role,
+    Sensor,
+    any_of,
+)
+from skiros_py.skills.lint import RULES, Finding, Known, Source, Subject, check, problems_of
+from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.parameters import Kind, Param, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import Skill
+from skiros_py.testing import CONDITIONS, SKILLS, tiny_ontology, tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE, pretend
+from skiros_py.world.checks import relation_problem
+from skiros_py.world.element import Placement
+from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.reasoners.sizes import SizeReasoner
+from skiros_py.world.reasoners.spatial import SpatialReasoner
+from skiros_py.world.terms import Family
+from skiros_py.world.world import World
+
+
+class Wave(Primitive["Wave.Params"]):
+    """Waves."""
+
+    name: ClassVar[str] = "wave"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
+        times: int = param("integer", "How often.", kind=Kind.OFFLINE, default=1)
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        return Success()
+
+
+REASONERS = Reasoners((SizeReasoner(), SpatialReasoner()))
+
+
+def known(*skills: Skill) -> Known:
+    return Known(tiny_ontology(), {"wave": Wave}, (*SKILLS, *skills), REASONERS)
+
+
+def findings(*subjects: Subject, skills: Iterable[Skill] = ()) -> list[Finding]:
+    return [f for s in subjects for f in check(s, known(*skills), rules=RULES.values())]
+
+
+def broken(*subjects: Subject, skills: Iterable[Skill] = ()) -> set[str]:
+    return {finding.rule for finding in findings(*subjects, skills=skills)}
+
+
+def word(pattern: Pattern, a: str = "sk:Robot", b: str = "sk:Location") -> ConditionType:
+    return ConditionType("Word", (Role("a", a), Role("b", b)), pattern, "A word.")
+
+
+def of_body(body: Node) -> set[str]:
+    skill = Skill(DRIVE, body)
+    return broken(skill, skills=[skill])
+
+
+# ------------------------------------------------------------------------------------------ what all is good
+
+
+def test_the_tiny_skills_keep_all_rules() -> None:
+    assert broken(*SKILLS, *(skill.description for skill in SKILLS), Wave) == set()
+
+
+@pytest.mark.parametrize("type_", [t for t in CONDITIONS.values() if len(t.help) > 2], ids=lambda t: t.name)
+def test_the_tiny_words_keep_all_rules(type_: ConditionType) -> None:
+    assert broken(type_) == set()
+
+
+# ------------------------------------------------------------------------------------------ words
+
+
+@pytest.mark.parametrize(
+    ("pattern", "said"),
+    [
+        (Related("sk:att", "a", "b"), "no ontology declares the relation sk:att; did you mean sk:at?"),
+        (Compare("sk:misssing", "=", "b", True), "the property sk:misssing; did you mean sk:missing?"),
+        (IsA("b", "tiny:Boxx"), "the class tiny:Boxx; did you mean tiny:Box?"),
+        (Exists("x", "tiny:Boxx", Related("sk:at", "a", "x")), "the class tiny:Boxx"),
+        (Sensor("a", "colour", "=", 1), "no device says its colour; there is angular, "),
+    ],
+    ids=lambda value: type(value).__name__ if not isinstance(value, str) else "",
+)
+def test_an_unknown_word_is_named_with_the_one_it_is_like(pattern: Pattern, said: str) -> None:
+    (finding,) = findings(word(pattern))
+
+    assert finding.rule == "unknown-word"
+    assert said in finding.text
+
+
+def test_words_are_looked_up_in_partial_descriptions_requirements_and_bodies() -> None:
+    where = Param("Spot", "tiny:Box", "A box.", where=Nothing("sk:inn", "it"))
+    skill = Skill(
+        replace(DRIVE, params=(*DRIVE.params, where)), ForEach("x", "tiny:Boxx", Do.of("wave")), requires=("sk:Wing",)
+    )
+
+    texts = [f.text for f in findings(skill.description, skill) if f.rule == "unknown-word"]
+
+    assert [text.partition(":")[0] for text in texts] == ["parameter Spot", "requires", "for each x"]
+
+
+# ------------------------------------------------------------------------------------------ ranges
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        Related("sk:at", "b", "a"),
+        Not(Related("sk:at", "b", "a")),
+        AllOf((Related("sk:at", "a", "b"), Related("sk:at", "b", "a"))),
+        AnyOf((Related("sk:at", "a", "b"), Related("sk:at", "b", "a"))),
+        Nothing("sk:heldBy", "b"),
+        Computed("tiny:fitsIn", "a", "b", lambda *_: pytest.fail("not asked")),
+        Has("sk:maxGap", "b"),
+        Compare("sk:missing", "=", "b", "yes"),
+        Compare("sk:missing", "=", "b", 1),
+        Compare("sk:model", "<", "a", 1.0),
+        IsA("a", "tiny:Box"),
+        Exists("x", "tiny:Ball", Related("sk:at", "a", "x")),
+    ],
+    ids=repr,
+)
+def test_what_no_element_can_be_is_found_wherever_it_stands(pattern: Pattern) -> None:
+    assert broken(word(pattern)) == {"wrong-range"}
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        Related("sk:at", "a", "b"),
+        Related("sk:placement", "b", "a"),
+        Compare("sk:mass", "<", "b", 1.5),
+        Exists("x", "tiny:Ball", Compare("sk:missedLooks", ">", "x", 0.5)),
+        Compare("sk:missing", "!=", "b", False),
+        IsA("b", "tiny:Box"),
+        Exists("x", "tiny:Slot", Related("sk:at", "a", "x")),
+    ],
+    ids=repr,
+)
+def test_what_some_element_can_be_is_left_alone(pattern: Pattern) -> None:
+    assert broken(word(pattern)) == set()
+
+
+def test_a_class_above_the_one_asked_for_is_left_alone() -> None:
+    assert broken(word(Related("sk:at", "a", "b"), a="sk:SpatialThing", b="sk:Element")) == set()
+
+
+def test_a_class_with_a_second_parent_may_be_both() -> None:
+    assert broken(word(Related("sk:at", "a", "b"), b="sk:Furniture")) == set()  # a bench is a box, too
+
+
+def test_an_argument_that_can_never_fill_its_role_is_named() -> None:
+    (finding,) = findings(replace(DRIVE, pre=(IN_CONTAINER("Robot", "Location"),)))
+
+    assert finding.rule == "wrong-range"
+    assert "its ball is a tiny:Ball, and Robot is a sk:Robot" in finding.text
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        (Do.of("wave", arm=P("Base")), "'wave' takes a sk:Arm as arm, and Base is a sk:Base"),
+        (Do.of("wave", arm=P("Speed")), "'wave' takes a sk:Arm as arm, and Speed is no element"),
+        (Do.of("pick", Ball=P("Location"), Box=P("Location")), "'pick' takes a tiny:Ball as Ball"),
+        (ForEach("ball", "tiny:Ball", Do.of("pick", Box=P("ball"))), "'pick' takes a tiny:Box as Box, and ball is"),
+    ],
+)
+def test_a_parameter_passed_as_what_it_can_never_be_is_named(body: Node, said: str) -> None:
+    fast = replace(DRIVE, params=(*DRIVE.params, Param("Speed", "number", "How fast.", unit="m/s")))
+
+    found = [f for f in findings(Skill(fast, body)) if f.rule == "wrong-range"]
+
+    assert [said in finding.text for finding in found] == [True]
+
+
+# ------------------------------------------------------------------------------------------ calls and parameters
+
+
+def test_a_skill_may_call_a_skill_and_leave_its_elements_to_inference() -> None:
+    assert of_body(Do.of("pick", Ball=P("Location"))) == {"wrong-range"}
+    assert of_body(Do.of("pick")) == set()
+    assert problems_of(Skill(DRIVE, Do.of("pick")), tiny_ontology(), {}, skills=SKILLS) == ()
+
+
+def test_values_that_a_called_skill_needs_must_be_given() -> None:
+    slow = pretend(replace(PICK, name="creep", params=(*PICK.params, Param("Speed", "number", "How.", unit="m/s"))))
+    caller = Skill(DRIVE, Do.of("creep"))
+
+    (finding,) = findings(caller, skills=[slow, caller])
+
+    assert (finding.rule, finding.text) == ("unknown-module", "skill 'creep' needs Speed")
+
+
+def test_a_misspelt_parameter_of_a_module_is_named_with_the_one_it_is_like() -> None:
+    texts = [f.text for f in findings(Skill(DRIVE, Do.of("pick", Bal=P("Location"))))]
+
+    assert texts == ["skill 'pick' has no parameter Bal; did you mean Ball?"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        Do.of("pick", Ball=P("Bal")),
+        Guard.of(AssertEffects(), AT_LOCATION("Robot", "Spot")),
+        Check.of(AT_LOCATION("Robot", "Spot")),
+        ForEach("x", "tiny:Box", Do.of("drive"), Related("sk:at", "Robott", "x")),
+        AssertEffects(1.0, ("nothing",)),
+        Sequence.of(ForEach("x", "tiny:Box", Do.of("drive")), Do.of("pick", Box=P("x"))),
+    ],
+    ids=["call", "guard", "check", "query", "effect", "after the loop"],
+)
+def test_what_refers_to_no_parameter_is_found(body: Node) -> None:
+    assert of_body(body) == {"missing-parameter"}
+
+
+def test_a_loop_has_a_name_of_its_own() -> None:
+    query = AllOf((Related("sk:on", "x", "Location"), Not(Related("sk:at", "Robot", "x"))))
+
+    assert of_body(ForEach("x", "tiny:Box", Do.of("pick", Box=P("x")), query)) == set()
+
+
+def test_a_primitive_takes_what_is_among_its_parameters() -> None:
+    class Grab(Wave):
+        """Grabs."""
+
+        takes: ClassVar[tuple[str, ...]] = ("robot",)
+
+    assert broken(Grab) == {"missing-parameter"}
+
+
+# ------------------------------------------------------------------------------------------ reach
+
+
+def needs(*pre: Condition, skill: Skill | None = None) -> set[str]:
+    description = replace(PLACE, name="stow", pre=(*pre,))
+    return broken(description, skills=[pretend(description), *([skill] if skill else [])])
+
+
+def test_things_are_in_one_place() -> None:
+    assert needs(HOLDING("Gripper", "Ball"), IN_CONTAINER("Ball", "Slot")) == {"unreachable-precondition"}
+    assert needs(HOLDING("Gripper", "Ball"), ~IN_CONTAINER("Ball", "Slot")) == set()
+    assert needs(any_of(HOLDING("Gripper", "Ball"), CONDITIONS["Free"]("Slot")), IN_CONTAINER("Ball", "Slot")) == set()
+
+
+def test_nothing_and_something_exclude_each_other() -> None:
+    assert needs(CONDITIONS["Free"]("Slot"), IN_CONTAINER("Ball", "Slot")) == {"unreachable-precondition"}
+    assert needs(CONDITIONS["Free"]("Slot"), ~CONDITIONS["Free"]("Slot")) == {"unreachable-precondition"}
+
+
+def test_what_skills_only_ever_end_is_found_and_what_one_brings_back_is_not() -> None:
+    knows = ConditionType(
+        "Knows", (Role("a", "sk:Robot"), Role("b", "sk:Location")), Related("tiny:knows", "a", "b"), "Knows it."
+    )
+    forget = pretend(replace(DRIVE, name="forget", post=(~knows("Robot", "Location"),)))
+    learn = pretend(replace(DRIVE, name="learn", post=(knows("Robot", "Location"),)))
+    use = replace(DRIVE, name="use", pre=(knows("Robot", "Location"),))
+
+    assert broken(use, skills=[]) == set()
+    assert broken(use, skills=[forget]) == {"unreachable-precondition"}
+    assert broken(use, skills=[forget, learn]) == set()
+
+
+def test_values_that_skills_only_ever_take_away_are_found() -> None:
+    def lost(value: bool) -> ConditionType:
+        return ConditionType("Is", (Role("b", "sk:Location"),), Compare("sk:missing", "=", "b", value), "Is it?")
+
+    lose = pretend(replace(DRIVE, name="lose", post=(lost(True)("Location"),)))
+    find = pretend(replace(DRIVE, name="find", post=(lost(False)("Location"),)))
+    use = replace(DRIVE, name="use", pre=(lost(False)("Location"),))
+
+    assert broken(use, skills=[lose]) == {"unreachable-precondition"}
+    assert broken(use, skills=[lose, find]) == set()
+
+
+# ------------------------------------------------------------------------------------------ composition
+
+
+@pytest.mark.parametrize(
+    ("body", "is_endless"),
+    [
+        (Do.of("drive"), True),
+        (Sequence.of(Do.of("wave", arm="x"), Retry(Do.of("drive"), 3)), True),
+        (Fallback.of(Do.of("drive"), Do.of("pick")), False),
+        (ForEach("x", "tiny:Box", Do.of("drive")), False),
+        (Parallel.of(Do.of("drive"), Do.of("wave", arm="x")), True),
+        (Parallel.of(Do.of("drive"), Do.of("wave", arm="x"), policy=Policy.FIRST_SUCCESS), False),
+    ],
+)
+def test_only_a_skill_that_cannot_do_without_itself_is_endless(body: Node, is_endless: bool) -> None:
+    assert ("recursive-skill" in of_body(body)) is is_endless
+
+
+def test_skills_that_call_each_other_in_a_ring_are_endless() -> None:
+    there, back = Skill(DRIVE, Do.of("back")), Skill(replace(DRIVE, name="back"), Do.of("drive"))
+
+    assert broken(there, back, skills=[there, back]) == {"recursive-skill"}
+
+
+def test_a_ring_with_a_way_out_in_another_implementation_ends() -> None:
+    there, back = Skill(DRIVE, Do.of("back")), Skill(replace(DRIVE, name="back"), Do.of("drive"))
+    direct = Skill(DRIVE, Do.of("wave", arm="x"), label="direct")
+
+    assert broken(there, back, direct, skills=[there, back, direct]) == set()
+
+
+def test_parallel_branches_may_take_different_devices() -> None:
+    arms = (Param("Left", "sk:Arm", "One.", Kind.HARDWARE), Param("Right", "sk:Arm", "Other.", Kind.HARDWARE))
+    two = replace(DRIVE, params=(*DRIVE.params, *arms))
+    waving = [Do.of("wave", arm=P(key)) for key in ("Left", "Right", "Left")]
+
+    assert broken(Skill(two, Parallel.of(*waving[:2]))) == set()
+    (finding,) = findings(Skill(two, Parallel.of(*waving)))
+    assert finding.text.startswith("parallel branches 1 and 3 both take Left")
+
+
+# ------------------------------------------------------------------------------------------ code
+
+
+def source(text: str, *, primitives: bool = True, **names: Any) -> Source:
+    return Source(Path("home.py"), text, names, primitives)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("def f(self):\n    try:\n        yield\n    finally:\n        yield\n", 5),
+        ("def f(self):\n    try:\n        yield\n    finally:\n        if self.x:\n            yield from g()\n", 6),
+        ("def f(self):\n    try:\n        yield\n    finally:\n        base.command(STOP)\n", 5),
+        ("def f(self):\n    try:\n        yield\n    except GeneratorExit:\n        self.call('home')\n", 5),
+        ("def f(self):\n    try:\n        yield\n    except BaseException:\n        yield\n        raise\n", 5),
+    ],
+)
+def test_motion_is_found_where_a_primitive_must_only_let_go(text: str, line: int) -> None:
+    (finding,) = findings(source(text))
+
+    assert finding.rule == "motion-in-finally"
+    assert str(finding).startswith(f"home.py:{line}: motion-in-finally: home.py: ")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def f(self):\n    try:\n        yield\n    finally:\n        self.gripper.halt()\n",
+        "def f(self):\n    try:\n        yield\n    except ValueError:\n        yield\n",
+        "def f(self):\n    try:\n        pass\n    finally:\n        def g():\n            yield\n",
+        "def f(self):\n    try:\n        pass\n    finally:\n        self.calls.clear()\n",
+    ],
+)
+def test_letting_go_is_left_alone(text: str) -> None:
+    assert broken(source(text)) == set()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import time\ntime.sleep(1)\n",
+        "from time import sleep\nsleep(1)\n",
+        "from time import sleep as nap\nnap(1)\n",
+        "import subprocess as s\ns.run(['ls'])\n",
+        "import requests\nrequests.get('x')\n",
+        "import urllib.request\nurllib.request.urlopen('x')\n",
+        "answer = input()\n",
+    ],
+)
+def test_calls_that_wait_are_found_however_they_are_imported(text: str) -> None:
+    assert broken(source(text)) == {"blocking-call"}
+
+
+def test_calls_that_wait_are_left_alone_outside_primitives_and_where_allowed() -> None:
+    text = "import time\ntime.sleep(1)  # skiros: allow blocking-call\nclock.sleep(1)\ntime.time()\n"
+
+    assert broken(source("import time\ntime.sleep(1)\n", primitives=False)) == set()
+    assert broken(source(text)) == set()
+    assert broken(source(text.replace("blocking-call", "unknown-word"))) == {"blocking-call"}
+
+
+@pytest.mark.parametrize(
+    ("text", "is_private"),
+    [
+        ("from skiros_py.execution.cycle import ControlCycle\n", True),
+        ("import skiros_py.runtime\n", True),
+        ("from skiros_py import runtime\n", True),
+        ("from skiros_py import Session\n", False),
+        ("from skiros_py.skills.skill import Skill\n", False),
+        ("from skiros_py.planning.planner import Answer\n", False),
+        ("from skiros_primitives.grasp import Grasp\n", False),
+        ("from .execution import x\n", False),
+    ],
+)
+def test_imports_of_the_inside_are_found(text: str, is_private: bool) -> None:
+    assert broken(source(text)) == ({"private-import"} if is_private else set())
+
+
+@pytest.mark.parametrize(
+    ("text", "is_found"),
+    [
+        ("tx.relate(box, 'sk:hasA', part)\n", True),
+        ("tx.unrelate(box, HAS_A, part)\n", True),
+        ("tx.relate(box, words.HAS_A, part)\n", True),
+        ("tx.relate(box, 'sk:startLocation', part)\n", False),
+        ("view.related(box, 'sk:hasA', part)\n", False),
+    ],
+)
+def test_code_that_rebuilds_things_is_found(text: str, is_found: bool) -> None:
+    class Words:
+        HAS_A = "sk:hasA"
+
+    assert broken(source(text, HAS_A="sk:hasA", words=Words)) == ({"moves-by-structure"} if is_found else set())
+
+
+def test_execute_may_hand_on_the_generator_of_another_method() -> None:
+    class Handing(Wave):
+        """Hands on."""
+
+        def execute(self) -> Execution[Outcome]:
+            return self._wave()
+
+        def _wave(self) -> Execution[Outcome]:
+            yield
+            return Success()
+
+    assert broken(Handing) == set()
+
+
+def test_a_docstring_that_a_dataclass_wrote_or_a_base_class_has_explains_nothing() -> None:
+    class Silent(Wave):
+        pass
+
+    assert broken(Silent) == {"missing-help"}
+
+
+def test_what_breaks_while_it_is_looked_at_is_a_finding() -> None:
+    class Odd:
+        def rename(self, names: object) -> Pattern:
+            raise RuntimeError("not today")
+
+    texts = {finding.text for finding in findings(word(Odd()))}  # type: ignore[arg-type]
+
+    assert "it cannot be looked at: RuntimeError: not today" in texts
+
+
+# ------------------------------------------------------------------------------------------ held against the world
+
+
+def _one_of_each() -> World:
+    """A world with an element of every class that there may be elements of, under the class's name."""
+    world = tiny_world()
+    classes = [c for c in world.ontology.subclasses("sk:Element") if c not in ("sk:Root", "sk:Scene")]
+    with world.transaction("test", "one of each") as tx:
+        for class_ in classes:
+            floor = Placement("sk:on", "floor") if world.ontology.is_a(class_, "sk:SpatialThing") else None
+            is_root = world.ontology.is_a(class_, "sk:Root")
+            tx.add(class_, id=class_.replace(":", "_"), placement=None if is_root else floor)
+    return world
+
+
+EACH = _one_of_each()
+CLASSES = sorted({EACH.element(name).type for name in EACH.instances("sk:Element")})
+STORED = sorted(r.curie for r in EACH.ontology.relations.values() if r.family is not Family.COMPUTED)
+
+
+@given(st.sampled_from(STORED), st.sampled_from(CLASSES), st.sampled_from(CLASSES))
+@settings(max_examples=200, deadline=None)
+def test_a_range_is_wrong_exactly_where_the_world_refuses_all_elements_of_the_classes(
+    relation: str, subject: str, object_: str
+) -> None:
+    index, ontology = EACH.snapshot(), EACH.ontology
+    allowed = any(
+        relation_problem(index, f"{one.replace(':', '_')}", below, f"{other.replace(':', '_')}") is None
+        for below in ontology.sub_relations(relation)
+        for one in ontology.subclasses(subject)
+        for other in ontology.subclasses(object_)
+        if index.has(one.replace(":", "_")) and index.has(other.replace(":", "_"))
+    )
+
+    pattern = Related(relation, "a", "b")
+
+    found = list(check(word(pattern, a=subject, b=object_), known(), rules=[RULES["wrong-range"]]))
+
+    assert (found == []) is allowed
