@@ -9,8 +9,8 @@ from skiros_py.robot.cell import CellSpec
 from skiros_py.simulation.pybullet.cell import PyBulletCell
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
-from skiros_py.world.ontology.kinds import Family
 from skiros_py.world.overlay import Overlay
+from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import (
     AT,

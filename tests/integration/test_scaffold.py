@@ -12,13 +12,22 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from skiros_py.cli.main import main
 from skiros_py.config import ontology_paths
-from skiros_py.scaffold import NewPackage, draft_package
+from skiros_py.scaffold import (
+    Knowledge,
+    NewPackage,
+    NewSkill,
+    Project,
+    draft_package,
+    draft_skill,
+    knowledge_of,
+)
 
 ROOT = Path(__file__).parents[2]
 Skiros = Callable[..., tuple[int, str, str]]
@@ -374,3 +383,28 @@ def test_a_condition_of_the_package_that_does_not_load_is_named_with_its_reason(
     assert status == 2
     assert "unknown condition 'Inspected'" in err
     assert "ZeroDivisionError" in err
+
+
+def test_what_the_scene_of_a_skill_cannot_say_is_told_with_its_reason(package: Path, skiros: Skiros) -> None:
+    params = ("--param", "Part:sk:Manipulatable", "--param", "Slot:kitting:Compartment")
+    wanted = ("--pre", "FitsIn(Part, Slot)", "--post", "Inspected(Part)")
+
+    status, out, _ = skiros("new", "skill", "squeeze", "--agent", "sk:Arm", *params, *wanted, "--json")
+
+    assert status == 0
+    scene, pretended = json.loads(out)["notes"]
+    assert "scenes/squeeze.ttl does not make it true: FitsIn(Part, Slot) (the size of part_1 is not known)" in scene
+    assert "only pretended" in pretended
+
+
+def test_where_no_skills_are_installed_a_skill_has_no_robot_to_speak_of(package: Path) -> None:
+    with knowledge_of(Project.around(package)) as known:
+        own = {name: type_ for name, type_ in known.catalogue.conditions.items() if name == "Inspected"}
+        alone = Knowledge(known.project, known.ontology, replace(known.catalogue, conditions=own))
+        draft = draft_skill(
+            alone, NewSkill("scan", agent="sk:Arm", params=("Part:sk:Manipulatable",), post=("Inspected(Part)",))
+        )
+
+    text = draft.new["src/my_scanning/skills/scan.py"]
+    assert "Robot" not in text
+    assert 'Param("Part", "sk:Manipulatable", "The part.")' in text

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_primitives.playback import Playback
@@ -35,6 +35,7 @@ def played(clock: RunClock, cycles: int, *, pause: int = -1, resume: int = -1, f
     return targets
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6))
 def test_on_a_clock_that_runs_on_time_each_sample_is_given_out_exactly_once(first: int) -> None:
     targets = played(RunClock(first * PERIOD), 300, first=first)
@@ -43,6 +44,7 @@ def test_on_a_clock_that_runs_on_time_each_sample_is_given_out_exactly_once(firs
     assert [t.velocities for t in targets] == [tuple(row) for row in SWING.velocities[1:].tolist()]
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.integers(1, 199), st.integers(70, 400))
 def test_a_pause_leaves_the_path_as_it_is_and_ends_at_its_end(pause: int, length: int) -> None:
     targets = played(RunClock(), 1000, pause=pause, resume=pause + length)
@@ -53,6 +55,7 @@ def test_a_pause_leaves_the_path_as_it_is_and_ends_at_its_end(pause: int, length
     assert np.abs(done[:, 0] - (1.0 - np.cos(np.pi * done[:, 1]))).max() < 1e-4
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.integers(1, 130))
 def test_a_pause_brakes_without_a_jump_and_ends_with_hardly_any_speed(pause: int) -> None:
     targets = played(RunClock(), pause + 100, pause=pause)

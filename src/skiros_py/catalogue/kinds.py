@@ -9,8 +9,10 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
+from skiros_py.errors import SkirosError
 from skiros_py.plugins import Plugin
 from skiros_py.skills.conditions import ConditionType
+from skiros_py.skills.parameters import params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.reasoners.reasoner import Reasoner
@@ -85,6 +87,10 @@ def _wrong_primitive(plugin: Plugin) -> str | None:
         return f"{called}: compositions find it as '{plugin.name}', so both must be the same"
     if not is_dataclass(getattr(class_, "Params", None)):
         return "it has no Params: a frozen dataclass, empty where it takes nothing"
+    try:
+        params_of(class_.Params)
+    except SkirosError as error:
+        return str(error)
     missing = sorted(class_.__abstractmethods__) if inspect.isabstract(class_) else []
     return f"it does not define {', '.join(missing)}" if missing else None
 

@@ -25,7 +25,10 @@ _COMMANDS = {
     "check-plugin": ("skiros_py.cli.check_plugin", "Ask the rules about plug-ins, and try their skills."),
     "doctor": ("skiros_py.cli.doctor", "Explain this environment: what is there, what is missing, what to do."),
     "module": ("skiros_py.cli.module", "Run skills and primitives on their own; see what holds, and why not."),
-    "new": ("skiros_py.cli.new", "Write a package, or into one a skill, primitive, condition, ontology, robot or scene."),
+    "new": (
+        "skiros_py.cli.new",
+        "Write a package, or a skill, primitive, condition, ontology, robot or scene into one.",
+    ),
     "scene": ("skiros_py.cli.scene", "Look at scenes."),
     "world": ("skiros_py.cli.world", "Look at a world that lives in a data directory, take back edits, ask questions."),
     "ontology": ("skiros_py.cli.ontology", "Check ontologies, write their words as Python constants."),

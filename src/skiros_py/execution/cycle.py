@@ -67,9 +67,10 @@ class ControlCycle:
         self._tasks.append(task)
         return task
 
-    def observe(self, observer: Callable[[], None]) -> None:
-        """Calls a function at the end of every cycle; it must be quick and change nothing."""
+    def observe(self, observer: Callable[[], None]) -> Callable[[], None]:
+        """Calls a function at the end of every cycle; it must be quick. Returns how to end that."""
         self._observers.append(observer)
+        return lambda: self._observers.remove(observer)
 
     def on_fault(self, listener: Callable[[Task[Any]], None]) -> None:
         """Calls a function at the end of each cycle with every task that ended with a fault; else they are logged."""
@@ -83,7 +84,7 @@ class ControlCycle:
         self._tick_all(self.board.snapshot.time)
         self._obey_halt()
         self._sort_out()
-        for observer in self._observers:
+        for observer in tuple(self._observers):
             observer()
         self._keep_pace()
 

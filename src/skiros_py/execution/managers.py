@@ -117,18 +117,18 @@ class Managers(Mapping[str, SkillManager]):
 
     def lose(self, task: Watched) -> None:
         """Gives up the manager whose task does not come back; for the watchdog's thread."""
-        for manager in self._managers.values():
-            if any(running.task is task for running in manager.running.values()):
+        for manager in tuple(self._managers.values()):
+            if manager.runs(task):
                 manager.lose(f"{task.name} does not come back")
 
     def who_runs(self, module: str) -> SkillManager:
-        """Returns the first manager, by id, that can run a module.
+        """Returns the first manager, by id, that can run a module; one that is lost only where there is no other.
 
         Raises:
             UnknownName: None can.
         """
-        for _, manager in sorted(self._managers.items()):
-            if module in manager.modules:
-                return manager
+        able = [manager for _, manager in sorted(self._managers.items()) if module in manager.modules]
+        if able:
+            return min(able, key=lambda manager: bool(manager.lost))
         known = {name for manager in self._managers.values() for name in manager.modules}
         raise UnknownName("module", module, known)

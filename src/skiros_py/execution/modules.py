@@ -7,11 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.errors import ModuleError, UnknownName, UsageError
 from skiros_py.execution.claims import Claim, Claims
+from skiros_py.execution.contained import contained, words
 from skiros_py.execution.primitive_run import Loaded, run_primitive
+from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.execution.scope import Scope
 from skiros_py.execution.skill_run import SkillRun
+from skiros_py.robot.devices import DeviceBoard
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome
 from skiros_py.skills.parameters import Kind, Param, params_of, read_value
@@ -66,6 +69,7 @@ class Modules:
         skills: Implementations of each skill by its name, in the order in which they are tried.
         primitives: Classes by name; may load themselves when they are looked up.
         claims: Who may use which device.
+        board: Whose commands are limited to what was taken.
         config: Values of configuration parameters by "module.key".
     """
 
@@ -75,12 +79,14 @@ class Modules:
         skills: Mapping[str, Sequence[Skill]],
         primitives: Mapping[str, type[Primitive[Any]]],
         claims: Claims,
+        board: DeviceBoard,
         config: Mapping[str, Any],
     ) -> None:
         self._agent = agent
         self.skills = skills
         self.primitives = primitives
         self._claims = claims
+        self._board = board
         self._config = config
         self._loaded: dict[str, Loaded] = {}
 
@@ -120,11 +126,11 @@ class Modules:
             return self.skill_run(module, arguments, scope).execute()
         try:
             loaded = self._load(module, scope.context)
-        except (KeyboardInterrupt, UnknownName, UsageError):
+        except (KeyboardInterrupt, CycleOverrun, UnknownName, UsageError):
             raise
         except BaseException as error:  # noqa: BLE001 - an author's mistake makes this run fail, and no other
             _log.exception("primitive %s did not load", module)
-            return _failed(Failure(f"{module} did not load: {type(error).__name__}: {error}", BROKEN))
+            return _failed(Failure(f"{module} did not load: {words(error)}", BROKEN))
         return run_primitive(loaded, arguments, scope, self.take)
 
     def skill_run(self, skill: str, arguments: Mapping[str, Any], scope: Scope) -> SkillRun:
@@ -133,13 +139,25 @@ class Modules:
 
     def take(self, owner: str, devices: set[str], within: Claim | None) -> Claim:
         """Asks for devices, out of those of the module around it."""
-        return self._claims.request(owner, devices, within=within)
+        claim = self._claims.request(owner, devices, within=within)
+        task = self._board.owner
+        if within is None and task is not None:
+            task.devices = claim.devices
+        return claim
 
     def reset(self, module: str, context: RunContext) -> None:
-        """Makes a primitive fit to run again after a fault."""
-        if module in self._loaded:
-            loaded = self._loaded.pop(module)
-            self._loaded[module] = replace(loaded, resource=loaded.cls.reset(context, loaded.resource))
+        """Makes a primitive fit to run again after a fault; where that fails, it is loaded anew for the next run.
+
+        Raises:
+            ModuleError: Its code broke.
+        """
+        loaded = self._loaded.pop(module, None)
+        if loaded is None:
+            return
+        resource = contained(f"{module}, when it was reset,", lambda: (loaded.cls.reset(context, loaded.resource),))
+        if isinstance(resource, Failure):
+            raise ModuleError(resource.reason)
+        self._loaded[module] = replace(loaded, resource=resource[0])
 
     def _load(self, module: str, context: RunContext) -> Loaded:
         if module not in self._loaded:

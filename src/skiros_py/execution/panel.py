@@ -6,9 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import complete
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.inference import Missing, infer
+from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Param, as_json, missing, read_arguments
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
@@ -101,5 +103,6 @@ def primitive_panel(params: Sequence[Param], given: Mapping[str, Any], view: Wor
 def _row(kind: str, condition: Condition, values: Mapping[str, Any], view: WorldView) -> ConditionRow:
     if any(values.get(argument) is None for argument in condition.arguments):
         return ConditionRow(kind, str(condition), None)
-    verdict = condition.evaluate(view, {a: values[a] for a in condition.arguments})
+    found = contained("it", lambda: condition.evaluate(view, {a: values[a] for a in condition.arguments}))
+    verdict = Verdict(False, str(condition), (Verdict(False, found.reason),)) if isinstance(found, Failure) else found
     return ConditionRow(kind, str(condition), verdict)

@@ -71,7 +71,8 @@ def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take)
     open_ = missing(params, values)
     if open_:
         raise UsageError(f"{', '.join(open_)}: not specified")
-    return values, take(cls.name, devices_of(world, params, cls.takes, values), scope.claim)
+    devices = set() if cls.watches else devices_of(world, params, cls.takes, values)  # who only looks on takes nothing
+    return values, take(cls.name, devices, scope.claim)
 
 
 class _Run:
@@ -155,7 +156,7 @@ class _Run:
         return (yield from execution)
 
     def _own_context(self) -> RunContext:
-        """Returns the context of one primitive: it reports in its own name, and shares its devices with what it calls."""
+        """Returns its own context: it reports in its own name, and shares its devices with what it calls."""
         return replace(
             self._scope.context,
             report=lambda _module, code, text: self._tell(Status.RUNNING, code, text),

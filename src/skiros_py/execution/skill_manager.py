@@ -18,6 +18,7 @@ from skiros_py.execution.hardware import pieces
 from skiros_py.execution.modules import ModuleInfo, Modules
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
+from skiros_py.execution.pulse import Watched
 from skiros_py.execution.running import Running, RunningModule
 from skiros_py.execution.scope import Scope
 from skiros_py.execution.task import Task
@@ -90,11 +91,12 @@ class SkillManager:
         self._monitor = monitor
         self._watches = watches or Watches(context.world)
         chosen = _choose(skills, context, agent, driver)
-        self._modules = Modules(agent, chosen, primitives, claims or Claims(), config or {})
+        self._modules = Modules(agent, chosen, primitives, claims or Claims(), context.board, config or {})
         self._running: dict[str, RunningModule] = {}
         self._watchers: list[Task[Outcome]] = []
         self._registered: list[str] = []
-        cycle.observe(self._attend)
+        self._leave_cycle = cycle.observe(self._attend)
+        self._retired = False
 
     # ------------------------------------------------------------------ what it offers
 
@@ -167,7 +169,12 @@ class SkillManager:
                 self._registered.append(module)
 
     def retire(self) -> None:
-        """Stops what runs, ends its watching, and takes back what it wrote about itself into the world model."""
+        """Stops what runs, ends its watching, and takes back what it wrote about itself into the world model.
+
+        It starts nothing any more. What it has stopped keeps its devices until it stands.
+        """
+        self._retired = True
+        self.lost = self.lost or "it was let go"
         self.stop()
         for watcher in self._watchers:
             watcher.stop("its skill manager goes")
@@ -205,6 +212,10 @@ class SkillManager:
     def running(self) -> Mapping[str, RunningModule]:
         """What runs now, by name."""
         return dict(self._running)
+
+    def runs(self, task: Watched) -> bool:
+        """Tells whether a task is of one of its modules, or of what it runs in the background."""
+        return task in self._watchers or any(running.task is task for running in self.running.values())
 
     def start(self, module: str, arguments: Mapping[str, Any]) -> RunningModule:
         """Starts a module.
@@ -276,8 +287,10 @@ class SkillManager:
                 del self._running[name]
                 for unfinished in running.scope.unfinished:
                     unfinished.claim.release()
-                if running.status == "stopped":
+                if running.status == "stopped" or running.task.fault is not None:
                     self._tell_stopped(running)
+        if self._retired and not self._running:
+            self._leave_cycle()
 
     def _tell_stopped(self, running: RunningModule) -> None:
         broke = running.task.fault is not None

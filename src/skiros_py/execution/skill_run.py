@@ -20,7 +20,7 @@ from skiros_py.skills.composition import Node
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watch
 from skiros_py.skills.effects import Effects
-from skiros_py.skills.inference import Inferred, Missing, infer
+from skiros_py.skills.inference import Inferred, Missing, applying, infer
 from skiros_py.skills.outcome import BROKEN, BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.primitive import Execution
@@ -187,12 +187,12 @@ class SkillRun:
         return self._check("postcondition", self.description.post) or outcome
 
     def _part(self, node: Node, hold: Sequence[Condition] = (), *, at_any_rate: bool = False) -> Execution[Outcome]:
-        """Runs a part for as long as conditions hold and nobody breaks the skill off; then makes up for what is open."""
+        """Runs a part while conditions hold and nobody breaks the skill off; then makes up for what is open."""
         name = self.description.name
-        watch = self._scope.watches.add(hold, self.arguments)
+        watch = self._scope.watches.add(applying(hold, self.arguments), self.arguments)
         with closing(watch), closing(run_node(node, self._scope)) as part:
             while True:
-                ended = None if at_any_rate else self._interruption()
+                ended: Outcome | None = None if at_any_rate else self._interruption()
                 ended = ended or contained(name, lambda: _lost(watch)) or contained(name, lambda: _tick(part))
                 if ended is not None:
                     break
@@ -206,7 +206,7 @@ class SkillRun:
 
     def _check(self, kind: str, conditions: Sequence[Condition]) -> Failure | None:
         world = self._scope.context.world
-        for condition in conditions:
+        for condition in applying(conditions, self.arguments):
             verdict = contained(self.description.name, partial(condition.evaluate, world, self.arguments))
             if isinstance(verdict, Failure):
                 return verdict

@@ -36,6 +36,7 @@ class Task(Generic[T]):
         done: True when nothing more of it will run: it returned, broke, or was stopped.
         fault: What its code raised, with the traceback; None in good times.
         reason: Why it was stopped; empty where nobody said so.
+        devices: The devices that it may command; None for all.
     """
 
     def __init__(
@@ -52,12 +53,14 @@ class Task(Generic[T]):
         self.done = False
         self.fault: BaseException | None = None
         self.reason = ""
+        self.devices: frozenset[str] | None = None
         self._generator = generator
         self._board = board
         self._pulse = pulse or Pulse()
         self._result: T | None = None
         self._broken_off = False
         self._deadline: float | None = None
+        self._runs_away = False
         self._steps = 0
 
     # ------------------------------------------------------------------ running
@@ -154,7 +157,7 @@ class Task(Generic[T]):
             self._deadline = None
         elif board.snapshot.time > self._deadline:
             moving = ", ".join(board.moving(self))
-            self._deadline = float("inf")
+            self._deadline, self._runs_away = None, True
             self.fault = self.fault or DeviceError(f"{moving}: still moving after the time for braking from full speed")
 
     @property
@@ -164,8 +167,11 @@ class Task(Generic[T]):
 
     @property
     def stopped(self) -> bool:
-        """True when it was broken off, by a stop or by a fault, and all that it commanded stands."""
-        return self._broken_off and self._deadline is None
+        """True when it was broken off, by a stop or by a fault, and all that it commanded stands.
+
+        What does not come to a standstill in its braking time is a fault, and counts as stopped never.
+        """
+        return self._broken_off and self._deadline is None and not self._runs_away
 
     @property
     def result(self) -> T:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
+from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.planning.classes import IS, common_class, primary_line, with_class_predicates
 from skiros_py.planning.goals import compile_goal
@@ -69,9 +70,19 @@ def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequen
     objects = _objects(view, compiled.actions, [a for c in goal for a in c.arguments])
     typed = with_class_predicates(compiled.actions, objects, ontology)
 
+    def facts_of(name: str, types: tuple[str, ...]) -> Iterable[Atom]:
+        try:
+            return _facts(view, name, types, objects, asked)
+        except SkirosError:
+            raise
+        except Exception as error:
+            words = (*(c for s in skills for c in needs_of(s)), *goal)
+            who = ", ".join(dict.fromkeys(str(c) for c in words if name in asked_literals((c.pattern,))))
+            raise PlanningError(f"{who or name} cannot be worked out: {type(error).__name__}: {error}") from error
+
     def predicates_and_facts(actions: Sequence[Action]) -> tuple[dict[str, tuple[str, ...]], set[Atom]]:
         predicates = _predicates(actions, atoms, objects, ontology)
-        facts = {atom for name, types in predicates.items() for atom in _facts(view, name, types, objects, asked)}
+        facts = {atom for name, types in predicates.items() for atom in facts_of(name, types)}
         able = {Atom(CAN + c.skill.name, (agent,)) for c in capabilities for agent in c.agents}
         return predicates, facts | able | compiled.init
 

@@ -26,7 +26,13 @@ __all__ = ["Arm", "Base", "Camera", "Commander", "DeviceBoard", "Gripper"]
 
 
 class Commander(Protocol):
-    """Whoever commands devices: a task of the control cycle."""
+    """Whoever commands devices: a task of the control cycle.
+
+    Attributes:
+        devices: The devices that it may command; None for all.
+    """
+
+    devices: frozenset[str] | None
 
     @property
     def rate(self) -> float:
@@ -39,7 +45,6 @@ class DeviceBoard:
 
     Attributes:
         snapshot: What the devices said.
-        arms, grippers, bases: Commands by device id.
         owner: Who is commanding now; None outside the control cycle's tasks.
         commanders: Who commanded a device last, by its id.
     """
@@ -47,9 +52,9 @@ class DeviceBoard:
     def __init__(self, driver: CellDriver) -> None:
         self._driver = driver
         self.snapshot: Snapshot = driver.read()
-        self.arms: dict[str, ArmTarget] = {}
-        self.grippers: dict[str, GripperTarget] = {}
-        self.bases: dict[str, BaseTwist] = {}
+        self._arms: dict[str, ArmTarget] = {}
+        self._grippers: dict[str, GripperTarget] = {}
+        self._bases: dict[str, BaseTwist] = {}
         self.owner: Commander | None = None
         self.commanders: dict[str, Commander | None] = {}
 
@@ -70,8 +75,8 @@ class DeviceBoard:
 
     def exchange(self) -> Snapshot:
         """Sends the collected commands for one period, forgets them, and takes the new snapshot."""
-        commands = Commands(self.arms, self.grippers, self.bases)
-        self.arms, self.grippers, self.bases = {}, {}, {}
+        commands = Commands(self._arms, self._grippers, self._bases)
+        self._arms, self._grippers, self._bases = {}, {}, {}
         self.snapshot = self._driver.exchange(commands)
         return self.snapshot
 
@@ -98,9 +103,9 @@ class DeviceBoard:
     def clear(self, devices: Iterable[str]) -> None:
         """Takes back the commands for some devices for the coming cycle: they brake."""
         for device in devices:
-            self.arms.pop(device, None)
-            self.grippers.pop(device, None)
-            self.bases.pop(device, None)
+            self._arms.pop(device, None)
+            self._grippers.pop(device, None)
+            self._bases.pop(device, None)
 
     def halt(self) -> None:
         """Brakes everything until :meth:`release`; for any thread."""
@@ -110,11 +115,32 @@ class DeviceBoard:
         """Lets devices obey commands again."""
         self._driver.release()
 
-    def commanded(self, device: str) -> float:
-        """Notes who commands a device; returns how fast that one's time goes."""
+    @property
+    def rate(self) -> float:
+        """How fast the time of whoever commands now goes."""
+        return 1.0 if self.owner is None else self.owner.rate
+
+    def send(self, device: str, target: ArmTarget | GripperTarget | BaseTwist) -> None:
+        """Takes a command of a device for the coming cycle.
+
+        Raises:
+            DeviceError: Whoever commands has not taken the device.
+        """
         owner = self.owner
+        if owner is not None and owner.devices is not None and device not in owner.devices:
+            has = ", ".join(sorted(owner.devices)) or "none"
+            raise DeviceError(
+                f"{device} is not among the devices that were taken ({has}): name it in a parameter of kind HARDWARE, "
+                "or take what has it (takes)"
+            )
         self.commanders[device] = owner
-        return 1.0 if owner is None else owner.rate
+        match target:
+            case ArmTarget():
+                self._arms[device] = target
+            case GripperTarget():
+                self._grippers[device] = target
+            case BaseTwist():
+                self._bases[device] = target
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now."""
@@ -145,8 +171,7 @@ class Arm:
         if len(target.positions) != len(self.state.positions) or len(target.velocities) != len(target.positions):
             count = len(self.state.positions)
             raise DeviceError(f"{self.id}: a target needs {count} positions and {count} velocities: {target}")
-        self._board.commanded(self.id)
-        self._board.arms[self.id] = target
+        self._board.send(self.id, target)
 
 
 class Gripper:
@@ -168,8 +193,7 @@ class Gripper:
             DeviceError: A number is none.
         """
         _require_numbers(self.id, target, (target.gap, target.force))
-        self._board.commanded(self.id)
-        self._board.grippers[self.id] = target
+        self._board.send(self.id, target)
 
 
 class Base:
@@ -191,10 +215,10 @@ class Base:
             DeviceError: A number is none.
         """
         _require_numbers(self.id, twist, (twist.linear, twist.angular))
-        rate = self._board.commanded(self.id)
+        rate = self._board.rate
         if rate != 1.0:
             twist = BaseTwist(twist.linear * rate, twist.angular * rate)
-        self._board.bases[self.id] = twist
+        self._board.send(self.id, twist)
 
 
 class Camera:

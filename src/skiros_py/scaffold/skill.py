@@ -2,76 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from itertools import count
 from typing import Any
 
-from skiros_py.errors import DescriptionError, PlanningError, UnknownName, UsageError
+from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.literals import expand
 from skiros_py.scaffold.calls import calls_of
-from skiros_py.scaffold.declared import Declared, Wanted, kind_of, read_parameter, read_wanted
+from skiros_py.scaffold.declared import Declared, Wanted
+from skiros_py.scaffold.description import Described, NewSkill, described
 from skiros_py.scaffold.draft import Draft
 from skiros_py.scaffold.knowledge import Knowledge
 from skiros_py.scaffold.layout import folder_files
-from skiros_py.scaffold.primitive import SAMPLES, check_keys
+from skiros_py.scaffold.primitive import SAMPLES
 from skiros_py.scaffold.project import Project
 from skiros_py.scaffold.rendering import literal, render
 from skiros_py.scaffold.robots import find_robot
 from skiros_py.scaffold.spelling import check_distinct, constant_name, module_name, sentence, words_of
 from skiros_py.scaffold.stage import Stage
 from skiros_py.scaffold.trial import open_questions, tried
-from skiros_py.skills.conditions import Condition, effects_of
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Kind
-from skiros_py.world.names import local_name
 
 __all__ = ["NewSkill", "draft_skill"]
-
-_HAS_PART = "HasPart"
-_ROBOT = "Robot"
-
-
-@dataclass(frozen=True, slots=True)
-class NewSkill:
-    """What an author says of a skill.
-
-    Attributes:
-        name: Its name ("scan").
-        help: One sentence; made from the name where left out.
-        agent: Class of the subsystem that does it ("sk:Arm"). With it come a parameter for it, and where the skills are
-            there that speak of it, one for its robot and the condition that it is part of it.
-        params: Its other parameters (``Part:sk:Manipulatable``).
-        pre, post: Conditions over the parameters (``Scanned(Part)``).
-        do: Primitives that do it, in order; none for a skill that is only pretended.
-        target: Key of the parameter it is done to; the first that a postcondition speaks of where left out.
-        robot: Name of the robot that its test has.
-    """
-
-    name: str
-    help: str = ""
-    agent: str = ""
-    params: tuple[str, ...] = ()
-    pre: tuple[str, ...] = ()
-    post: tuple[str, ...] = ()
-    do: tuple[str, ...] = ()
-    target: str = ""
-    robot: str = "mobile_panda"
-
-
-@dataclass(frozen=True, slots=True)
-class _Described:
-    """A skill's description: its parameters, the agent first, and its conditions as they are written and meant."""
-
-    agent: str
-    target: str
-    params: tuple[Declared, ...]
-    pre: tuple[tuple[Wanted, Condition], ...]
-    post: tuple[tuple[Wanted, Condition], ...]
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """The words of its conditions, each once."""
-        return tuple(dict.fromkeys(wanted.word for wanted, _ in (*self.pre, *self.post)))
 
 
 def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
@@ -83,16 +37,16 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     name = module_name(said.name, "skill")
     known.check_free("skill", name)
     help_ = sentence(said.help or words_of(name), "--help-text")
-    described = _described(known, said)
-    calls = calls_of(known, said.do, described.params)
+    skill = described(known, said)
+    calls = calls_of(known, said.do, skill.params)
     package, constant = known.project.package, constant_name(name)
-    imported = [known.origin(word).name for word in described.words]
+    imported = [known.origin(word).name for word in skill.words]
     check_distinct([constant, f"{constant}_FAKE", *imported], f"skill '{name}'")
     module = f"{package}.skills.{name}"
     entries = {name: f"{module}:{constant}"} if calls else {}
     project = known.project.with_entries("skiros.skills", {**entries, f"{name}_fake": f"{module}:{constant}_FAKE"})
-    project = _depending(project, known, described)
-    stage, cast = _staged(known, said, described)
+    project = _depending(project, known, skill)
+    stage, cast = _staged(known, said, skill)
     values: dict[str, Any] = {
         "name": name,
         "help": help_,
@@ -102,12 +56,12 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
         "calls": calls,
     }
     scene = stage.turtle(f"What is needed to {words_of(name)}.")
-    wanted = {str(one): condition for one, condition in described.pre}
+    wanted = {str(one): condition for one, condition in skill.pre}
     left = open_questions(tried(known, scene, f"scene of skill '{name}'"), stage, wanted, cast)
-    trial = _tried(known, said, described, stage, cast)
+    trial = _tried(known, said, skill, stage, cast)
     new = {
         **folder_files(known.project, "skills"),
-        f"src/{package}/skills/{name}.py": _module(values, known, described),
+        f"src/{package}/skills/{name}.py": _module(values, known, skill),
         f"tests/skills/test_{name}.py": render("skill_test.py", **values, **trial),
         f"tests/skills/scenes/{name}.ttl": scene,
     }
@@ -117,128 +71,17 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     return Draft(project.root, new, project.changes(known.project), tuple(notes))
 
 
-# ---------------------------------------------------------------- the description
-
-
-def _described(known: Knowledge, said: NewSkill) -> _Described:
-    own = [read_parameter(text, known.ontology) for text in said.params]
-    agent = _agent(known, said, own)
-    params = [agent, *(param for param in own if param.key != agent.key)]
-    check_keys(own, f"skill '{said.name}'")
-    pre, post = ([read_wanted(text) for text in texts] for texts in (said.pre, said.post))
-    if not post:
-        raise UsageError(f"skill '{said.name}': give a --post, such as 'Scanned(Part)': what it brings about")
-    params += _missing_devices(known, said, params)
-    params, implied = _with_robot(known, params, [*pre, *post])
-    meant = [[(one, _meant(known, said, one, params)) for one in some] for some in ([*implied, *pre], post)]
-    for wanted, condition in meant[1]:
-        _check_effect(said, wanted, condition)
-    return _Described(agent.key, _target(said, params, post), tuple(params), tuple(meant[0]), tuple(meant[1]))
-
-
-def _agent(known: Knowledge, said: NewSkill, own: Sequence[Declared]) -> Declared:
-    """Returns the parameter that is the subsystem doing it: one that the author declared, else one of its own."""
-    if not said.agent:
-        raise UsageError(f"skill '{said.name}': give --agent CLASS, such as sk:Arm: the subsystem that does it")
-    class_ = known.ontology.resolve_class(said.agent)
-    if not known.ontology.is_a(class_, "sk:Agent"):
-        agents = ", ".join(known.ontology.subclasses("sk:Agent"))
-        raise UsageError(f"skill '{said.name}': --agent {class_} has no skill manager; there is {agents}")
-    key = local_name(class_)
-    help_ = f"The {words_of(key)} that does it."
-    return next((p for p in own if p.type == class_), Declared(key, class_, help_, Kind.HARDWARE))
-
-
-def _missing_devices(known: Knowledge, said: NewSkill, params: Sequence[Declared]) -> Iterator[Declared]:
-    """Yields parameters for the devices that its primitives need and nobody declared."""
-    there = [param.type for param in params if param.is_element]
-    for primitive in said.do:
-        for param in known.primitive(primitive):
-            type_ = param.type
-            if param.kind is not Kind.HARDWARE or not isinstance(type_, str):
-                continue
-            if not any(known.ontology.is_a(own, type_) for own in there):
-                there.append(type_)
-                key = local_name(type_)
-                yield Declared(key, type_, param.help, kind_of(type_, known.ontology))
-
-
-def _with_robot(
-    known: Knowledge, params: Sequence[Declared], wanted: Sequence[Wanted]
-) -> tuple[list[Declared], list[Wanted]]:
-    """Adds the robot that has the devices, and that it has them, unless the author says how they hang together."""
-    if _HAS_PART not in known.catalogue.conditions:
-        return list(params), []
-    said = {argument for one in wanted if one.word == _HAS_PART for argument in one.arguments[1:]}
-    devices = [p for p in params if p.kind is Kind.HARDWARE and p.key not in said]
-    robot = next((p.key for p in params if p.is_element and known.ontology.is_a(p.type, "sk:Robot")), None)
-    named = any(_ROBOT in one.arguments for one in wanted)
-    if not devices and (robot or not named):
-        return list(params), []
-    if robot is None:
-        robot = _ROBOT
-        params = [params[0], Declared(robot, "sk:Robot", "The robot that has it.", Kind.PLANNING), *params[1:]]
-    arm = next((p.key for p in params if p.is_element and known.ontology.is_a(p.type, "sk:Arm")), robot)
-    whole = {p.key: robot if p.key == arm or _is_body(known, p) else arm for p in devices}
-    return list(params), [Wanted(_HAS_PART, (whole[p.key], p.key)) for p in devices]
-
-
-def _is_body(known: Knowledge, param: Declared) -> bool:
-    return any(known.ontology.is_a(param.type, class_) for class_ in ("sk:Base", "sk:Arm"))
-
-
-def _meant(known: Knowledge, said: NewSkill, wanted: Wanted, params: Sequence[Declared]) -> Condition:
-    type_ = known.condition(wanted.word)
-    keys = {param.key: param for param in params}
-    for argument in wanted.arguments:
-        if argument not in keys:
-            raise UnknownName("parameter", argument, keys, where=f"in {wanted} of skill '{said.name}'")
-    try:
-        condition = type_(*wanted.arguments)
-    except DescriptionError as error:
-        raise UsageError(f"skill '{said.name}', {wanted}: {error}") from error
-    for role, argument in zip(type_.roles, wanted.arguments, strict=True):
-        _check_role(known, wanted, role.class_, keys[argument])
-    return ~condition if wanted.negated else condition
-
-
-def _check_role(known: Knowledge, wanted: Wanted, class_: str, param: Declared) -> None:
-    if not param.is_element or not known.ontology.is_a(param.type, class_):
-        raise UsageError(f"{wanted}: {param.key} is a {param.type}; it must be a {class_} there")
-
-
-def _check_effect(said: NewSkill, wanted: Wanted, condition: Condition) -> None:
-    try:
-        effects_of(condition)
-    except DescriptionError as error:
-        raise UsageError(f"skill '{said.name}', --post {wanted}: {error}") from error
-
-
-def _target(said: NewSkill, params: Sequence[Declared], post: Sequence[Wanted]) -> str:
-    keys = [param.key for param in params]
-    if said.target:
-        if said.target not in keys:
-            raise UnknownName("parameter", said.target, keys, where=f"as --target of skill '{said.name}'")
-        return said.target
-    spoken_of = [argument for one in post for argument in one.arguments]
-    things = [param.key for param in params if param.kind is Kind.ONLINE and param.is_element]
-    return next((key for key in things if key in spoken_of), (*things, *spoken_of)[0])
-
-
-# ---------------------------------------------------------------- how it is written and tried
-
-
-def _module(values: dict[str, Any], known: Knowledge, described: _Described) -> str:
-    origins = {word: known.origin(word) for word in described.words}
+def _module(values: dict[str, Any], known: Knowledge, skill: Described) -> str:
+    origins = {word: known.origin(word) for word in skill.words}
     own = [(o.module, o.name) for o in origins.values() if o.module.partition(".")[0] == known.project.package]
     foreign = [(o.module, o.name) for o in origins.values() if (o.module, o.name) not in own]
     names = ["AssertEffects", *(("Do", "P", "Sequence") if values["calls"] else ())]
     needed = [("skiros_py.skills.composition", name) for name in names]
     needed += [("skiros_py.skills.parameters", "Param"), *foreign]
-    if any(param.kind is not Kind.ONLINE for param in described.params):
+    if any(param.kind is not Kind.ONLINE for param in skill.params):
         needed.append(("skiros_py.skills.parameters", "Kind"))
     needed += [("skiros_py.skills.skill", name) for name in ("Skill", "SkillDescription")]
-    sets = (("pre", described.pre), ("post", described.post))
+    sets = (("pre", skill.pre), ("post", skill.post))
     constant = str(values["constant"])
     return render(
         "skill.py",
@@ -246,9 +89,9 @@ def _module(values: dict[str, Any], known: Knowledge, described: _Described) -> 
         needed=needed,
         own=own,
         exported=sorted(map(literal, ["DESCRIPTION", f"{constant}_FAKE", *([constant] if values["calls"] else [])])),
-        agent=described.agent,
-        target=described.target,
-        params=[_param(param) for param in described.params],
+        agent=skill.agent,
+        target=skill.target,
+        params=[_param(param) for param in skill.params],
         conditions=[(k, [_condition(w, origins[w.word].name) for w, _ in some]) for k, some in sets if some],
     )
 
@@ -266,24 +109,24 @@ def _condition(wanted: Wanted, constant: str) -> str:
     return f"{'~' if wanted.negated else ''}{constant}({', '.join(map(literal, wanted.arguments))})"
 
 
-def _depending(project: Project, known: Knowledge, described: _Described) -> Project:
+def _depending(project: Project, known: Knowledge, skill: Described) -> Project:
     """Adds what brings the conditions of others to the dependencies."""
-    for word in described.words:
+    for word in skill.words:
         project = project.with_dependency(known.origin(word).distribution)
     return project
 
 
-def _staged(known: Knowledge, said: NewSkill, described: _Described) -> tuple[Stage, Mapping[str, str]]:
+def _staged(known: Knowledge, said: NewSkill, skill: Described) -> tuple[Stage, Mapping[str, str]]:
     """Puts a scene together in which it can be done, and wants what it brings about.
 
     Returns:
         The scene, and its individuals by parameter.
     """
     stage = Stage(known.ontology, said.name, find_robot(said.robot, known.ontology))
-    cast = {param.key: stage.cast(param.type, param.key) for param in described.params if param.is_element}
-    for _, condition in described.pre:
+    cast = {param.key: stage.cast(param.type, param.key) for param in skill.params if param.is_element}
+    for _, condition in skill.pre:
         stage.suppose(condition.pattern, cast)
-    for wanted, condition in described.post:
+    for wanted, condition in skill.post:
         if _is_plannable(known, condition):
             stage.goals.append(str(replace(wanted, arguments=tuple(cast[argument] for argument in wanted.arguments))))
     if not stage.goals:
@@ -300,9 +143,7 @@ def _is_plannable(known: Knowledge, condition: Condition) -> bool:
     return True
 
 
-def _tried(
-    known: Knowledge, said: NewSkill, described: _Described, stage: Stage, cast: Mapping[str, str]
-) -> dict[str, Any]:
+def _tried(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cast: Mapping[str, str]) -> dict[str, Any]:
     """What the test needs: its imports; and what it tries where all primitives are the package's own.
 
     Those of others may need arms that really move.
@@ -314,7 +155,7 @@ def _tried(
     needed += [("skiros_py.skills.outcome", "Success")]
     needed += [("skiros_py.testing", "run_skill"), ("skiros_py.testing", "world_of")]
     module = f"{known.project.package}.skills.{said.name}"
-    given = [(p.key, cast.get(p.key, SAMPLES.get(p.type))) for p in described.params if p.kind is Kind.ONLINE]
+    given = [(p.key, cast.get(p.key, SAMPLES.get(p.type))) for p in skill.params if p.kind is Kind.ONLINE]
     return {
         "needed": needed,
         "own": [(module, constant_name(said.name)), *((origin.module, origin.name) for origin in origins)],

@@ -46,4 +46,4 @@ def open_questions(
         by_itself = any({robot, place} <= about for robot, _, place in stage.left_to_robot)
         verdict = condition.evaluate(world, cast)
         if not verdict.holds and not by_itself:
-            yield f"{said} ({str(verdict).splitlines()[-1].strip()})"
+            yield f"{said} ({verdict.lines()[-1].strip()})"

@@ -219,20 +219,7 @@ class AssertEffects:
     only: tuple[str, ...] = ()
 
 
-Node = (
-    Do
-    | Sequence
-    | Fallback
-    | Parallel
-    | Retry
-    | Repeat
-    | Timeout
-    | Guard
-    | ForEach
-    | Check
-    | Wait
-    | AssertEffects
-)
+Node = Do | Sequence | Fallback | Parallel | Retry | Repeat | Timeout | Guard | ForEach | Check | Wait | AssertEffects
 
 
 def children_of(node: Node) -> tuple[Node, ...]:

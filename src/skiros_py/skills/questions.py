@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
@@ -10,6 +11,8 @@ from itertools import count
 from skiros_py.errors import UnknownName, UsageError
 
 __all__ = ["Asked", "Question", "QuestionKind", "Questions"]
+
+_log = logging.getLogger(__name__)
 
 
 class QuestionKind(enum.Enum):
@@ -81,7 +84,10 @@ class Questions:
         asked = Asked(Question(next(self._numbers), kind, text, options, asker, time))
         self._open[asked.question.id] = asked
         for listener in tuple(self._listeners):
-            listener(asked.question)
+            try:
+                listener(asked.question)
+            except Exception:  # noqa: BLE001 - whoever shows questions must not break who asks
+                _log.exception("a listener of questions broke")
         return asked
 
     def withdraw(self, asked: Asked) -> None:

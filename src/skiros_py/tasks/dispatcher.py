@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.running import Running
 from skiros_py.execution.skill_manager import Transport
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.validation import Flaw, replay_rest
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.history import History
@@ -54,7 +56,13 @@ class Dispatcher:
     def _run_step(self, step: Step, rest: Sequence[Step], goal: Sequence[Condition]) -> Execution[Outcome]:
         skill = self._skills[step.skill]
         start = self._now
-        running = self._managers[step.arguments[skill.agent]].start(step.skill, step.arguments)
+        try:
+            running = self._start(step, step.arguments[skill.agent])
+        except UsageError as refusal:
+            yield  # time must go on, should the next plan be the same
+            failure = Failure(str(refusal), BROKEN_OFF)  # not the target's fault
+            self._history.record(step, skill, start, start, failure)
+            return failure
         seen = self._world.version
         try:
             while not running.done:
@@ -68,6 +76,16 @@ class Dispatcher:
             running.stop()
         self._history.record(step, skill, start, self._now, running.result)
         return running.result
+
+    def _start(self, step: Step, agent: str) -> Running:
+        """Hands a step to who shall do it.
+
+        Raises:
+            UsageError: It cannot be started there now.
+        """
+        if agent not in self._managers:
+            raise UnknownName("skill manager", agent, self._managers)
+        return self._managers[agent].start(step.skill, step.arguments)
 
     def _flaw(self, current: Step | None, rest: Sequence[Step], goal: Sequence[Condition]) -> Flaw | None:
         return replay_rest(self._world, current, rest, goal, self._skills)

@@ -94,7 +94,7 @@ class TaskManager:
         and the rest of the goal is still done.
         """
         history = self._history = History(self._world, self._attempts)  # what failed before may work now
-        skills = {c.skill.name: c.skill for c in self.capabilities}
+        skills: dict[str, SkillDescription] = {}
         dispatcher = Dispatcher(self._world, self._managers, skills, self._cycle, history)
         noted = _Moments(self._world, goal, self._cycle)
         held = {c for c in goal if c.evaluate(self._world)}
@@ -104,6 +104,7 @@ class TaskManager:
             kept = tuple(c for c in goal if c not in given_up)
             if all(c.evaluate(self._world) for c in kept):
                 break
+            skills |= {c.skill.name: c.skill for c in self.capabilities}  # managers come and go
             planned = yield from self.plan(kept)
             if isinstance(planned.outcome, Plan):
                 self._on_plan(planned)

@@ -289,9 +289,7 @@ def test_an_optional_parameter_may_stay_unspecified() -> None:
     assert Note.log[0][0] is None
 
 
-@pytest.mark.parametrize(
-    ("arguments", "missing"), [(TO_A, "Word"), ({"Base": "base_1", "Robot": "robot_1"}, "Word")]
-)
+@pytest.mark.parametrize(("arguments", "missing"), [(TO_A, "Word"), ({"Base": "base_1", "Robot": "robot_1"}, "Word")])
 def test_a_parameter_that_must_be_specified_and_is_not_fails_the_skill_by_its_name(
     arguments: Mapping[str, str], missing: str
 ) -> None:

@@ -17,10 +17,10 @@ def test_the_ontologies_are_owl_that_other_tools_read(root: Path, tmp_path: Path
         graph.parse(root / "ontologies" / name, format="turtle")
     graph.remove((None, rdflib.OWL.imports, None))  # all are in this graph; nothing is to be fetched
     path = tmp_path / "all.rdf"
-    graph.serialize(path, format="pretty-xml")
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+        warnings.simplefilter("ignore")  # rdflib warns of every list, as unions are
+        graph.serialize(path, format="pretty-xml")
         loaded = owlready2.World().get_ontology(path.as_uri()).load()
 
     core = loaded.get_namespace("https://w3id.org/skiros-py/core#")

@@ -107,8 +107,9 @@ class PyBulletCell:
             DeviceError: A command is malformed or for a device that does not exist, or PyBullet broke.
         """
         now = self._snapshot
-        for wanted, known in ((commands.arms, now.arms), (commands.grippers, now.grippers), (commands.bases, now.bases)):
-            _require(wanted, known)
+        _require(commands.arms, now.arms)
+        _require(commands.grippers, now.grippers)
+        _require(commands.bases, now.bases)
         self._step(_NO_COMMANDS if self._halted else commands)
         self._snapshot = self._sense(self._snapshot.cycle + 1)
         return self._snapshot

@@ -463,7 +463,7 @@ def other_ontology(folder: Path, *replacements: tuple[str, str]) -> Ontology:
         ("tiny:knows", "tiny:visited", ["unknown relation 'tiny:knows'"]),
         ("tiny:carries", "tiny:brings", ["unknown relation 'tiny:carries'"]),
         ("tiny:colour", "tiny:paint", ["unknown property 'tiny:colour'"]),
-        ("rdfs:range xsd:string", "rdfs:range xsd:integer", ["tiny:colour is a xsd:integer now", "'red'"]),
+        ("tiny:Ball ; rdfs:range xsd:string", "tiny:Ball ; rdfs:range xsd:integer", ["tiny:colour is a xsd:integer now", "'red'"]),
         ("tiny:knows a owl:ObjectProperty", "tiny:knows rdfs:subPropertyOf sk:computed ; a owl:ObjectProperty",
          ["tiny:knows is stored as a plain relation, and is a computed relation now"]),
     ],

@@ -42,7 +42,7 @@ def world_of(**things: tuple[str, tuple[float, ...] | None]) -> World:
 
 
 def crate(size: tuple[float, ...] | None) -> tuple[str, tuple[float, ...] | None]:
-    return "kitting:Box", size
+    return "kitting:StoragePlace", size
 
 
 def part(size: tuple[float, ...] | None) -> tuple[str, tuple[float, ...] | None]:
