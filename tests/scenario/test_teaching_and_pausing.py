@@ -60,7 +60,7 @@ class Guide(ArmPrimitive):
         joints: tuple[float, ...] | None = param(
             "number", "Where to.", kind=Kind.OPTIONAL, default=None, length=7, unit="rad"
         )
-        tip: Pose | None = param("pose", "Where to.", kind=Kind.OPTIONAL, default=None)  # noqa: RUF009 - a field
+        tip: Pose | None = param("pose", "Where to.", kind=Kind.OPTIONAL, default=None)
         straight: bool = param("boolean", "On a line, up to the bar.", kind=Kind.OFFLINE, default=False)
 
     def execute(self) -> Execution[Outcome]:

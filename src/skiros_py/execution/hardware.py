@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from skiros_py.robot.devices import DeviceBoard
 from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import DEVICE, HAS_A
 
-__all__ = ["complete", "devices_of", "pieces"]
+__all__ = ["complete", "devices_of", "pieces", "standstill"]
 
 
 def devices_of(view: WorldView, params: Iterable[Param], takes: Sequence[str], values: Mapping[str, Any]) -> set[str]:
@@ -41,6 +43,13 @@ def pieces(view: WorldView, whole: str) -> Iterator[str]:
     yield whole
     for piece in view.objects(whole, HAS_A):
         yield from pieces(view, piece)
+
+
+def standstill(board: DeviceBoard, devices: Iterable[str]) -> Execution[None]:
+    """Waits until devices stand that nobody commands any more, for the braking time at most."""
+    end = board.now + board.braking_time
+    while board.now < end and not board.stand(devices):
+        yield
 
 
 def _nearest(view: WorldView, class_: str, agent: str) -> str | None:

@@ -9,7 +9,7 @@ from typing import Any
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim
 from skiros_py.execution.contained import broken, contained
-from skiros_py.execution.hardware import complete, devices_of
+from skiros_py.execution.hardware import complete, devices_of, standstill
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.execution.scope import Scope, Unfinished, make_up
@@ -91,6 +91,7 @@ class _Run:
         self._tell = tell
         self._made: Primitive[Any] | None = None
         self._started = False
+        self._broken = False
         self._code = self._life()
 
     def execute(self) -> Execution[Outcome]:
@@ -103,6 +104,8 @@ class _Run:
             self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
             outcome = yield from self._ticks()
             yield from make_up(self._calls)
+            if self._broken:
+                yield from standstill(self._scope.context.board, self._claim.devices)
         except GeneratorExit:
             kept = self._break_off()
             raise
@@ -168,7 +171,8 @@ class _Run:
         return (yield from self._calls.modules.run(module, arguments, self._calls))
 
     def _broke(self, error: BaseException) -> Failure:
-        """Lets its devices brake."""
+        """Lets its devices brake; they stay its own until they stand."""
+        self._broken = True
         cls = self._loaded.cls
         failure = broken(cls.name, error, f"{cls.__module__}.{cls.__qualname__}")
         self._close()

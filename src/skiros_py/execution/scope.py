@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 from skiros_py.execution.claims import Claim
 from skiros_py.execution.contained import contained
+from skiros_py.execution.hardware import standstill
 from skiros_py.execution.monitor import Monitor
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
@@ -95,6 +96,7 @@ def make_up(scope: Scope) -> Execution[None]:
         entry = scope.unfinished.pop(0)
         try:
             yield from _recovery(entry, context, deadline)
+            yield from standstill(context.board, entry.claim.devices)
         except GeneratorExit:
             scope.unfinished.insert(0, entry)  # broken off itself: it keeps its devices, and begins again if it may
             raise

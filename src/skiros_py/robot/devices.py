@@ -88,13 +88,19 @@ class DeviceBoard:
 
     def moving(self, commander: Commander) -> list[str]:
         """Returns the ids of the arms and bases that move and that nobody else has commanded since."""
-        drives: dict[str, ArmState | BaseState] = {**self.snapshot.arms, **self.snapshot.bases}
-        mine = [device for device, other in self.commanders.items() if other is commander]
-        return [device for device in mine if device in drives and not drives[device].still]
+        return self._moving(device for device, other in self.commanders.items() if other is commander)
 
     def standing(self, commander: Commander) -> bool:
         """Returns True when nothing moves any more of what this commander was the last to command."""
         return not self.moving(commander)
+
+    def stand(self, devices: Iterable[str]) -> bool:
+        """Returns True when none of these devices moves."""
+        return not self._moving(devices)
+
+    def _moving(self, devices: Iterable[str]) -> list[str]:
+        drives: dict[str, ArmState | BaseState] = {**self.snapshot.arms, **self.snapshot.bases}
+        return [device for device in devices if device in drives and not drives[device].still]
 
     def withdraw(self, commander: Commander) -> None:
         """Takes back what a commander has commanded for the coming cycle: its devices brake."""

@@ -6,7 +6,6 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.errors import UnknownName
 from skiros_py.execution.monitor import Status
 from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Retry, Sequence
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success

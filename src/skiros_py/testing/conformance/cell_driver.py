@@ -283,7 +283,7 @@ class CellDriverContract:
     # ------------------------------------------------------------------ how the robot is moved
 
     def _run(self, cell: CellDriver, seconds: float) -> Snapshot:
-        """Moves everything that can move: bases ahead, arms to and fro around where they are."""
+        """Moves everything that can move: bases ahead, arms back and forth around where they are."""
         start = cell.read()
         for cycle in range(1, round(seconds / cell.period) + 1):
             cell.exchange(self._moving(start, cycle * cell.period))
@@ -317,7 +317,7 @@ def _each(devices: tuple[T, ...]) -> tuple[T, ...]:
 
 
 def _set_point(start: tuple[float, ...], share: float) -> ArmTarget:
-    """A motion from rest to rest along a half wave; to and fro where the share is above 1."""
+    """A motion from rest to rest along a half wave; back and forth where the share is above 1."""
     way, speed = (1.0 - math.cos(math.pi * share)) / 2.0, math.pi * math.sin(math.pi * share) / 2.0 / _SWING
     count = len(start)
     return ArmTarget(tuple(angle + _REACH * way for angle in start), (_REACH * speed,) * count)

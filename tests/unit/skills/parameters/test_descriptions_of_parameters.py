@@ -96,7 +96,7 @@ def test_a_rightly_described_parameter_is_accepted(good: Param) -> None:
 class _Params:
     device: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
     gains: tuple[float, ...] = param("number", "How stiff.", kind=Kind.OFFLINE, default=(1.0, 2.0), length=2)
-    side: Side = param(Side, "Which.", kind=Kind.OFFLINE, default=Side.LEFT)  # noqa: RUF009
+    side: Side = param(Side, "Which.", kind=Kind.OFFLINE, default=Side.LEFT)
 
 
 @dataclass(frozen=True)

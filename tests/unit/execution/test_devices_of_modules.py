@@ -1,0 +1,326 @@
+"""Devices belong to one module at a time, and come free at every end of it, when they stand."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+
+from skiros_py.errors import UsageError
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.running import RunningModule
+from skiros_py.robot.devices import Base
+from skiros_py.robot.values import BaseTwist, Commands, Snapshot
+from skiros_py.simulation.fake.cell import FakeCell
+from skiros_py.skills.composition import Do, Fallback, P, Parallel, Policy, Timeout
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, Param, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import Skill
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
+
+SPEED = 0.5
+BRAKING = 0.1
+
+
+class Sluggish(FakeCell):
+    """Its bases take a while to brake."""
+
+    stops = False
+
+    @property
+    def braking_time(self) -> float:
+        return 2.0 * BRAKING
+
+    def halt(self) -> None:
+        self.stops = True
+
+    def release(self) -> None:
+        self.stops = False
+
+    def exchange(self, commands: Commands) -> Snapshot:
+        heard = Commands() if self.stops else commands
+        coasting = {
+            base: BaseTwist(max(0.0, state.linear - SPEED * self.period / BRAKING), 0.0)
+            for base, state in self.read().bases.items()
+        }
+        return super().exchange(replace(heard, bases={**coasting, **heard.bases}))
+
+
+class Use(Primitive["Use.Params"]):
+    """Drives a base and holds an arm for some cycles, and ends as told."""
+
+    name: ClassVar[str] = "use"
+    holders: ClassVar[dict[str, object]] = {}
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        base: str = param("sk:Base", "The base.", kind=Kind.HARDWARE)
+        arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
+        cycles: int = param("integer", "How many cycles.", kind=Kind.OFFLINE, default=10)
+        ends: str = param("text", "How.", kind=Kind.OFFLINE, default="well")
+
+    def execute(self) -> Execution[Outcome]:
+        base = Base(self.context.board, self.params.base)
+        assert base.state.still, "it was handed over while it moved"
+        devices = (self.params.base, self.params.arm)
+        assert not [d for d in devices if self.holders.get(d)], "somebody else has it"
+        self.holders.update(dict.fromkeys(devices, self))
+        try:
+            for _ in range(self.params.cycles):
+                assert all(self.holders[d] is self for d in devices)
+                base.command(BaseTwist(SPEED, 0.0))
+                yield
+            if self.params.ends == "raises":
+                raise ValueError("no such gear")
+            while not base.state.still:
+                yield
+        finally:
+            self.holders.update(dict.fromkeys(devices))
+        return Success() if self.params.ends == "well" else Failure(self.params.ends)
+
+
+class Drive(Use):
+    """The same with a base only."""
+
+    name: ClassVar[str] = "roll"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        base: str = param("sk:Base", "The base.", kind=Kind.HARDWARE)
+        cycles: int = param("integer", "How many cycles.", kind=Kind.OFFLINE, default=10)
+        ends: str = param("text", "How.", kind=Kind.OFFLINE, default="well")
+
+        @property
+        def arm(self) -> str:
+            return "no arm"
+
+    holders: ClassVar[dict[str, object]] = Use.holders
+
+
+ARM = Param("Arm", "sk:Arm", "The arm.", Kind.HARDWARE)
+CYCLES = Param("Cycles", "integer", "How many.", Kind.OFFLINE, 10)
+SHIFT = replace(
+    DRIVE, name="shift", params=(*DRIVE.params, ARM, CYCLES), pre=(), post=(~AT_LOCATION("Robot", "Location"),)
+)
+BODY = Fallback.of(
+    Timeout(Do.of("use", base=P("Base"), arm=P("Arm"), cycles=P("Cycles")), 0.06),
+    Parallel.of(
+        Do.of("roll", base=P("Base"), cycles=P("Cycles"), ends="slipped"),
+        Do.of("use", base=P("Base"), arm=P("Arm"), cycles=3),
+        policy=Policy.FIRST_SUCCESS,
+    ),
+)
+SHIFTING = Skill(SHIFT, BODY, finish=Do.of("roll", base=P("Base"), cycles=2), driver="fake")
+PLACE = {"Location": "box_a"}
+BOTH = {"base": "base_1", "arm": "arm_1"}
+
+
+@pytest.fixture(autouse=True)
+def _fresh() -> None:
+    Use.holders.clear()
+
+
+def bench_of(robots: int = 1) -> Bench:
+    return Bench(tiny_world(robots=robots), (SHIFTING,), (Use, Drive), cell=Sluggish)
+
+
+def free(bench: Bench, *devices: str) -> bool:
+    with bench.managers.claims.request("the test", devices) as claim:
+        return claim.granted
+
+
+# ------------------------------------------------------------------ one after the other
+
+
+def test_of_two_managers_that_need_one_device_the_younger_waits_and_then_runs() -> None:
+    with bench_of() as bench:
+        first = bench.managers["base_1"].start("roll", {"cycles": 20})
+        second = bench.managers["arm_1"].start("use", BOTH)
+        bench.advance(0.05)
+        assert [e.module for e in bench.events if e.status is Status.STARTED] == ["roll"]
+
+        bench.until(lambda: first.done)
+        assert not second.done
+        bench.until(lambda: second.done)
+        assert first.result == second.result == Success()
+
+
+def test_a_skill_that_waits_for_a_device_says_for_whose() -> None:
+    with bench_of() as bench:
+        bench.managers["arm_1"].start("use", BOTH)
+        bench.managers["base_1"].start("shift", PLACE)
+        bench.advance(0.02)
+
+        assert "waits for arm_1 (use), base_1 (use)" in [e.text for e in bench.events]
+
+
+def _raises(bench: Bench, running: RunningModule) -> None:
+    bench.until(lambda: running.done)
+
+
+def _loses(bench: Bench, running: RunningModule) -> None:
+    bench.managers["arm_1"].lose("its host is gone")
+    running.stop()
+
+
+def _stops_all(bench: Bench, running: RunningModule) -> None:
+    bench.cycle.stop_all()
+    bench.cycle.reset()
+
+
+@pytest.mark.parametrize(
+    ("more", "end"),
+    [
+        ({"cycles": 5}, _raises),
+        ({"cycles": 5, "ends": "slipped"}, _raises),
+        ({"cycles": 5, "ends": "raises"}, _raises),
+        ({"cycles": 999}, lambda _, running: running.stop()),
+        ({"cycles": 999}, lambda _, running: running.break_off("the plan changed")),
+        ({"cycles": 999}, lambda bench, _: bench.managers.close("arm_1")),
+        ({"cycles": 999}, _loses),
+        ({"cycles": 999}, _stops_all),
+    ],
+    ids=["success", "failure", "raise", "stop", "break off", "close", "lost", "stop all"],
+)
+def test_its_devices_come_free_at_each_end_as_soon_as_they_stand(
+    more: dict[str, Any], end: Callable[[Bench, RunningModule], None]
+) -> None:
+    with bench_of() as bench:
+        running = bench.managers["arm_1"].start("use", {**BOTH, **more})
+        bench.advance(0.02)
+        assert not free(bench, "base_1")
+        assert not free(bench, "arm_1")
+        end(bench, running)
+
+        bench.until(lambda: free(bench, "base_1", "arm_1"), limit=BRAKING + 0.1)
+        assert bench.cycle.board.still
+        assert bench.managers["base_1"].start("roll", {}) is not None
+        bench.advance(1.0)
+        assert bench.events[-1].status is Status.TERMINATED
+
+
+@pytest.mark.parametrize("cycles", [3, 999])
+def test_a_skill_hands_its_devices_from_part_to_part_only_when_they_stand(cycles: int) -> None:
+    with bench_of() as bench:
+        outcome = bench.run("shift", Cycles=cycles, **PLACE)
+
+        assert isinstance(outcome, Success), outcome
+        assert free(bench, "base_1", "arm_1")
+
+
+def test_what_waits_and_is_stopped_stands_in_nobodys_way() -> None:
+    with bench_of() as bench:
+        first = bench.managers["base_1"].start("roll", {"cycles": 40})
+        waiting = bench.managers["arm_1"].start("use", BOTH)
+        bench.advance(0.02)
+        waiting.stop()
+        bench.advance(0.02)
+
+        assert waiting.result == Failure("use was stopped")
+        assert [e.status for e in bench.events if e.module == "use"] == [Status.PREEMPTED]
+        assert free(bench, "arm_1")
+        bench.until(lambda: first.done)
+        assert first.result == Success()
+
+
+# ------------------------------------------------------------------ any order of everything
+
+_LETTER = {Status.STARTED: "s", Status.RUNNING: "r", Status.TERMINATED: "e", Status.ERROR: "e", Status.PREEMPTED: "p"}
+_STORY = re.compile(r"(sr*[ep]|p)*(sr*)?")
+"""Started, progress, one end; what was stopped before it began has but the end."""
+_AGENTS = ("base_1", "arm_1", "base_2", "arm_2")
+_ENDINGS = st.sampled_from(["well", "slipped", "raises"])
+
+
+class Modules(RuleBasedStateMachine):
+    """Modules of four managers on the devices of two robots, started, stopped, paused and broken off in any order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        Use.holders.clear()
+        self.bench = bench_of(robots=2)
+        self.runs: list[RunningModule] = []
+
+    @property
+    def live(self) -> list[RunningModule]:
+        return [run for run in self.runs if not run.done]
+
+    def start(self, agent: str, module: str, arguments: dict[str, Any]) -> None:
+        manager = self.bench.managers[agent]
+        if module in manager.running:
+            with pytest.raises(UsageError, match="is running already"):
+                manager.start(module, arguments)
+        else:
+            self.runs.append(manager.start(module, arguments))
+
+    @rule(
+        agent=st.sampled_from(_AGENTS),
+        base=st.sampled_from([1, 2]),
+        arm=st.sampled_from([1, 2]),
+        cycles=st.sampled_from([0, 1, 7, 9999]),
+        ends=_ENDINGS,
+    )
+    def start_use(self, agent: str, base: int, arm: int, cycles: int, ends: str) -> None:
+        self.start(agent, "use", {"base": f"base_{base}", "arm": f"arm_{arm}", "cycles": cycles, "ends": ends})
+
+    @rule(agent=st.sampled_from(_AGENTS), base=st.sampled_from([1, 2]), cycles=st.sampled_from([0, 7]), ends=_ENDINGS)
+    def start_roll(self, agent: str, base: int, cycles: int, ends: str) -> None:
+        self.start(agent, "roll", {"base": f"base_{base}", "cycles": cycles, "ends": ends})
+
+    @rule(number=st.sampled_from([1, 2]), arm=st.sampled_from([1, 2]), cycles=st.sampled_from([0, 5, 999]))
+    def start_skill(self, number: int, arm: int, cycles: int) -> None:
+        self.start(f"base_{number}", "shift", {**PLACE, "Arm": f"arm_{arm}", "Cycles": cycles})
+
+    @precondition(lambda self: self.live)
+    @rule(data=st.data(), action=st.sampled_from(["stop", "pause", "resume", "step", "break_off"]))
+    def disturb(self, data: st.DataObject, action: str) -> None:
+        run = data.draw(st.sampled_from(self.live))
+        arguments = ("the plan changed",) if action == "break_off" else ()
+        getattr(run, action)(*arguments)
+
+    @rule(cycles=st.sampled_from([1, 1, 2, 30]))
+    def advance(self, cycles: int) -> None:
+        for _ in range(cycles):
+            self.bench.cycle.step()
+
+    @invariant()
+    def nobody_broke_but_who_was_told_to(self) -> None:
+        broken = [e.text for e in self.bench.events if "broke" in e.text and "no such gear" not in e.text]
+        assert broken == []
+
+    @invariant()
+    def every_story_is_sound(self) -> None:
+        stories = defaultdict(str)
+        for event in self.bench.events:
+            stories[_who(event)] += _LETTER[event.status]
+        assert [story for story in stories.items() if not _STORY.fullmatch(story[1])] == []
+
+    def teardown(self) -> None:
+        for run in self.live:
+            run.resume()
+        for run in self.live:
+            if run.arguments.get("cycles") == 9999:
+                run.stop()
+        self.bench.until(lambda: not self.live, limit=10.0)
+        self.bench.advance(0.02)
+        assert free(self.bench, "base_1", "base_2", "arm_1", "arm_2")
+        assert self.bench.cycle.board.still
+        assert all(_who(e)[1] or e.status is not Status.STARTED for e in self.bench.events[-1:])
+        self.bench.close()
+
+
+def _who(event: ModuleEvent) -> tuple[str, str, str]:
+    return event.agent, event.caller, event.module
+
+
+TestModulesInAnyOrder = Modules.TestCase
+TestModulesInAnyOrder.settings = settings(max_examples=40, stateful_step_count=30, deadline=None)
