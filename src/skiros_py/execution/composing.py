@@ -30,6 +30,7 @@ from skiros_py.skills.composition import (
     Wait,
 )
 from skiros_py.skills.conditions import Verdict
+from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.primitive import Execution
 
@@ -156,7 +157,7 @@ def _timeout(node: Timeout, scope: Scope) -> Execution[Outcome]:
 
 
 def _guard(node: Guard, scope: Scope) -> Execution[Outcome]:
-    watch = scope.watches.add(node.conditions, scope.arguments)
+    watch = scope.watches.add(applying(node.conditions, scope.arguments), scope.arguments)
     with closing(watch), scope.apart() as inner, closing(run_node(node.child, inner)) as run:
         while True:
             broken = watch.broken()
@@ -195,7 +196,7 @@ def _for_each(node: ForEach, scope: Scope) -> Execution[Outcome]:
 
 def _check(node: Check, scope: Scope) -> Execution[Outcome]:
     yield from ()
-    for condition in node.conditions:
+    for condition in applying(node.conditions, scope.arguments):
         verdict = condition.evaluate(scope.context.world, scope.arguments)
         if not verdict:
             return Failure(f"{verdict.text}: {why(verdict)}")

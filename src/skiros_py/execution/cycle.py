@@ -163,6 +163,8 @@ class ControlCycle:
                     pulse.task = board.owner = task
                     if pulse.overrun is not None:
                         pulse.settle()
+                    if self.halted:
+                        break
                     if not task.done:
                         task.tick(now)
                 pulse.task = board.owner = None

@@ -11,7 +11,7 @@ from skiros_py.execution.hardware import complete
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.inference import Missing, infer
 from skiros_py.skills.outcome import Failure
-from skiros_py.skills.parameters import Param, as_json, missing, read_arguments
+from skiros_py.skills.parameters import Kind, Param, as_json, missing, read_arguments
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
@@ -86,7 +86,13 @@ def skill_panel(description: SkillDescription, given: Mapping[str, Any], view: W
     open_ = {key: v.text for key, v in found.verdicts.items()} if isinstance(found, Missing) else {}
     reasons = {} if isinstance(found, Missing) else found.reasons
     kinds = (("pre", description.needs), ("hold", description.hold), ("post", description.post))
-    rows = tuple(_row(kind, c, found.values, view) for kind, conditions in kinds for c in conditions)
+    left_out = {p.key for p in description.params if p.kind is Kind.OPTIONAL and found.values.get(p.key) is None}
+    rows = tuple(
+        _row(kind, c, found.values, view)
+        for kind, conditions in kinds
+        for c in conditions
+        if not left_out.intersection(c.arguments)  # nobody asks those
+    )
     return Panel(description.params, found.values, reasons, open_, rows)
 
 

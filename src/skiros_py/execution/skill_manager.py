@@ -6,6 +6,7 @@ It is reached through a small interface of plain data, so that it may one day li
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
@@ -33,6 +34,9 @@ from skiros_py.world.vocabulary import HAS_A, HAS_PRIMITIVE, HAS_SKILL, MODULE_D
 
 __all__ = ["SkillManager", "Transport"]
 
+_PATIENCE = 1.0
+"""For how long a write is waited for when a manager is lost [s]."""
+
 
 class Transport(Protocol):
     """How a task manager reaches a skill manager, wherever it lives."""
@@ -47,8 +51,17 @@ class Transport(Protocol):
         """The skills it offers, by name; none when it is lost."""
         ...
 
+    @property
+    def running(self) -> Mapping[str, Running]:
+        """What runs now, by name."""
+        ...
+
     def start(self, module: str, arguments: Mapping[str, Any]) -> Running:
-        """Starts a module."""
+        """Starts a module.
+
+        Raises:
+            UsageError: It cannot be started now.
+        """
         ...
 
 
@@ -182,10 +195,16 @@ class SkillManager:
         self._unregister("goes")
 
     def lose(self, reason: str) -> None:
-        """Gives it up: nobody may count on its skills any more. For any thread; everything else goes on."""
-        if not self.lost:
-            self.lost = reason
-            self._unregister(f"is lost: {reason}")
+        """Gives it up: nobody may count on its skills any more. For any thread; everything else goes on.
+
+        What is lost may hold the world's pen: then its skills leave the world model when that is given back.
+        """
+        if self.lost:
+            return
+        self.lost = reason
+        leaving = threading.Thread(target=self._unregister, args=(f"is lost: {reason}",), daemon=True)
+        leaving.start()
+        leaving.join(_PATIENCE)
 
     def _unregister(self, reason: str) -> None:
         world = self._context.world

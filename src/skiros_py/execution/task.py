@@ -62,6 +62,7 @@ class Task(Generic[T]):
         self._deadline: float | None = None
         self._runs_away = False
         self._steps = 0
+        self._stepping = False
 
     # ------------------------------------------------------------------ running
 
@@ -92,6 +93,7 @@ class Task(Generic[T]):
 
     def pause(self) -> None:
         """Slows its clock down; when that stands, it is ticked no more until :meth:`resume`."""
+        self._steps = 0
         self.clock.slow_down()
 
     def resume(self) -> None:
@@ -110,16 +112,15 @@ class Task(Generic[T]):
 
     @property
     def rate(self) -> float:
-        """How fast its clock goes: 1 with the run, 0 standing still."""
-        return self.clock.rate
+        """How fast its time goes: 1 with the run and in a single step, 0 standing still."""
+        return 1.0 if self._stepping else self.clock.rate
 
     def _turn(self, time: float) -> bool:
         """Moves an unsteady clock on; returns whether this cycle has a tick."""
         self.clock.advance(time)
-        if not self.clock.stands:
-            return True
-        if not self._steps:
-            return False
+        self._stepping = self.clock.stands and self._steps > 0
+        if not self._stepping:
+            return not self.clock.stands
         self._steps -= 1
         self.clock.jump(self._board.period if self._board else 0.0)
         return True

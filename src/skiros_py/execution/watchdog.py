@@ -24,9 +24,9 @@ __all__ = ["Watchdog"]
 _log = logging.getLogger(__name__)
 
 _PERIODS = 20
-"""How many periods of wall time one tick may take when the run has a pace."""
+"""How many periods of wall time the ticks of a cycle may take when the run has a pace."""
 _LOCKSTEP_LIMIT = 5.0
-"""How long one tick may take in lockstep, where the simulated time waits for everybody [s]."""
+"""How long they may take in lockstep, where the simulated time waits for everybody [s]."""
 _LOOKS = 10
 """How often within the limit the watchdog looks."""
 
@@ -36,12 +36,12 @@ class Watchdog:
 
     Args:
         cycle: The control cycle.
-        limit: Wall time that one tick may take [s]; where left out, 20 periods, or 5 s in lockstep.
+        limit: Wall time that the ticks of one cycle may take [s]; where left out, 20 periods, or 5 s in lockstep.
         again: Time after which code that goes on nevertheless is interrupted again [s].
         patience: Time after the first interruption when the task counts as lost [s].
 
     Attributes:
-        limit: Wall time that one tick may take [s].
+        limit: Wall time that the ticks of one cycle may take [s].
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Watchdog:
         self._lost_listeners: list[Callable[[Watched], None]] = []
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="skiros-watchdog", daemon=True)
-        self._seen: tuple[int, Watched | None] = (-1, None)
+        self._seen = -1
         self._since = 0.0
         self._overrun: Overrun | None = None
         self._struck = 0.0
@@ -94,11 +94,13 @@ class Watchdog:
 
     def _look(self, now: float) -> None:
         pulse = self._cycle.pulse
-        seen = pulse.beat, pulse.task
-        if seen != self._seen or seen[1] is None or pulse.waits:
-            self._seen, self._since, self._overrun, self._lost = seen, now, None, False
+        beat, task = pulse.beat, pulse.task
+        if beat != self._seen or task is None or pulse.waits:
+            self._seen, self._since, self._overrun, self._lost = beat, now, None, False
+        elif self._overrun is not None and self._overrun.task is not task:  # that one ended; this one has a limit, too
+            self._since, self._overrun, self._lost = now, None, False
         elif now - self._since > self.limit:
-            self._act(seen[0], seen[1], now)
+            self._act(beat, task, now)
 
     def _act(self, beat: int, task: Watched, now: float) -> None:
         if self._overrun is None:

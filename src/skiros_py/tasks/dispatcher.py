@@ -57,11 +57,10 @@ class Dispatcher:
         skill = self._skills[step.skill]
         start = self._now
         try:
-            running = self._start(step, step.arguments[skill.agent])
+            running = yield from self._started(step, step.arguments[skill.agent])
         except UsageError as refusal:
-            yield  # time must go on, should the next plan be the same
             failure = Failure(str(refusal), BROKEN_OFF)  # not the target's fault
-            self._history.record(step, skill, start, start, failure)
+            self._history.record(step, skill, start, self._now, failure)
             return failure
         seen = self._world.version
         try:
@@ -77,12 +76,14 @@ class Dispatcher:
         self._history.record(step, skill, start, self._now, running.result)
         return running.result
 
-    def _start(self, step: Step, agent: str) -> Running:
-        """Hands a step to who shall do it.
+    def _started(self, step: Step, agent: str) -> Execution[Running]:
+        """Hands a step to who shall do it, when whatever else of that name runs there has ended.
 
         Raises:
-            UsageError: It cannot be started there now.
+            UsageError: It cannot be started there.
         """
+        while agent in self._managers and step.skill in self._managers[agent].running:
+            yield
         if agent not in self._managers:
             raise UnknownName("skill manager", agent, self._managers)
         return self._managers[agent].start(step.skill, step.arguments)

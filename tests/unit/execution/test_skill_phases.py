@@ -10,7 +10,7 @@ import pytest
 from skiros_py.execution.monitor import Status
 from skiros_py.robot.devices import Gripper
 from skiros_py.robot.values import GripperTarget
-from skiros_py.skills.composition import AssertEffects, Do, Fallback, Guard, Node, P, Sequence
+from skiros_py.skills.composition import AssertEffects, Check, Do, Fallback, Guard, Node, P, Sequence
 from skiros_py.skills.conditions import Computed, ConditionType, Related, Role, Sensor, Verdict
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
@@ -412,6 +412,28 @@ def test_a_wrong_constant_in_a_body_fails_that_part_only(wrong: Do, told: str) -
     assert isinstance(outcome, Failure)
     assert told in outcome.reason
     assert texts() == ["instead", "finish"]
+
+
+EMPTY = EMPTY_HANDED("Gripper")
+MAYBE = replace(AFTER, params=(*AFTER.params, replace(GRIPPER, kind=Kind.OPTIONAL)))
+
+
+@pytest.mark.parametrize(
+    "skill",
+    [
+        way(AssertEffects(0.01), replace(MAYBE, pre=(EMPTY,))),
+        way(AssertEffects(0.01), replace(MAYBE, hold=(EMPTY,))),
+        way(note("body", goes="box_a"), replace(MAYBE, post=(*MAYBE.post, EMPTY))),
+        way(AssertEffects(0.01), MAYBE, when=(EMPTY,)),
+        way(Guard.of(AssertEffects(0.01), EMPTY), MAYBE),
+        way(Sequence.of(Check.of(EMPTY), AssertEffects(0.01)), MAYBE),
+    ],
+    ids=["pre", "hold", "post", "when", "guard", "check"],
+)
+def test_a_condition_about_an_optional_parameter_that_is_left_out_is_not_asked(skill: Skill) -> None:
+    with bench_of(skill) as bench:
+        assert bench.managers["base_1"].panel("drive", {"Location": "box_a"}).ready
+        assert isinstance(bench.run("drive", Location="box_a"), Success)
 
 
 # ------------------------------------------------------------------ conditions that break

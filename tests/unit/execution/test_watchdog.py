@@ -263,6 +263,18 @@ def test_the_watchdogs_thread_has_a_name_and_ends(cycle: ControlCycle) -> None:
     assert "skiros-watchdog" not in names()
 
 
+def test_a_cycle_overruns_by_many_ticks_that_are_short_each(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    told: list[Overrun] = []
+    watchdog.on_overrun(told.append)
+    for number in range(20):
+        cycle.start(after_one_tick(lambda: time.sleep(LIMIT / 5)), f"part {number}")
+    cycle.step()
+    cycle.step()
+
+    assert len(told) == 1
+    assert "held the control cycle" in cycle.halted
+
+
 class Tick:
     """A task as the pulse sees it."""
 

@@ -1,0 +1,289 @@
+"""What the task manager makes of managers that go, of modules that hang, break and are halted: always a report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import pytest
+
+from skiros_py.catalogue import Catalogue
+from skiros_py.execution import watchdog
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.runtime import Options, Session
+from skiros_py.skills.composition import AssertEffects, Do, Sequence
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.tasks.report import GoalReport
+from skiros_py.testing import CONDITIONS, TINY_ONTOLOGY, Bench, tiny_scene, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+
+GOAL = "In(ball_1, slot_1)"
+
+
+class Linger(Primitive["Linger.Params"]):
+    """Takes its time, and then does what the test says."""
+
+    name: ClassVar[str] = "linger"
+    does: ClassVar[list[Callable[[], None]]] = []
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        seconds: float = param("number", "How long.", kind=Kind.OFFLINE, default=0.1, unit="s")
+
+    def execute(self) -> Execution[Outcome]:
+        end = self.context.now + self.params.seconds
+        while self.context.now < end:
+            yield
+        if self.does:
+            self.does.pop()()
+        return Success()
+
+
+LINGERING = (
+    pretend(DRIVE),
+    pretend(PICK, Sequence.of(Do.of("linger"), AssertEffects(0.02))),
+    pretend(PLACE),
+)
+
+
+@pytest.fixture(autouse=True)
+def _fresh() -> None:
+    Linger.does.clear()
+
+
+def during_pick(bench: Bench, action: Callable[[], None]) -> None:
+    """Has something happen when the first pick has begun."""
+    happened: list[ModuleEvent] = []
+
+    def listen(event: ModuleEvent) -> None:
+        if event.module == "linger" and event.status is Status.STARTED and not happened:
+            happened.append(event)
+            Linger.does.append(action)
+
+    bench.monitor.subscribe(listen)
+
+
+def pursue(bench: Bench, limit: float = 60.0) -> GoalReport:
+    """Pursues the goal; that it hangs is a failure."""
+    task = bench.cycle.start(bench.tasks.pursue(bench.goal(GOAL)), "the task manager")
+    bench.until(lambda: task.done, limit=limit)
+    return task.result
+
+
+# ------------------------------------------------------------------ managers that go
+
+
+@pytest.mark.parametrize(
+    "goes",
+    [
+        lambda bench: bench.managers.close("arm_1"),
+        lambda bench: bench.managers["arm_1"].lose("its host is gone"),
+    ],
+    ids=["closed", "lost"],
+)
+def test_when_the_only_manager_that_can_goes_the_goal_ends_with_a_report(goes: Callable[[Bench], None]) -> None:
+    with Bench(tiny_world(), LINGERING, (Linger,)) as bench:
+        during_pick(bench, lambda: goes(bench))
+        report = pursue(bench)
+
+    assert not report.reached
+    assert report.conditions[0].reason
+    assert [step.skill for step in report.steps][:2] == ["drive", "pick"]
+
+
+@pytest.mark.parametrize(
+    "goes",
+    [
+        lambda bench, arm: bench.managers.close(arm),
+        lambda bench, arm: bench.managers[arm].lose("its host is gone"),
+    ],
+    ids=["closed", "lost"],
+)
+def test_when_a_manager_goes_another_that_can_do_it_does(goes: Callable[[Bench, str], None]) -> None:
+    with Bench(tiny_world(robots=2), LINGERING, (Linger,)) as bench:
+        chosen: list[str] = []
+
+        def leave() -> None:
+            chosen.append(next(e.agent for e in reversed(bench.events) if e.module == "pick"))
+            goes(bench, chosen[0])
+            running = [m for m in bench.managers.values() if m.running]
+            for manager in running:
+                manager.stop()
+
+        during_pick(bench, leave)
+        report = pursue(bench)
+
+    assert report.reached, report
+    assert report.steps[-1].arguments["Arm"] != chosen[0]
+
+
+def test_between_plan_and_step_a_manager_may_go_too() -> None:
+    with Bench(tiny_world(robots=2), LINGERING, (Linger,)) as bench:
+        gone: list[str] = []
+
+        def leave(event: ModuleEvent) -> None:
+            if event.module == "drive" and event.status is Status.TERMINATED and not gone:
+                gone.append(f"arm_{event.agent[-1]}")
+                bench.managers.close(gone[0])
+
+        bench.monitor.subscribe(leave)
+        report = pursue(bench)
+
+    assert report.reached, report
+    assert report.steps[-1].arguments["Arm"] != gone[0]
+
+
+def test_a_manager_that_comes_while_a_goal_is_pursued_is_planned_with() -> None:
+    with Bench(tiny_world(robots=2), LINGERING, (Linger,)) as bench:
+        for arm in ("arm_1", "arm_2"):
+            bench.managers.close(arm)
+        bench.managers.open("arm_1")
+
+        def replace_it() -> None:
+            bench.managers.close("arm_1")
+            bench.managers.open("arm_2")
+
+        during_pick(bench, replace_it)
+        report = pursue(bench)
+
+    assert report.reached, report
+    assert report.steps[-1].arguments["Arm"] == "arm_2"
+
+
+def test_planning_with_a_skill_that_nobody_offers_any_more_is_refused_with_reasons() -> None:
+    with Bench(tiny_world()) as bench:
+        bench.managers.close("arm_1")
+        report = bench.pursue(GOAL)
+
+    assert not report.reached
+    assert report.no_plan
+
+
+def test_a_module_that_somebody_else_runs_already_is_waited_for() -> None:
+    with Bench(tiny_world("scene:ball_2 a tiny:Ball ; sk:in scene:box_b ."), LINGERING, (Linger,)) as bench:
+        bench.run("drive", Location="box_a")
+        by_hand = bench.start("pick", Ball="ball_1", Box="box_a")
+        report = pursue(bench)
+
+        assert by_hand.done
+    assert report.reached, report
+
+
+# ------------------------------------------------------------------ modules that hang
+
+
+def test_what_is_stopped_from_outside_is_a_failed_step_and_tried_again() -> None:
+    with Bench(tiny_world(), LINGERING, (Linger,)) as bench:
+        during_pick(bench, lambda: bench.managers["arm_1"].stop())
+        report = pursue(bench)
+
+    assert report.reached
+    assert [step.reason for step in report.steps if step.skill == "pick"] == ["pick was stopped", ""]
+
+
+def test_halting_everything_ends_the_goal_and_what_it_runs() -> None:
+    with Bench(tiny_world(), LINGERING, (Linger,)) as bench:
+        task = bench.cycle.start(bench.tasks.pursue(bench.goal(GOAL)), "the task manager")
+        bench.until(lambda: any(e.module == "linger" for e in bench.events))
+        assert bench.cycle.stop_all("somebody is in the way")
+
+        assert task.done
+        assert not bench.managers["arm_1"].running
+        bench.cycle.reset()
+        assert pursue(bench).reached
+
+
+def _hang() -> None:
+    end = time.monotonic() + 30.0
+    while time.monotonic() < end:
+        pass
+
+
+def test_when_one_holds_the_cycle_each_module_that_ran_is_told_to_have_ended_once() -> None:
+    with Bench(tiny_world(), LINGERING, (Linger,), overrun=0.3) as bench:
+        bench.run("drive", Location="box_a")
+        other = bench.managers["base_1"].start("linger", {"seconds": 9.0})
+        bench.advance(0.01)
+        Linger.does.append(_hang)
+        running = bench.start("pick", Ball="ball_1", Box="box_a")
+        bench.until(lambda: running.done and other.done, limit=1.0)
+        ends = [(e.agent, e.module, e.status) for e in bench.events if e.status not in (Status.STARTED, Status.RUNNING)]
+
+        assert sorted(ends[1:], key=str) == [
+            ("arm_1", "linger", Status.ERROR),
+            ("arm_1", "pick", Status.ERROR),
+            ("base_1", "linger", Status.PREEMPTED),
+        ]
+        assert isinstance(running.result, Failure)
+        assert "linger (of pick of arm_1) held the control cycle" in running.result.reason
+        assert "held the control cycle" in str(other.result)
+        assert bench.managers.claims.request("the test", ["arm_1", "gripper_1"]).granted
+
+
+# ------------------------------------------------------------------ whole sessions
+
+
+def catalogue(*skills: Any) -> Catalogue:
+    named = {skill.description.name: skill for skill in skills}
+    return Catalogue(named, {"linger": Linger}, CONDITIONS, {"fast-downward": FastDownward}, {})
+
+
+@pytest.fixture
+def session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.setenv("SKIROS_ONTOLOGIES", str(TINY_ONTOLOGY))
+    monkeypatch.setattr(watchdog, "_LOCKSTEP_LIMIT", 0.5)
+    with Session(str(tiny_scene(tmp_path)), Options(fake=True), catalogue=catalogue(*LINGERING)) as made:
+        yield made
+
+
+def test_when_the_watchdog_halts_everything_the_report_says_why_and_the_session_goes_on(session: Session) -> None:
+    Linger.does.append(_hang)
+    report = session.run(GOAL)
+
+    assert not report.reached
+    assert "linger (of pick of arm_1) held the control cycle for" in report.conditions[0].reason
+    assert not report.stopped
+    assert session.cycle.halted == ""
+    assert session.run(GOAL).reached
+
+
+def test_when_a_module_halts_everything_the_report_says_why_and_the_session_goes_on(session: Session) -> None:
+    Linger.does.append(lambda: session.cycle.halt("a hand was seen"))
+    report = session.run(GOAL)
+
+    assert report.conditions[0].reason == "a hand was seen"
+    assert not report.stopped
+    assert session.run(GOAL).reached
+
+
+def test_a_manager_that_is_lost_in_a_session_ends_the_goal_with_a_report_and_the_world_stays_usable(
+    session: Session,
+) -> None:
+    Linger.does.append(lambda: session.managers["arm_1"].lose("its host is gone"))
+    report = session.run(GOAL)
+
+    assert not report.reached
+    assert report.conditions[0].reason
+    with session.world.transaction("test", "a person brought it") as tx:
+        tx.place("robot_1", "sk:at", "box_b")
+    assert session.run("At(robot_1, box_a)").reached
+    session.managers.open("arm_1")
+    assert session.run(GOAL).reached
+
+
+def test_a_module_that_breaks_in_a_session_is_a_failed_try(session: Session) -> None:
+    def breaks() -> None:
+        raise SystemExit(4)
+
+    Linger.does.append(breaks)
+    report = session.run(GOAL)
+
+    assert report.reached
+    assert report.conditions[0].tries == 2
+    assert "sys.exit(4)" in next(step.reason for step in report.steps if step.reason)
