@@ -56,7 +56,7 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=20, help=f"how often {_IN_A_ROW} cycles of each kind are timed")
     parser.add_argument("--starts", type=int, default=7, help="how often a start is timed with and without plug-ins")
     options = parser.parse_args()
-    figures = [*_cycles(options.rounds), _successors(), _watched(), *_start_up(options.starts)]
+    figures = [*_cycles(options.rounds), _successors(), _plan_steps(), _watched(), *_start_up(options.starts)]
     return finish("kernel", figures)
 
 
@@ -192,6 +192,20 @@ def _successors() -> Figure:
         raise SystemExit(f"the sequence failed: {running.result}")
     what = f"idle cycles between {_STEPS} steps of one tick each"
     return Figure(what, str(used - _STEPS), "= 0", used == _STEPS, f"{used} cycles in all")
+
+
+def _plan_steps() -> Figure:
+    """Counts the cycles between the end of one step of a plan and the start of the next."""
+    with Bench(tiny_world()) as bench:
+        report = bench.pursue("In(ball_1, slot_1)")
+        period = bench.cycle.board.period
+        at = [(event.status, round(event.time / period)) for event in bench.events if event.kind == "skill"]
+    if not report.reached:
+        raise SystemExit(f"the goal was not reached: {report}")
+    ends = [cycle for status, cycle in at if status is Status.TERMINATED]
+    starts = [cycle for status, cycle in at if status is Status.STARTED]
+    idle = sum(start - end - 1 for end, start in zip(ends, starts[1:], strict=False))
+    return Figure(f"idle cycles between the {len(starts)} steps of a plan", str(idle), "= 0", idle == 0)
 
 
 def _watched() -> Figure:

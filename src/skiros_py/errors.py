@@ -16,12 +16,15 @@
     ├── DeviceError           a device or the simulation broke
     └── MissingSystemLibrary  a library that pip cannot install is absent
 
+Beside it stands Interruption: the platform breaks off what runs; nobody but the platform catches it.
+
 Expected outcomes ("no plan", "part not found", "condition does not hold") are values, never exceptions.
 """
 
 from __future__ import annotations
 
 import difflib
+import signal
 import string
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -33,6 +36,7 @@ __all__ = [
     "DeviceError",
     "FileError",
     "GoalSyntaxError",
+    "Interruption",
     "Locked",
     "MissingSystemLibrary",
     "ModuleError",
@@ -41,7 +45,9 @@ __all__ = [
     "StaleVersion",
     "UnknownName",
     "UsageError",
+    "UserStop",
     "WorldError",
+    "by_user",
 ]
 
 
@@ -57,6 +63,21 @@ def _restored(kind: type[SkirosError], args: tuple[object, ...], fields: dict[st
     error = kind.__new__(kind, *args)
     error.__dict__.update(fields)
     return error
+
+
+class Interruption(BaseException):
+    """The platform breaks off what runs, such as code that holds the control cycle: not for authors to catch."""
+
+
+class UserStop(KeyboardInterrupt):
+    """The user asks the command to end: what its handlers of signals raise."""
+
+
+def by_user(error: BaseException) -> bool:
+    """Tells whether an exception is the user's wish to end; where nobody handles Ctrl-C, each interrupt may be."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        return isinstance(error, KeyboardInterrupt)
+    return isinstance(error, UserStop)
 
 
 class UsageError(SkirosError):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -11,34 +9,26 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self, TypeVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, Self
 
 from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
-from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.managers import Managers
-from skiros_py.execution.monitor import Monitor
+from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
-from skiros_py.execution.watchdog import Watchdog
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.execution.station import Station, StationOptions
+from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
-from skiros_py.robot.devices import DeviceBoard
 from skiros_py.robot.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
-from skiros_py.skills.primitive import Execution
-from skiros_py.skills.questions import Questions
-from skiros_py.skills.sensing import BoardSensors
 from skiros_py.system import check_system_libraries
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.tasks.report import ConditionReport, GoalReport
+from skiros_py.tasks.pursuit import pursue
+from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
-from skiros_py.world.change import Change
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 from skiros_py.world.reasoners.registry import Reasoners
@@ -53,9 +43,10 @@ if TYPE_CHECKING:
 __all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
 
 _log = logging.getLogger(__name__)
-T = TypeVar("T")
 
 _PLANNER = "fast-downward"
+_STREAM = 1
+"""Random numbers of modules are a stream of their own beside those of the simulation."""
 _HASH_EVERY = 20
 """Cycles between two entries of joint states into a run's digest."""
 
@@ -101,6 +92,7 @@ class Session:
         catalogue: The plug-ins found.
         cell: The driver: simulation or fake.
         spec: The cell as brought up.
+        station: What runs everything.
         cycle: The control cycle.
         managers: The skill managers by the id of their subsystem.
         questions: What the robots ask a person.
@@ -112,13 +104,11 @@ class Session:
         self._stop_wanted = False
         self._closed = False
         self.stopped = False
-        self._digest = hashlib.sha256()
+        self._digest = RunDigest()
         self._on_plan: list[Callable[[Planned], None]] = []
         self.options = options
         self.scene = scene
         self.catalogue = catalogue or load_catalogue()
-        self.monitor = Monitor()
-        self.questions = Questions()
         try:
             self._open(scene)
         except BaseException:
@@ -137,31 +127,11 @@ class Session:
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
         self._simulated = self.options.driver is None and not self.options.fake
-        board = DeviceBoard(self.cell)
-        self.world.clock = lambda: board.snapshot.time
-        self.world.sensors = BoardSensors(board)
-        self.world.subscribe(self._digest_change)
-        self.cycle = ControlCycle(board, self.options.pace)
-        self.cycle.observe(self._digest_state)
-        context = RunContext(
-            world=self.world,
-            board=board,
-            libraries=libraries,
-            cell=self.spec,
-            rng=np.random.default_rng([self.options.seed, 1]),
-            lockstep=self.options.pace is None,
-            report=lambda _module, _code, _text: None,
-            clock=board,
-            questions=self.questions,
-            waiting=self.cycle.pulse.waiting,
-        )
-        self.managers = self._open_managers(context)
-        watchdog = self._stack.enter_context(Watchdog(self.cycle))
-        watchdog.on_lost(self.managers.lose)
+        self.world.subscribe(self._digest.add_change)
+        self._set_up(libraries)
         self._watch()
         planner = self._stack.enter_context(closing(self.catalogue.planner(_PLANNER)))
-        self.planning = PlanningService(planner, scene_title(scene), lockstep=self.options.pace is None)
-        self.tasks = TaskManager(self.world, self.managers, self.planning, self.cycle, on_plan=self._tell_plan)
+        self.tasks = TaskManager.of(self.station, planner, scene_title(scene), on_plan=self._tell_plan)
 
     def _own_goal(self) -> tuple[Condition, ...]:
         """Reads the goal of the options, else the one that goes with the scene."""
@@ -210,20 +180,16 @@ class Session:
 
         return self._stack.enter_context(closing(PyBulletCell(self.spec, seed=self.options.seed, gui=self.options.gui)))
 
-    def _open_managers(self, context: RunContext) -> Managers:
-        """One skill manager for each subsystem of each robot (paper §3.3)."""
+    def _set_up(self, libraries: Libraries) -> None:
+        """Brings control cycle, skill managers and watchdog up."""
         skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
-        managers = Managers(
-            skills,
-            self.catalogue.primitives,
-            context,
-            self.cycle,
-            self.monitor,
-            driver=self.cell.kind,
-            config=self.options.config,
-        )
-        managers.open_all([robot.id for robot in self.spec.robots])
-        return managers
+        seed = (self.options.seed, _STREAM)
+        options = StationOptions(None, seed, self.options.pace, libraries, self.options.config)
+        station = Station(self.world, self.spec, self.cell, skills, self.catalogue.primitives, options)
+        self.station = self._stack.enter_context(station)
+        self.cycle, self.managers = station.cycle, station.managers
+        self.monitor, self.questions = station.monitor, station.questions
+        self.cycle.observe(self._digest_state)
 
     def _watch(self) -> None:
         """Starts what runs in the background; a stop ends it with everything else."""
@@ -262,21 +228,13 @@ class Session:
             goal: Conditions or goal texts; None for the goal of the scene.
 
         Raises:
-            UsageError: There is no goal.
+            UsageError: There is no goal, or everything was halted and nobody has called :meth:`reset` since.
         """
         wanted = self._conditions(goal)
-        self._digest = hashlib.sha256(self.simulation.state_bytes() if self._simulated else b"")
-        started = time.perf_counter(), self.cycle.board.snapshot.time
-        task = self.cycle.start(self._patient(self.tasks.pursue(wanted)), "the task manager")
-        while not task.done and not self._stop_wanted:
-            self.cycle.step()
-        why = self.cycle.halted
-        if task.done and not why:
-            report = task.result
-        else:
-            self._halt()
-            report = self._stopped_report(wanted, why, *started)
-        report = replace(report, digest=self._digest.hexdigest()[:16])
+        self._digest.begin(self.simulation.state_bytes() if self._simulated else b"")
+        report = pursue(self.station, self.tasks, wanted, self._is_stopping)
+        self._obey_stop()
+        report = replace(report, digest=str(self._digest))
         return report.with_truth(self._truths(wanted)) if self._simulated else report
 
     def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
@@ -289,8 +247,9 @@ class Session:
 
         Raises:
             UnknownName: There is no such module or subsystem.
-            UsageError: It cannot be started now.
+            UsageError: It cannot be started now, such as when everything was halted and not :meth:`reset`.
         """
+        self.station.require_ready()
         if agent is not None and agent not in self.managers:
             raise UnknownName("skill manager", agent, self.managers)
         manager = self.managers.who_runs(module) if agent is None else self.managers[agent]
@@ -299,31 +258,30 @@ class Session:
     def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
         """Runs one skill or primitive by itself to its end, or until :meth:`stop`; see :meth:`start_module`."""
         running = self.start_module(module, arguments, agent)
-        while not running.done and not self._stop_wanted:
-            self.cycle.step()
-        if not running.done:
-            self._halt()
+        self.station.finish(running, self._is_stopping)
+        self._obey_stop()
         return running.result
 
-    def _halt(self) -> None:
-        """Stops everything, waits for standstill, and makes ready for the next run."""
-        self.cycle.stop_all("a stop was asked for")
-        self._stop_wanted = False
-        if self.cycle.board.still:
+    def reset(self) -> None:
+        """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.
+
+        Whoever calls it has looked at why that was. After :meth:`stop` it is not needed.
+
+        Raises:
+            UsageError: Something still moves.
+        """
+        if self.cycle.halted:
             self.cycle.reset()
             self._watch()
 
-    def _patient(self, work: Execution[T]) -> Execution[T]:
-        """Passes work through whose ticks may take long: it plans, and commands nothing itself."""
-        with closing(work):
-            while True:
-                with self.cycle.pulse.waiting():
-                    try:
-                        next(work)
-                    except StopIteration as end:
-                        result: T = end.value
-                        return result
-                yield
+    def _is_stopping(self) -> bool:
+        return self._stop_wanted
+
+    def _obey_stop(self) -> None:
+        """Where the user wants a stop, and nothing worse has happened: stops everything, and is ready again."""
+        wanted, self._stop_wanted = self._stop_wanted, False
+        if wanted and not self.cycle.halted and self.cycle.stop_all("a stop was asked for"):
+            self.reset()
 
     def stop(self) -> None:
         """Asks the run to stop: everything halts in the next cycle; safe to call from a signal handler."""
@@ -345,13 +303,6 @@ class Session:
             )
         return conditions
 
-    def _stopped_report(self, goal: Sequence[Condition], why: str, wall: float, simulated: float) -> GoalReport:
-        """Reports on a run that somebody stopped, or that was halted for a reason."""
-        reason = why or "stopped"
-        conditions = tuple(ConditionReport(str(c), bool(c.evaluate(self.world)), None, 0, reason) for c in goal)
-        used = self.cycle.board.snapshot.time - simulated, time.perf_counter() - wall
-        return GoalReport(conditions, tuple(self.tasks.steps), *used, stopped=not why)
-
     def _truths(self, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
         from skiros_py.judgement import judge
 
@@ -372,12 +323,9 @@ class Session:
 
     # ------------------------------------------------------------------ digest and end
 
-    def _digest_change(self, change: Change) -> None:
-        self._digest.update(json.dumps(change.as_json(), sort_keys=True).encode())
-
     def _digest_state(self) -> None:
         if self._simulated and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
-            self._digest.update(self.simulation.state_bytes())
+            self._digest.add(self.simulation.state_bytes())
 
     def close(self) -> None:
         """Ends all processes and the simulation; may be called twice."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from skiros_py.cli.main import cli
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.skills.lint import RULES
 
 GOOD = """
@@ -25,6 +27,7 @@ from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
 
 SKIP = Skill(replace(DRIVE, name="skip"), Do.of("fly"))
 """
+CONDITION = '[project.entry-points."skiros.conditions"]\nReachable = "skiros_py.testing.tiny_skills:REACHABLE"\n'
 
 
 def run(*arguments: str) -> Result:
@@ -51,6 +54,39 @@ def test_the_built_in_plug_ins_keep_all_rules_and_their_skills_do_what_they_decl
     assert (result.return_value, answer["findings"]) == (0, [])
     assert {ran["skill"] for ran in answer["ran"]} >= {"drive", "pick", "place"}
     assert all(ran["where"] for ran in answer["ran"])
+
+
+def test_what_needs_a_real_robot_is_listed_as_not_run() -> None:
+    told = run("skiros-skills").stdout
+    answer = json.loads(run("skiros-skills", "--json").stdout)
+
+    assert "not run: skill drive: it needs a real or simulated robot (--simulate SCENE)" in told
+    assert [one["skill"] for one in answer["not_run"]] == ["skill drive", "skill pick", "skill place"]
+    assert {ran["driver"] for ran in answer["ran"]} == {"fake"}
+
+
+def test_a_simulation_in_which_nothing_runs_and_an_unknown_scene_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="contradict each other"):
+        run("skiros-skills", "--no-run", "--simulate", "kitting")
+    with pytest.raises(UnknownName, match=r"Did you mean .kitting."):
+        run("skiros-skills", "--simulate", "kiting")
+
+
+MANUAL = Path(__file__).parents[2] / "docs" / "rules.md"
+LINES = re.findall(r"^\$ skiros check-plugin (.+)$", MANUAL.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    "line", [pytest.param(one, marks=pytest.mark.physics) if "--simulate" in one else one for one in LINES]
+)
+def test_the_commands_of_the_manual_find_nothing_wrong(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(written(tmp_path, f"sk_hop_{LINES.index(line)}", "", CONDITION))
+
+    result = run(*line.split())
+
+    assert (result.return_value, "error" in result.stdout.replace("0 errors", "")) == (0, False)
 
 
 def test_a_finding_says_file_line_and_rule_and_ends_the_command_with_1(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from skiros_py.cli.main import cli, main
 from skiros_py.errors import PlanningError, UnknownName, UsageError
 from skiros_py.plugins import fault_of, installation
 from skiros_py.runtime import Options, Session
+from skiros_py.skills.outcome import Success
 from skiros_py.testing import CONDITIONS, SKILLS, TINY_ONTOLOGY, tiny_ontology, tiny_scene
 
 CODE = """
@@ -239,6 +240,35 @@ def test_a_skill_that_calls_a_broken_primitive_says_so_by_name(site: Any) -> Non
     assert reasons["paddle"] == "ZeroDivisionError: division by zero"
     assert "glide" not in reasons, "nobody who pretends needs it"
     assert not {"calls", "unseen"} & set(fitted.skills)
+
+
+WITHIN = """
+from dataclasses import replace
+from skiros_py.skills.composition import Do, P
+from skiros_py.testing.tiny_skills import DRIVE, pretend
+OUTER = pretend(replace(DRIVE, name="tour"), Do.of("hop", Location=P("Location")))
+INNER = pretend(replace(DRIVE, name="hop"))
+LOST = pretend(replace(DRIVE, name="lost"), Do.of("sunk", Location=P("Location")))
+"""
+
+
+def test_a_skill_of_one_package_calls_a_skill_of_another(site: Any, tmp_path: Any) -> None:
+    site.install("sk-words", {"conditions": {"TinyAt": "skiros_py.testing.tiny_skills:AT_LOCATION"}})
+    site.install(
+        "sk-outer", {"skills": {"tour": "sk_within:OUTER", "lost": "sk_within:LOST"}}, {"sk_within.py": WITHIN}
+    )
+    site.install("sk-inner", {"skills": {"hop": "sk_within:INNER"}})
+    site.install("sk-sunk", {"skills": {"sunk": "sk_gone_down:X"}}, {"sk_gone_down.py": "1 / 0"})
+
+    with Session(str(tiny_scene(tmp_path)), Options(fake=True)) as session:
+        outcome = session.run_module("tour", {"Location": "box_a"})
+        reasons = {fault.name: fault.reason for fault in session.catalogue.faults}
+
+    assert isinstance(outcome, Success), outcome
+    assert not {"tour", "hop"} & set(reasons)
+    assert reasons["lost"] == (
+        "it calls 'sunk': plug-in sunk of sk-sunk 0.3 did not load: ZeroDivisionError: division by zero"
+    )
 
 
 def test_a_session_runs_beside_broken_primitives_and_skills(site: Any, tmp_path: Any) -> None:

@@ -24,6 +24,7 @@ from skiros_py.scaffold import (
     NewPackage,
     NewSkill,
     Project,
+    as_installed,
     draft_package,
     draft_skill,
     knowledge_of,
@@ -168,6 +169,28 @@ def test_a_new_package_is_planned_and_done_once_it_is_installed(package: Path, t
     assert not re.search(rf"{name} 0\.1\.0 (?!.* works *$)", found, re.MULTILINE)
 
 
+def test_a_second_package_beside_the_first_begins_with_names_of_its_own_and_works(
+    package: Path, tmp_path: Path
+) -> None:
+    with as_installed(package):
+        draft = draft_package(tmp_path, NewPackage("my_sorting"))
+        draft.write_folder()
+        again = draft_package(tmp_path, NewPackage("my_storing", skill="store")).new
+
+    assert "src/my_sorting/skills/inspect_2.py" in draft.new
+    assert "src/my_sorting/primitives/look_at_2.py" in draft.new
+    assert 'ConditionType(\n    "Inspected2"' in draft.new["src/my_sorting/conditions/inspected2.py"]
+    assert "src/my_storing/skills/store.py" in again
+    assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
+
+
+def test_a_package_may_be_called_src(tmp_path: Path) -> None:
+    draft = draft_package(tmp_path, NewPackage("src"))
+    draft.write_folder()
+
+    assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
+
+
 def install(package: Path, site: Path) -> None:
     """Leaves behind what pip would for the entry points of a package."""
     project = tomllib.loads((package / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -228,6 +251,13 @@ def test_a_tree_is_printed_and_what_to_type_next(package: Path, skiros: Skiros) 
     assert "read_code.py" in out
     assert "pyproject.toml (changed)" in out
     assert out.splitlines()[-2:] == ["    pytest tests/primitives/test_read_code.py", "    pip install -e ."]
+
+
+def test_where_nothing_is_left_to_type_nothing_is_announced(package: Path, skiros: Skiros) -> None:
+    _, out, _ = skiros("new", "ontology", "scanning", "--class", "Scanner:sk:Device")
+
+    assert "scanning.ttl" in out
+    assert "next:" not in out
 
 
 def test_on_a_terminal_what_is_missing_is_asked_for(package: Path) -> None:
@@ -333,8 +363,10 @@ BAD_PACKAGES = {
     "numpy": "Python finds a module of that name already",
     "json": "Python finds a module of that name already",
     "taken": "is there already",
-    "ok --skill pick": "there is a skill 'pick'",
-    "ok --condition Holding": "there is a condition 'Holding'",
+    "ok --skill pick": "there is a skill 'pick' of skiros-skills already; choose another name by --skill",
+    "ok --condition Holding": "choose another name by --condition",
+    "tests": "every package has tests of that name",
+    "conftest": "every package has tests of that name",
     "ok --help-text 'two\nlines'": "one line",
 }
 

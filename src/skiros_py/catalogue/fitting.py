@@ -6,12 +6,12 @@ import traceback
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from skiros_py.catalogue.callers import called_by, callers_of_broken
 from skiros_py.catalogue.catalogue import Catalogue
-from skiros_py.errors import PlanningError
+from skiros_py.errors import PlanningError, by_user
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.planning.model import Action
 from skiros_py.plugins import LazyPlugins, PluginFault
-from skiros_py.skills.composition import Do, walk
 from skiros_py.skills.lint import problems_of
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology
@@ -25,8 +25,8 @@ def fitting(
 ) -> Catalogue:
     """Leaves out skills that cannot be used here; they are reported and hurt nobody else.
 
-    A skill must use words that the ontology declares, relations that a reasoner computes and modules that exist, and it
-    must be possible to plan with it beside those before it.
+    A skill must use words that the ontology declares, relations that a reasoner computes and modules that exist and can
+    themselves be used, and it must be possible to plan with it beside those before it.
 
     Args:
         catalogue: What was found.
@@ -35,27 +35,39 @@ def fitting(
         fake: True where only skills for fakes will be used, False where only the others: those that nobody will use are
             left out unseen, and what they call is not loaded. None to look at all.
     """
-    wanted = {n: s for n, s in catalogue.skills.items() if fake is None or fake == (s.driver == "fake")}
+    wanted = {n: s for n, s in catalogue.skills.items() if fake is None or fake == _is_fake(s)}
+    sides = {side: {n: s for n, s in wanted.items() if _is_fake(s) is side} for side in (True, False)}
     actions: dict[str, tuple[Action, ...]] = {}
     faults: dict[str, PluginFault] = {}
     for name, skill in wanted.items():
         try:
-            if problems := _problems(catalogue, skill, ontology, reasoners):
+            if problems := _problems(catalogue, skill, sides[_is_fake(skill)].values(), ontology, reasoners):
                 faults[name] = _fault(catalogue, name, "; ".join(problems))
             else:
-                actions[name] = tuple(actions_of(skill.description, ontology))
+                actions[name] = tuple(actions_of(skill.description.under([skill.when]), ontology))
         except PlanningError as error:
             faults[name] = _fault(catalogue, name, str(error))
-        except Exception as error:  # noqa: BLE001 - to look at somebody else's description may run their code
+        except BaseException as error:
+            if by_user(error):
+                raise
             faults[name] = _fault(catalogue, name, f"{type(error).__name__}: {error}", traceback.format_exc())
     faults |= {name: _fault(catalogue, name, reason) for name, reason in _unplannable(actions, ontology).items()}
+    reasons = {name: fault.reason for name, fault in faults.items()}
+    for side in sides.values():  # those for fakes and the others never meet in one run, so they cannot call each other
+        faults |= {name: _fault(catalogue, name, reason) for name, reason in callers_of_broken(side, reasons).items()}
     good = {name: skill for name, skill in wanted.items() if name not in faults}
     return replace(catalogue, skills=good, early=(*catalogue.early, *(faults[n] for n in wanted if n in faults)))
 
 
-def _problems(catalogue: Catalogue, skill: Skill, ontology: Ontology, reasoners: Reasoners) -> tuple[str, ...]:
+def _is_fake(skill: Skill) -> bool:
+    return skill.driver == "fake"
+
+
+def _problems(
+    catalogue: Catalogue, skill: Skill, beside: Iterable[Skill], ontology: Ontology, reasoners: Reasoners
+) -> tuple[str, ...]:
     broken = tuple(_broken_calls(catalogue, skill))
-    return broken or problems_of(skill, ontology, catalogue.primitives, reasoners)
+    return broken or problems_of(skill, ontology, catalogue.primitives, reasoners, tuple(beside))
 
 
 def _fault(catalogue: Catalogue, name: str, reason: str, trace: str = "") -> PluginFault:
@@ -64,13 +76,16 @@ def _fault(catalogue: Catalogue, name: str, reason: str, trace: str = "") -> Plu
 
 
 def _broken_calls(catalogue: Catalogue, skill: Skill) -> Iterator[str]:
-    """Yields what is wrong with the primitives that a skill calls and that are there, but cannot be used."""
-    called = {node.module for tree in skill.nodes for node in walk(tree) if isinstance(node, Do)}
+    """Yields what is wrong with the modules that a skill calls and that are there, but cannot be used."""
     primitives = catalogue.primitives
-    for name in sorted(called):
+    unloaded = {fault.name: fault for fault in catalogue.early if fault.group == "skiros.skills"}
+    there = {other.description.name for other in catalogue.skills.values()}
+    for name in called_by(skill):
         reason = primitives.why_not(name) if isinstance(primitives, LazyPlugins) else None
         if reason is not None:
             yield f"it calls '{name}': {reason}"
+        elif name in unloaded and name not in there and name not in primitives:
+            yield f"it calls '{name}': {unloaded[name]}"
 
 
 def _unplannable(actions: Mapping[str, Sequence[Action]], ontology: Ontology) -> dict[str, str]:

@@ -10,7 +10,17 @@ from skiros_py.catalogue.clashes import Named, clashes_of_conditions, clashes_of
 from skiros_py.catalogue.kinds import KINDS, skills_of
 from skiros_py.config import ontology_paths
 from skiros_py.errors import FileError
-from skiros_py.plugins import Entry, LazyPlugins, Plugin, PluginFault, fault_of, installation, load, raised, unambiguous
+from skiros_py.plugins import (
+    Entry,
+    LazyPlugins,
+    Plugin,
+    PluginFault,
+    examined,
+    fault_of,
+    installation,
+    load,
+    unambiguous,
+)
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 
@@ -104,13 +114,7 @@ def _problem(plugin: Plugin) -> str | None:
 
 def _checked(entry: Entry) -> Plugin | PluginFault:
     plugin = load(entry)
-    if isinstance(plugin, PluginFault):
-        return plugin
-    try:
-        reason = _problem(plugin)
-    except Exception as error:  # noqa: BLE001 - to look at somebody else's object may run their code
-        return raised(plugin, error)
-    return plugin.fault(reason) if reason else plugin
+    return plugin if isinstance(plugin, PluginFault) else examined(plugin, _problem)
 
 
 def _installed() -> tuple[Ontology | None, tuple[PluginFault, ...]]:

@@ -14,11 +14,10 @@ from skiros_py.checking.rig import Rig
 from skiros_py.checking.samples import sample_values
 from skiros_py.errors import SkirosError, WorldError
 from skiros_py.skills.conditions import Assign, Condition, Not, Nothing, Relate, Related, Unrelate, write_effects
-from skiros_py.skills.inference import Missing, infer
+from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.lint.patterns import leaves
 from skiros_py.skills.lint.rules.reach import brought_about
 from skiros_py.skills.parameters import Kind
-from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.terms import Family
 from skiros_py.world.world import World
@@ -71,15 +70,31 @@ class NoCase:
 
 
 def find_case(
-    skill: Skill, grounds: Sequence[Ground], skills: Sequence[Skill], primitives: Mapping[str, type[Primitive[Any]]]
+    skill: Skill,
+    grounds: Sequence[Ground],
+    skills: Sequence[Skill],
+    rig_in: Callable[[Ground], Rig],
+    *,
+    may_make_up: bool = True,
 ) -> Case | NoCase:
-    """Finds where a skill can start and has something to do that the world allows; else, where it can start."""
+    """Finds where a skill can start and has something to do that the world allows; else, where it can start.
+
+    Args:
+        skill: The implementation.
+        grounds: Worlds to try it in, in that order.
+        skills: What may bring about what it needs, and the skill itself.
+        rig_in: Sets robots up.
+        may_make_up: Whether a world may be made up where there is none: bodies cannot be.
+
+    Raises:
+        CycleOverrun: A condition holds everything too long.
+    """
     reasons: list[str] = []
     idle: Case | None = None
-    for way in (_as_it_is, _after_other_skills, _made_up):
+    for way in _WAYS if may_make_up else _WAYS[:-1]:
         for ground in grounds:
             try:
-                rig = Rig(ground.open(), skills, primitives)
+                rig = rig_in(ground)
             except SkirosError as error:
                 reasons.append(f"{ground.name}: {error}")
                 continue
@@ -95,7 +110,9 @@ def find_case(
 
 def _has_work(description: SkillDescription, case: Case) -> bool:
     posts = [condition.bind(case.arguments) for condition in description.post]
-    return not all(condition.evaluate(case.rig.world) for condition in posts) and _is_allowed(posts, case.rig.world)
+    world = case.rig.world
+    with case.rig.watched():
+        return not all(condition.evaluate(world) for condition in posts) and _is_allowed(posts, world)
 
 
 class _TakenBackError(Exception):
@@ -121,11 +138,11 @@ def _as_it_is(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) 
     idle: Case | None = None
     reason = f"no subsystem can do {skill.description.name}"
     for agent, given in _beginnings(skill.description, rig, _MOST_TARGETS):
-        found = infer(skill.description, given, rig.world, agent)
+        found = _inferred(skill.description, given, rig, agent)
         if isinstance(found, Missing):
             reason = str(found)
             continue
-        reason = _unmet(skill, rig.world, found.values)
+        reason = _unmet(skill, rig, found.values)
         if not reason:
             case = Case(rig, agent, found.values, ground.name)
             if _has_work(skill.description, case):
@@ -145,10 +162,16 @@ def _beginnings(description: SkillDescription, rig: Rig, most: int) -> Iterator[
             yield from ((agent, {**values, description.target: one}) for one in targets)
 
 
-def _unmet(skill: Skill, world: World, values: Mapping[str, Any]) -> str:
+def _inferred(description: SkillDescription, given: Mapping[str, Any], rig: Rig, agent: str) -> Inferred | Missing:
+    with rig.watched():
+        return infer(description, given, rig.world, agent)
+
+
+def _unmet(skill: Skill, rig: Rig, values: Mapping[str, Any]) -> str:
     """Returns the first condition that does not hold, with the reason; nothing where the skill can start."""
     for condition in (*skill.description.needs, *skill.when, *skill.description.hold):
-        verdict = condition.evaluate(world, values)
+        with rig.watched():
+            verdict = condition.evaluate(rig.world, values)
         if not verdict:
             return "; ".join(line.strip() for line in verdict.lines())
     return ""
@@ -161,13 +184,13 @@ def _after_other_skills(skill: Skill, rig: Rig, ground: Ground, skills: Sequence
     steady = _needing(skill.description, [c for c in skill.description.needs if c not in changing])
     reason = "no other skills lead there"
     for agent, given in _beginnings(steady, rig, _MOST_TARGETS // 10):
-        found = infer(steady, given, rig.world, agent)
+        found = _inferred(steady, given, rig, agent)
         if isinstance(found, Missing):
             reason = str(found)
             continue
         goal = [condition.bind(found.values) for condition in changing]
         simple = [condition for condition in goal if not isinstance(condition.pattern, Not | Nothing)]
-        if any(rig.reach(aim) for aim in (goal, simple) if aim) and not _unmet(skill, rig.world, found.values):
+        if any(rig.reach(aim) for aim in (goal, simple) if aim) and not _unmet(skill, rig, found.values):
             return Case(rig, agent, found.values, f"{ground.name}, after other skills")
     return NoCase(reason)
 
@@ -197,13 +220,13 @@ def _made_up(skill: Skill, rig: Rig, ground: Ground, _skills: Sequence[Skill]) -
     structural = [c for c in skill.description.needs if _is_structural(c, rig.world)]
     bare = _needing(skill.description, structural)
     for agent in rig.agents(skill.description.name):
-        found = infer(bare, sample_values(skill.description), rig.world, agent)
+        found = _inferred(bare, sample_values(skill.description), rig, agent)
         kept = {key: value for key, value in found.values.items() if value is not None and _is_kept(key, bare)}
         try:
             values = make_up(skill.description, rig.world, kept)
         except SkirosError as error:
             return NoCase(f"cannot be made up: {error}")
-        reason = _unmet(skill, rig.world, values)
+        reason = _unmet(skill, rig, values)
         if not reason:
             return Case(rig, agent, values, f"{ground.name}, made up")
     return NoCase(reason)
@@ -222,3 +245,11 @@ def _is_structural(condition: Condition, world: World) -> bool:
         and world.ontology.family(leaf.relation) is Family.STRUCTURE
         for leaf, _ in leaves(condition.pattern)
     )
+
+
+_WAYS: tuple[Callable[[Skill, Rig, Ground, Sequence[Skill]], Case | NoCase], ...] = (
+    _as_it_is,
+    _after_other_skills,
+    _made_up,
+)
+"""In the order in which they are tried."""

@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from skiros_py.catalogue.kinds import KINDS, skills_of
-from skiros_py.plugins import Entry, Plugin, load
+from skiros_py.plugins import Entry, Plugin, PluginFault, examined, load
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint import Source, Spot, Subject
 from skiros_py.skills.primitive import Primitive
@@ -45,7 +45,7 @@ def parts_of(entries: Iterable[Entry]) -> tuple[Part, ...]:
     described: list[object] = []
     for entry in entries:
         plugin = load(entry) if entry.group in _WITH_SUBJECTS else None
-        if not isinstance(plugin, Plugin) or KINDS[entry.group].problem(plugin):
+        if not isinstance(plugin, Plugin) or isinstance(examined(plugin, KINDS[entry.group].problem), PluginFault):
             continue
         for subject in _subjects(plugin):
             if not any(subject is one for one in described):  # several implementations share one description

@@ -2,33 +2,30 @@
 
 from __future__ import annotations
 
-import re
-import sysconfig
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
+from skiros_py.catalogue.loading import load_catalogue
 from skiros_py.catalogue.survey import survey
 from skiros_py.checking.contract import Contract, check_contract, is_testable
 from skiros_py.checking.grounds import scene_grounds
 from skiros_py.checking.parts import Part, parts_of, sources_of
-from skiros_py.config import ontology_paths
+from skiros_py.checking.simulated import check_simulated, is_simulable
+from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import UnknownName
 from skiros_py.plugins import Entry, PluginFault, installation
+from skiros_py.plugins.frames import authors_line
 from skiros_py.plugins.installation import canonical
-from skiros_py.skills.lint import DOES_NOT_LOAD, RULES, Finding, Known, Rule, Severity, Spot, check
+from skiros_py.skills.lint import DOES_NOT_LOAD, RULES, Finding, Known, Rule, Severity, Spot, check, title
 from skiros_py.skills.lint.rules.calls import MISSING_PARAMETER
 from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 
 __all__ = ["PluginReport", "check_plugins", "own_contracts"]
-
-_FRAME = re.compile(r'File "([^"<]+)", line (\d+)')
-_PLATFORM = Path(__file__).parents[1]
-_STANDARD = Path(sysconfig.get_path("stdlib"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +37,15 @@ class PluginReport:
         parts: How many skills, primitives and conditions were asked.
         findings: What was found, by file and line.
         contracts: The contract tests.
+        not_run: Implementations that no contract test ran, for it would need a real or a simulated robot; none where
+            nothing should be run.
     """
 
     distributions: tuple[str, ...]
     parts: int
     findings: tuple[Finding, ...]
     contracts: tuple[Contract, ...]
+    not_run: tuple[Skill, ...] = ()
 
     @property
     def errors(self) -> int:
@@ -58,6 +58,7 @@ def check_plugins(
     rules: Collection[str] = (),
     *,
     run: bool = True,
+    simulate: str | None = None,
     progress: Callable[[str], None] = lambda _text: None,
 ) -> PluginReport:
     """Checks the plug-ins of one distribution, or of all that are installed.
@@ -66,10 +67,11 @@ def check_plugins(
         distribution: Its name; None for all.
         rules: Names of the rules to ask; all where left out.
         run: Whether skills are run by contract tests.
+        simulate: Name or path of a scene in which those that are not for fakes are run in physics; None for nowhere.
         progress: Told what is being done.
 
     Raises:
-        UnknownName: There is no such distribution with plug-ins, or no such rule.
+        UnknownName: There is no such distribution with plug-ins, no such rule, or no such scene.
         FileError: An ontology of the installation cannot be read.
     """
     wanted = _chosen(rules)
@@ -79,10 +81,14 @@ def check_plugins(
     progress("asking the rules")
     known = _known(every)
     findings = [*_asked(parts, entries, known, wanted.values()), *_broken(entries, parts, wanted)]
-    contracts = tuple(_run(_contracts(parts, known, entries), progress)) if run else ()
+    tests = _contracts(parts, known, entries) if run else {}
+    tests = {**tests, **(_simulations(parts, simulate) if run and simulate is not None else {})}
+    contracts = tuple(_run(tests, progress))
     findings += [finding for contract in contracts for finding in contract.findings if finding.rule in wanted]
     names = tuple(sorted({str(entry.distribution) for entry in entries}))
-    return PluginReport(names, len(parts), tuple(sorted(set(findings), key=_order)), contracts)
+    ran = [contract.skill for contract in contracts]
+    not_run = tuple(skill for skill in _skills(parts) if run and not any(skill is one for one in ran))
+    return PluginReport(names, len(parts), tuple(sorted(set(findings), key=_order)), contracts, not_run)
 
 
 def _chosen(names: Iterable[str]) -> dict[str, Rule]:
@@ -150,16 +156,10 @@ def _not_loaded(fault: PluginFault) -> Finding:
 
 def _raised_at(fault: PluginFault) -> Spot | None:
     """Returns the last line of the plug-in's own code in a traceback."""
-    frames = [(Path(file), int(line)) for file, line in _FRAME.findall(fault.traceback)]
-    own = [(file, line) for file, line in frames if not _is_foreign(file)]
-    if own:
-        return Spot(*own[-1])
+    frame = authors_line(fault.traceback)
+    if frame is not None:
+        return Spot(frame[0], frame[1])
     return Spot(Path(fault.origin), 1) if fault.origin else None
-
-
-def _is_foreign(file: Path) -> bool:
-    is_standard = _STANDARD in file.parents and "site-packages" not in file.parts
-    return is_standard or _PLATFORM in file.parents or "importlib" in file.parts
 
 
 # -------------------------------------------------------------------- what they do
@@ -186,6 +186,17 @@ def _contracts(parts: Sequence[Part], known: Known, entries: Sequence[Entry]) ->
             name = part.entry.name if part.entry.name not in found else f"{part.entry.name}[{len(found)}]"
             found[name] = partial(check_contract, part.subject, grounds, known.skills, known.primitives, part.spot)
     return MappingProxyType(found)
+
+
+def _simulations(parts: Sequence[Part], scene: str) -> Mapping[str, Callable[[], Contract]]:
+    find_scene(scene)  # a misspelt name is known before the first trial
+    catalogue = load_catalogue()
+    simulable = [(part, part.subject) for part in parts if isinstance(part.subject, Skill)]
+    return {
+        f"{title(skill)} in {scene}": partial(check_simulated, skill, scene, catalogue, part.spot)
+        for part, skill in simulable
+        if is_simulable(skill)
+    }
 
 
 def _run(contracts: Mapping[str, Callable[[], Contract]], progress: Callable[[str], None]) -> Iterator[Contract]:

@@ -1,68 +1,60 @@
-"""A fake robot in a world, for one trial of one skill."""
+"""Robots in a world, for one trial of one skill."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from typing import Any
 
-import numpy as np
-
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.managers import Managers
-from skiros_py.execution.monitor import Monitor
+from skiros_py.execution.pulse import Chore
+from skiros_py.execution.station import Station, StationOptions
 from skiros_py.planning.fast_downward import FastDownward
 from skiros_py.planning.service import PlanningService
-from skiros_py.robot.devices import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.context import Libraries, RunContext
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.questions import Questions
-from skiros_py.skills.sensing import BoardSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
-__all__ = ["Rig"]
+__all__ = ["Rig", "fake_rig"]
 
 _LONGEST = 600.0
-"""A skill that runs longer than this on a fake is broken off [s, simulated]."""
+"""A skill that runs longer than this is broken off [s, simulated]."""
 
 
 class Rig:
-    """Runs skills and goals on fake robots in a world.
+    """Runs skills and goals on the robots of a station, whose watchdog looks on.
 
     Args:
-        world: The world.
-        skills: Implementations; those for fakes are taken.
-        primitives: Primitives that they call, by name.
+        station: The station.
     """
 
-    def __init__(self, world: World, skills: Sequence[Skill], primitives: Mapping[str, type[Primitive[Any]]]) -> None:
-        self.world = world
-        spec = read_cell(world, world.instances(ROBOT))
-        self._board = DeviceBoard(FakeCell(spec))
-        world.clock = lambda: self._board.snapshot.time
-        world.sensors = BoardSensors(self._board)
-        self._cycle = ControlCycle(self._board)
-        context = RunContext(
-            world,
-            self._board,
-            Libraries(),
-            spec,
-            np.random.default_rng(0),
-            lockstep=True,
-            report=lambda _module, _code, _text: None,
-            clock=self._board,
-            questions=_answered(),
-        )
-        self._managers = Managers(skills, primitives, context, self._cycle, Monitor(), driver="fake")
-        self._managers.open_all([robot.id for robot in spec.robots])
+    def __init__(self, station: Station) -> None:
+        self.world = station.world
+        self._station = station
+        self._cycle = station.cycle
+        self._managers = station.managers
+        self._looking = Chore("a contract test", interruptible=True)
+        _answer(station.questions)
+
+    @contextmanager
+    def watched(self) -> Iterator[None]:
+        """Has the watchdog see what runs outside the control cycle: conditions that an author wrote.
+
+        Raises:
+            CycleOverrun: They held everything too long.
+        """
+        outer = self._cycle.pulse.enter(self._looking)
+        try:
+            yield
+        finally:
+            self._cycle.pulse.leave(outer)
 
     def agents(self, skill: str) -> tuple[str, ...]:
         """Returns the subsystems that offer a skill."""
@@ -71,13 +63,12 @@ class Rig:
     def run(self, agent: str, skill: str, arguments: Mapping[str, Any]) -> Outcome:
         """Runs a skill to its end, or until it takes too long."""
         running = self._managers[agent].start(skill, arguments)
-        deadline = self._board.snapshot.time + _LONGEST
-        while not running.done:
-            if self._board.snapshot.time > deadline:
-                running.stop()
-                self._cycle.step()
-                return Failure(f"it did not end within {_LONGEST:.0f} s")
+        deadline = self._station.context.now + _LONGEST
+        in_time = self._station.finish(running, leave=lambda: self._station.context.now > deadline)
+        if not in_time and not self._cycle.halted:
+            running.stop()
             self._cycle.step()
+            return Failure(f"it did not end within {_LONGEST:.0f} s")
         return running.result
 
     def reach(self, goal: Sequence[Condition]) -> bool:
@@ -88,11 +79,31 @@ class Rig:
                 self._cycle.run(self._cycle.start(tasks.pursue(goal), "the contract test's goal"))
             except (PlanningError, UsageError):
                 return False
-        return all(condition.evaluate(self.world) for condition in goal)
+        with self.watched():
+            return all(condition.evaluate(self.world) for condition in goal)
 
 
-def _answered() -> Questions:
-    """Returns questions to a person who always takes the first option."""
-    questions = Questions()
+@contextmanager
+def fake_rig(
+    world: World,
+    skills: Sequence[Skill],
+    primitives: Mapping[str, type[Primitive[Any]]],
+    overrun: float | None = None,
+) -> Iterator[Rig]:
+    """Sets fake robots up in a world.
+
+    Args:
+        world: The world.
+        skills: Implementations; those for fakes are taken.
+        primitives: Primitives that they call, by name.
+        overrun: Wall time for which an author's code may hold everything [s]; None for the watchdog's own limit.
+    """
+    spec = read_cell(world, world.instances(ROBOT))
+    options = StationOptions(overrun=overrun)
+    with closing(FakeCell(spec)) as cell, Station(world, spec, cell, skills, primitives, options) as station:
+        yield Rig(station)
+
+
+def _answer(questions: Questions) -> None:
+    """Lets a person always take the first option."""
     questions.subscribe(lambda question: questions.answer(question.id, question.options[0], by="the contract test"))
-    return questions

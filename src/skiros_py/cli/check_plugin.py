@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +11,15 @@ import click
 
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED
 from skiros_py.cli.options import JSON
+from skiros_py.cli.output import answer
+from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
     from skiros_py.checking import Contract, PluginReport
 
 __all__ = ["command"]
+
+_NEEDS_ROBOT = "it needs a real or simulated robot (--simulate SCENE)"
 
 
 @click.command("check-plugin", epilog="Example: skiros check-plugin . --rule unknown-word --rule missing-unit")
@@ -25,6 +28,7 @@ __all__ = ["command"]
 @click.option("--explain", metavar="RULE", help="Show the page about a rule, and check nothing.")
 @click.option("--rules", "listed", is_flag=True, help="List the rules, and check nothing.")
 @click.option("--no-run", is_flag=True, help="Run no skills.")
+@click.option("--simulate", metavar="SCENE", help="Run skills that are not for fakes, too: in physics, in this scene.")
 @click.option("--strict", is_flag=True, help="End with 1 for warnings, too.")
 @JSON
 def command(
@@ -33,13 +37,15 @@ def command(
     explain: str | None,
     listed: bool,
     no_run: bool,
+    simulate: str | None,
     strict: bool,
     as_json: bool,
 ) -> int:
     """Checks the plug-ins of an installed distribution, or of the package in a folder; without either, all installed.
 
     Skills for fakes are also run, where their preconditions hold, and the world is compared before and after with what
-    they declare.
+    they declare. The others are run with --simulate, and their effects are held against what the simulator says; else
+    they are listed as not run.
 
     Exit status: 0 no errors (there may be warnings), 1 errors, 2 wrong usage.
     """
@@ -47,9 +53,11 @@ def command(
         return _explain(explain)
     if listed:
         return _list(as_json=as_json)
-    report = _checked(what, rules, run=not no_run)
+    if no_run and simulate is not None:
+        raise UsageError("--no-run and --simulate contradict each other: leave out one of them")
+    report = _checked(what, rules, run=not no_run, simulate=simulate)
     if as_json:
-        click.echo(json.dumps(_as_json(report)))
+        answer(_as_json(report))
     else:
         _print(report)
     return NOT_REACHED if report.errors or (strict and report.findings) else REACHED
@@ -67,21 +75,20 @@ def _list(*, as_json: bool) -> int:
 
     if as_json:
         rules = [{"name": r.name, "severity": r.severity.value, "summary": r.summary} for r in RULES.values()]
-        click.echo(json.dumps({"rules": rules}))
+        answer({"rules": rules})
         return REACHED
     for rule in RULES.values():
         click.echo(f"{rule.name:24} {rule.severity.value:8} {rule.summary}")
     return REACHED
 
 
-def _checked(what: str | None, rules: tuple[str, ...], *, run: bool) -> PluginReport:
+def _checked(what: str | None, rules: tuple[str, ...], *, run: bool, simulate: str | None) -> PluginReport:
     from skiros_py.checking import as_installed, check_plugins
 
-    with _progress() as progress:
-        if what is not None and _is_path(what):
-            with as_installed(Path(what)) as name:
-                return check_plugins(name, rules, run=run, progress=progress)
-        return check_plugins(what, rules, run=run, progress=progress)
+    with ExitStack() as stack:
+        progress = stack.enter_context(_progress())
+        name = stack.enter_context(as_installed(Path(what))) if what is not None and _is_path(what) else what
+        return check_plugins(name, rules, run=run, simulate=simulate, progress=progress)
 
 
 def _is_path(what: str) -> bool:
@@ -99,6 +106,8 @@ def _progress() -> Iterator[Callable[[str], None]]:
 
 
 def _print(report: PluginReport) -> None:
+    from skiros_py.skills.lint import title
+
     for finding in report.findings:
         mark = "warning: " if finding.severity == "warning" else ""
         click.echo(f"{mark}{finding}")
@@ -108,14 +117,20 @@ def _print(report: PluginReport) -> None:
     click.echo(f"{', '.join(report.distributions)}: {numbers}")
     for contract in report.contracts:
         click.echo(f"  {_ran(contract)}")
+    for skill in report.not_run:
+        click.echo(f"  not run: {title(skill)}: {_NEEDS_ROBOT}")
 
 
 def _ran(contract: Contract) -> str:
-    name = contract.skill.description.name
+    from skiros_py.skills.lint import title
+
+    name = title(contract.skill)
     return f"ran {name} in {contract.where}" if contract.where else f"never ran {name}"
 
 
 def _as_json(report: PluginReport) -> dict[str, Any]:
+    from skiros_py.skills.lint import title
+
     return {
         "status": NOT_REACHED if report.errors else REACHED,
         "distributions": list(report.distributions),
@@ -123,12 +138,14 @@ def _as_json(report: PluginReport) -> dict[str, Any]:
         "warnings": len(report.findings) - report.errors,
         "findings": [finding.as_json() for finding in report.findings],
         "ran": [_contract_as_json(contract) for contract in report.contracts],
+        "not_run": [{"skill": title(skill), "why": _NEEDS_ROBOT} for skill in report.not_run],
     }
 
 
 def _contract_as_json(contract: Contract) -> dict[str, Any]:
     return {
         "skill": contract.skill.description.name,
+        "driver": contract.skill.driver,
         "where": contract.where or None,
         "ended": str(contract.outcome) if contract.outcome else None,
     }

@@ -29,7 +29,9 @@ _FILE_WIDTH = 200
 def short_step(step: Step, skill: SkillDescription) -> str:
     """Returns a step as people say it: the skill and what people specify of it, without devices and what follows."""
     said = [
-        step.arguments[p.key] for p in skill.params if p.is_element and p.kind not in (Kind.HARDWARE, Kind.PLANNING)
+        step.arguments[p.key]
+        for p in skill.params
+        if p.key in step.arguments and p.kind not in (Kind.HARDWARE, Kind.PLANNING)
     ]
     return f"{step.skill} {' '.join(said)}"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -13,6 +12,7 @@ import click
 from skiros_py.cli.doctor_checks import CHECKS, Check, Finding, data_folder
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED
 from skiros_py.cli.options import JSON, data_option
+from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 
 __all__ = ["command", "examined"]
@@ -38,7 +38,7 @@ def command(data: Path | None, as_json: bool) -> int:
             if not as_json:
                 _print(name, finding)
     if as_json:
-        click.echo(json.dumps({"checks": found, "status": NOT_REACHED if wrong else REACHED}))
+        answer({"checks": found, "status": NOT_REACHED if wrong else REACHED})
     elif not wrong:
         click.echo("nothing is wrong")
     return NOT_REACHED if wrong else REACHED
@@ -55,7 +55,9 @@ def examined(check: Check) -> Iterator[Finding]:
         for finding in check():
             said = True
             yield finding
-    except Exception as error:  # noqa: BLE001 - an environment can be broken in any way
+    except (GeneratorExit, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # noqa: BLE001 - an environment can be broken in any way
         yield Finding(f"the check itself broke: {type(error).__name__}: {error}", "see the other lines", wrong=True)
     else:
         if not said:

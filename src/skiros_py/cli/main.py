@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import traceback
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 
 import click
 
+from skiros_py.cli.ending import leave
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED, USAGE
+from skiros_py.cli.output import answer, answers_alone, silence
 from skiros_py.cli.stops import ignore_stops, unwind_on_stops
+from skiros_py.cli.text import brief
 from skiros_py.cli.warnings import warnings_on_stderr
-from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName
+from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName, by_user
 
 __all__ = ["cli", "main"]
 
@@ -68,10 +71,17 @@ def cli() -> None:
 def main() -> None:
     """Runs the command line; faults become one message and an exit status, never a traceback."""
     unwind_on_stops()
-    with warnings_on_stderr():
-        status = _run(sys.argv[1:])
+    arguments = sys.argv[1:]
+    with _stdout_for(arguments), warnings_on_stderr():
+        status = _run(arguments)
     ignore_stops()
-    sys.exit(status)
+    leave(status)
+
+
+def _stdout_for(arguments: list[str]) -> AbstractContextManager[None]:
+    """Keeps stdout for the answer where a program reads it, or where PyBullet's window prints from C."""
+    as_json = "--json" in arguments
+    return answers_alone(prints=as_json) if as_json or "--gui" in arguments else nullcontext()
 
 
 def _run(arguments: list[str]) -> int:
@@ -81,33 +91,39 @@ def _run(arguments: list[str]) -> int:
     except click.ClickException as error:
         error.show()
         return _fault(error.format_message(), USAGE, as_json=as_json)
-    except (click.Abort, KeyboardInterrupt):
+    except (click.Abort, KeyboardInterrupt) as error:
+        cause = error.__cause__ or error
+        if isinstance(cause, KeyboardInterrupt) and not by_user(cause):
+            return _internal(cause, as_json=as_json)
         ignore_stops()
         return _fault("stopped", STOPPED, as_json=as_json, show=True)
     except SkirosError as error:
         broken = isinstance(error, DeviceError | PlanningError)
-        return _fault(str(error), NOT_REACHED if broken else USAGE, as_json=as_json, show=True)
+        return _fault(brief(str(error)), NOT_REACHED if broken else USAGE, as_json=as_json, show=True)
     except BrokenPipeError:
-        return _silence(STOPPED)
+        silence()
+        return STOPPED
     except OSError as error:
-        return _silence(_fault(f"{error.strerror or error}", NOT_REACHED, as_json=False, show=True))
-    except Exception as error:  # noqa: BLE001 - the last line of defence: users never see a traceback
-        if os.environ.get("SKIROS_DEBUG"):
-            traceback.print_exc()
-        text = f"internal error: {type(error).__name__}: {error} (SKIROS_DEBUG=1 shows where)"
-        return _fault(text, NOT_REACHED, as_json=as_json, show=True)
+        status = _fault(f"{error.strerror or error}", NOT_REACHED, as_json=False, show=True)
+        silence()
+        return status
+    except BaseException as error:  # noqa: BLE001 - the last line of defence: users never see a traceback
+        return _internal(error, as_json=as_json)
     return status if isinstance(status, int) else REACHED
 
 
-def _silence(status: int) -> int:
-    """Keeps the interpreter from complaining, while it ends, about an output that nobody reads any more."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return status
+def _internal(error: BaseException, *, as_json: bool) -> int:
+    """Says what should have been contained further in, and whose code it is from; nothing ends without a word."""
+    if os.environ.get("SKIROS_DEBUG"):
+        traceback.print_exception(error)
+    stack = "".join(traceback.format_tb(error.__traceback__))
+    text = brief(f"internal error: {type(error).__name__}: {error}\n{stack}")
+    return _fault(f"{text} (SKIROS_DEBUG=1 shows where)", NOT_REACHED, as_json=as_json, show=True)
 
 
 def _fault(text: str, status: int, *, as_json: bool, show: bool = False) -> int:
     if show:
         click.echo(f"skiros: {text}", err=True)
     if as_json:
-        click.echo(json.dumps({"error": text, "status": status}))
+        answer({"error": text, "status": status})
     return status

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -10,7 +9,8 @@ import click
 
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import JSON
+from skiros_py.cli.options import CONFIG, JSON, PACE
+from skiros_py.cli.output import answer
 from skiros_py.errors import UnknownName, UsageError
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def list_(scene: str, as_json: bool) -> int:
             for name in manager.modules
         ]
     if as_json:
-        click.echo(json.dumps([{"agent": agent, **info.as_json()} for agent, info in found]))
+        answer([{"agent": agent, **info.as_json()} for agent, info in found])
         return REACHED
     width = max((len(info.name) for _, info in found), default=0)
     for agent, info in found:
@@ -75,7 +75,7 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
         info = manager.info(name)
     body = _body(name) if info.kind == "skill" else []
     if as_json:
-        click.echo(json.dumps({"agent": manager.agent, **info.as_json(), **panel.as_json(), "body": body}))
+        answer({"agent": manager.agent, **info.as_json(), **panel.as_json(), "body": body})
         return REACHED
     click.echo(f"{info.kind} {name} {info.version} of {manager.agent}: {info.help}")
     _print_panel(panel)
@@ -91,6 +91,8 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
 @click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
 @click.option("--gui", is_flag=True, help="Open PyBullet's window.")
+@PACE
+@CONFIG
 @click.option("--repeat", type=click.IntRange(1), default=1, help="How often.  [default: 1]")
 @ask_option
 @JSON
@@ -103,6 +105,8 @@ def run(
     fake: bool,
     driver: str | None,
     gui: bool,
+    pace: float | None,
+    config: dict[str, str],
     repeat: int,
     ask: bool | None,
     as_json: bool,
@@ -112,7 +116,7 @@ def run(
     from skiros_py.runtime import Options, Session
     from skiros_py.skills.outcome import Success
 
-    options = Options(seed=seed, fake=fake, gui=gui, driver=driver)
+    options = Options(seed=seed, fake=fake, gui=gui, driver=driver, pace=pace, config=config)
     with Session(scene, options) as session:
         given, manager = _given(params), _manager(session, name, agent)
         before = manager.panel(name, given)
@@ -120,16 +124,16 @@ def run(
             _print_panel(before)
             session.monitor.subscribe(_print_event)
         outcomes = []
-        with stopping(session), answering(session.questions, ask=ask):
+        with stopping(session, as_json=as_json), answering(session.questions, ask=ask):
             for _ in range(repeat):
                 outcomes.append(session.run_module(name, given, manager.agent))
-                if session.stopped:
+                if session.stopped or session.cycle.halted:
                     break
         after = manager.panel(name, given)
     good = sum(isinstance(outcome, Success) for outcome in outcomes)
     if as_json:
         told = [_as_json(outcome) for outcome in outcomes]
-        click.echo(json.dumps({"runs": told, "before": before.as_json(), "after": after.as_json()}))
+        answer({"runs": told, "before": before.as_json(), "after": after.as_json()})
     elif repeat > 1:
         click.echo(f"{good} of {len(outcomes)} runs succeeded")
     if session.stopped:

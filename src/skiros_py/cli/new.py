@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,6 +11,7 @@ import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import JSON
+from skiros_py.cli.output import answer
 
 if TYPE_CHECKING:
     from skiros_py.scaffold import Draft, Knowledge
@@ -45,9 +45,13 @@ def command() -> None:
 @_NAME
 @_HELP
 @click.option("--dir", "folder", default=".", type=click.Path(path_type=Path), metavar="DIR", help="Write below DIR.")
-@click.option("--skill", default="inspect", metavar="NAME", help="Its first skill.  [default: inspect]")
-@click.option("--primitive", default="look_at", metavar="NAME", help="Its first primitive.  [default: look_at]")
-@click.option("--condition", default="Inspected", metavar="NAME", help="Its first condition.  [default: Inspected]")
+@click.option("--skill", default="", metavar="NAME", help="Its first skill.  [default: inspect, or one that is free]")
+@click.option(
+    "--primitive", default="", metavar="NAME", help="Its first primitive.  [default: look_at, or one that is free]"
+)
+@click.option(
+    "--condition", default="", metavar="NAME", help="Its first condition.  [default: Inspected, or one that is free]"
+)
 @_DRY
 @JSON
 def package(folder: Path, dry_run: bool, as_json: bool, **said: Any) -> int:
@@ -237,14 +241,15 @@ def _tell(draft: Draft, steps: tuple[str, ...], *, dry_run: bool, as_json: bool)
             "next": list(steps),
             "written": not dry_run,
         }
-        click.echo(json.dumps(told))
+        answer(told)
         return REACHED
     _print_tree(draft)
     for note in draft.notes:
         click.echo(f"note: {note}")
-    click.echo("nothing was written" if dry_run else "next:")
-    for step in () if dry_run else steps:
-        click.echo(f"    {step}")
+    if dry_run:
+        click.echo("nothing was written")
+    elif steps:
+        click.echo("\n    ".join(("next:", *steps)))
     return REACHED
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,6 +13,7 @@ import click
 
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED
 from skiros_py.cli.options import Seconds
+from skiros_py.cli.output import answer
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def check(paths: tuple[Path, ...], reasoner: ReasonerChoice, time_limit: float, 
     with _progress() as progress:
         report = check_ontology(_or_installed(paths), reasoner, time_limit, progress)
     if as_json:
-        click.echo(json.dumps(_as_json(report)))
+        answer(_as_json(report))
     else:
         _print(report)
     return NOT_REACHED if report.errors else REACHED
@@ -108,7 +108,7 @@ def list_files(paths: tuple[Path, ...], as_json: bool) -> int:
 
     found = [inventory(read_document(path)) for path in rdf_files(_or_installed(paths))]
     if as_json:
-        click.echo(json.dumps({"files": [{"file": str(i.path), "iri": i.iri, **i.counts} for i in found]}))
+        answer({"files": [{"file": str(i.path), "iri": i.iri, **i.counts} for i in found]})
         return REACHED
     for item in found:
         counts = ", ".join(f"{number} {name}" for name, number in item.counts.items() if number)

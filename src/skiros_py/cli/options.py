@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from skiros_py.errors import UsageError
+
 if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
-__all__ = ["AUTHOR", "DATA", "JSON", "Seconds", "data_option", "open_existing"]
+__all__ = ["AUTHOR", "CONFIG", "DATA", "JSON", "PACE", "Seconds", "data_option", "open_existing"]
 
+_SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 
@@ -54,6 +57,37 @@ class Seconds(click.FloatRange):
         return seconds
 
 
+class _Pace(click.ParamType[float | None]):
+    name = "max|real|N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
+        """Reads how fast it shall be; None for as fast as possible."""
+        if value in (None, "max"):
+            return None
+        try:
+            factor = 1.0 if value == "real" else float(value)
+        except ValueError:
+            factor = -1.0
+        if not _SLOWEST <= factor <= _FASTEST:
+            self.fail(f"'{value}' is not 'max', 'real' or a factor from {_SLOWEST} to {_FASTEST:.0f}", param, ctx)
+        return factor
+
+
+def _configuration(
+    ctx: click.Context,  # noqa: ARG001 - click's signature
+    param: click.Parameter,  # noqa: ARG001 - the same
+    texts: tuple[str, ...],
+) -> dict[str, str]:
+    """Reads values of configuration parameters by "module.key"."""
+    config = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or "." not in key:
+            raise UsageError(f"--config takes MODULE.KEY=VALUE, not '{text}'")
+        config[key] = value
+    return config
+
+
 def _login() -> str:
     try:
         return getpass.getuser()
@@ -65,5 +99,11 @@ DATA = data_option()
 """Where the world lives."""
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 """For programs that read the answer."""
+PACE = click.option("--pace", type=_Pace(), default="max", help="Simulated seconds per second.  [default: max]")
+"""How fast a run goes."""
+CONFIG = click.option(
+    "--config", multiple=True, metavar="MODULE.KEY=VALUE", callback=_configuration, help="A configuration parameter."
+)
+"""What holds for every run of a module."""
 AUTHOR = click.option("--author", default=_login, metavar="NAME", help="Who does it.  [default: your login]")
 """Who an edit is by."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from skiros_py.cli.exit_status import NO_PLAN, REACHED
+from skiros_py.cli.output import answer
 from skiros_py.errors import UsageError
 
 __all__ = ["command"]
@@ -49,7 +49,7 @@ def command(scene: str, goals: tuple[str, ...], robot: str | None, folder: Path 
             "problem": files["problem.pddl"],
             "plan": files.get("plan", "").splitlines(),
         }
-        click.echo(json.dumps(found))
+        answer(found)
     else:
         _print(files, steps, reasons)
     return NO_PLAN if reasons else REACHED

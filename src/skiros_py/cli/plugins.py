@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED
+from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 from skiros_py.errors import UnknownName
 
@@ -42,7 +42,7 @@ def command(name: str | None, group: str | None, tracebacks: bool, strict: bool,
         raise UnknownName("plug-in", name, {one.entry.name for one in everything if wanted in (None, one.entry.group)})
     others = [fault for fault in strays if name is None and wanted is None]
     if as_json:
-        click.echo(json.dumps(_as_json(listed, others)))
+        answer(_as_json(listed, others))
     elif name is None:
         _print(listed, others, tracebacks=tracebacks)
     else:

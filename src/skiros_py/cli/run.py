@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import os
 import signal
-import sys
-from collections.abc import Iterator, Sequence
+import threading
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,8 +14,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.asking import answering, ask_option
+from skiros_py.cli.ending import end_unless
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.stops import STOPS, ignore_stops, raise_interrupt
+from skiros_py.cli.options import CONFIG, PACE
+from skiros_py.cli.output import answer
+from skiros_py.cli.stops import STOPS, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
@@ -26,30 +28,12 @@ if TYPE_CHECKING:
 __all__ = ["command", "stopping"]
 
 
-_SLOWEST, _FASTEST = 0.01, 1000.0
-
-
-class _Pace(click.ParamType[float | None]):
-    name = "max|real|N"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
-        if value in (None, "max"):
-            return None
-        try:
-            factor = 1.0 if value == "real" else float(value)
-        except ValueError:
-            factor = -1.0
-        if not _SLOWEST <= factor <= _FASTEST:
-            self.fail(f"'{value}' is not 'max', 'real' or a factor from {_SLOWEST} to {_FASTEST:.0f}", param, ctx)
-        return factor
-
-
 @click.command("run", epilog="Example: skiros run kitting --seed 3 --goal 'InKit(Starter, kit_1)' --record run.png")
 @click.argument("scene")
 @click.option("--seed", type=click.IntRange(0), default=0, help="Seed of every random choice.  [default: 0]")
 @click.option("--goal", "goals", multiple=True, metavar="TEXT", help="Goal instead of the scene's; may be repeated.")
 @click.option("--robot", metavar="NAME", help="Robot to use; needed where the scene has several.")
-@click.option("--pace", type=_Pace(), default="max", help="Simulated seconds per second.  [default: max]")
+@PACE
 @click.option("--gui", is_flag=True, help="Open PyBullet's window.")
 @click.option(
     "--record",
@@ -59,7 +43,7 @@ class _Pace(click.ParamType[float | None]):
 )
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
 @click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
-@click.option("--config", "config", multiple=True, metavar="MODULE.KEY=VALUE", help="A configuration parameter.")
+@CONFIG
 @ask_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def command(
@@ -72,7 +56,7 @@ def command(
     record: Path | None,
     fake: bool,
     driver: str | None,
-    config: tuple[str, ...],
+    config: dict[str, str],
     ask: bool | None,
     as_json: bool,
 ) -> int:
@@ -84,35 +68,13 @@ def command(
         check_recording(record, fake=fake)
     if gui:
         check_display(os.environ.get("DISPLAY"))
-        _chatter_to_stderr()
     from skiros_py.runtime import Options, Session
 
-    options = Options(
-        seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals, driver=driver, config=_config(config)
-    )
+    options = Options(seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals, driver=driver, config=config)
     with Session(scene, options) as session:
         status = _run(session, record, ask=ask, as_json=as_json)
         ignore_stops()  # closing is quick and must not be torn apart
         return status
-
-
-def _config(texts: Sequence[str]) -> dict[str, str]:
-    """Reads the configuration parameters."""
-    config = {}
-    for text in texts:
-        key, equals, value = text.partition("=")
-        if not equals or "." not in key:
-            raise UsageError(f"--config takes MODULE.KEY=VALUE, not '{text}'")
-        config[key] = value
-    return config
-
-
-def _chatter_to_stderr() -> None:
-    """Sends what PyBullet's window prints from C to stderr, so that stdout keeps what we print only."""
-    sys.stdout.flush()
-    ours = os.dup(1)
-    os.dup2(2, 1)
-    sys.stdout = os.fdopen(ours, "w", encoding="utf-8", buffering=1)
 
 
 def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
@@ -120,7 +82,11 @@ def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bo
     from skiros_py.recording import Recorder
 
     recorder = Recorder(session, record) if record is not None else None
-    with RunDisplay(session, to_stderr=as_json) as display, stopping(session), answering(session.questions, ask=ask):
+    with (
+        RunDisplay(session, to_stderr=as_json) as display,
+        stopping(session, as_json=as_json),
+        answering(session.questions, ask=ask),
+    ):
         report = session.run()
     display.show_report(report)
     if recorder is not None:
@@ -130,22 +96,39 @@ def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bo
         except UsageError as error:  # the run is what counts: its report must not be lost for a picture
             display.say(f"warning {error}")
     if as_json:
-        click.echo(json.dumps(_as_json(session, report)))
+        answer(_as_json(session, report))
     return _status(report)
 
 
 @contextmanager
-def stopping(session: Session) -> Iterator[None]:
-    """Ctrl-C and a polite kill halt the robot in the next cycle; a second one does not wait for standstill."""
+def stopping(session: Session, *, as_json: bool) -> Iterator[None]:
+    """Ctrl-C and a polite kill halt the robot in the next cycle; a second one does not wait for standstill.
+
+    Where code of others holds the control thread, and does not come back although the watchdog has interrupted it or
+    the user wants a stop, the command ends without it.
+    """
+    pulse, left = session.cycle.pulse, threading.Event()
 
     def stop(number: int, _frame: object) -> None:
         signal.signal(number, raise_interrupt)
         session.stop()
 
+    def end_if_stuck(name: str, status: int) -> None:
+        beat = pulse.beat
+        end_unless(
+            lambda: left.is_set() or pulse.task is None or pulse.waits > 0 or pulse.beat != beat,
+            f"{name} does not come back: the command ends without it",
+            status,
+            as_json=as_json,
+        )
+
+    session.station.watchdog.on_lost(lambda task: end_if_stuck(task.name, NOT_REACHED))
     before = {number: signal.signal(number, stop) for number in STOPS}
     try:
-        yield
+        with heard_at_once(lambda: end_if_stuck(getattr(pulse.task, "name", "the control thread"), STOPPED)):
+            yield
     finally:
+        left.set()
         for number, handler in before.items():
             signal.signal(number, handler)
 

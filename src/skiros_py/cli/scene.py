@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from skiros_py.cli.exit_status import DIFFERENT, REACHED
+from skiros_py.cli.output import answer, answer_text
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError, UsageError
 
@@ -38,7 +39,7 @@ def list_scenes(as_json: bool) -> int:
 
     names = scene_names()
     if as_json:
-        click.echo(json.dumps({"scenes": {name: str(named_scene(name)) for name in names}}))
+        answer({"scenes": {name: str(named_scene(name)) for name in names}})
         return REACHED
     for name in names:
         click.echo(name)
@@ -57,7 +58,7 @@ def show(scene: str, as_json: bool) -> int:
     roots = tree(world)
     if as_json:
         head = json.dumps({"scene": scene, "goals": list(world.goals)})
-        click.echo("".join((head[:-1], ', "tree": [', *_json_pieces(roots), "]}")))
+        answer_text("".join((head[:-1], ', "tree": [', *_json_pieces(roots), "]}")))
         return REACHED
     for root in roots:
         for depth, node in root.walk():
@@ -88,7 +89,7 @@ def check(scene: str, as_json: bool) -> int:
         raise FileError(find_scene(scene), f"sk:goal: {error}") from error
     elements = len(world.instances(ELEMENT))
     if as_json:
-        click.echo(json.dumps({"scene": scene, "elements": elements, "goals": list(world.goals)}))
+        answer({"scene": scene, "elements": elements, "goals": list(world.goals)})
     else:
         click.echo(f"{scene}: {elements} elements, {len(world.goals)} goals, nothing wrong")
     return REACHED
@@ -110,7 +111,7 @@ def diff(old: str, new: str, as_json: bool) -> int:
     before, after = open_world(old).snapshot(), open_world(new).snapshot()
     edits = compare(before, after)
     if as_json:
-        click.echo(json.dumps({"old": old, "new": new, "edits": [edit.as_json() for edit in edits]}))
+        answer({"old": old, "new": new, "edits": [edit.as_json() for edit in edits]})
     else:
         for line in describe(after.ontology, edits):
             click.echo(escaped(line))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 import click
 
+from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def command(as_json: bool) -> int:
     catalogue = load_catalogue()
     catalogue.load_all()
     if as_json:
-        click.echo(json.dumps(_as_json(catalogue)))
+        answer(_as_json(catalogue))
     else:
         _print(catalogue)
     return 0

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import click
 
-from skiros_py.cli.text import escaped
+from skiros_py.cli.text import brief, escaped
 
 __all__ = ["warnings_on_stderr"]
 
@@ -25,12 +26,20 @@ def warnings_on_stderr() -> Iterator[None]:
 
 
 class _Stderr(logging.Handler):
+    """Says in one line what happened and where; with SKIROS_DEBUG the stack follows."""
+
     def __init__(self, level: int) -> None:
         super().__init__(level)
         self._said: set[str] = set()
+        self._whole = logging.Formatter()
 
     def emit(self, record: logging.LogRecord) -> None:
-        text = record.getMessage()
-        if text not in self._said:  # a command that opens two worlds meets the same plug-ins twice
-            self._said.add(text)
-            click.echo(escaped(f"skiros: {record.levelname.lower()}: {text}"), err=True)
+        whole = self._whole.format(record)
+        text = brief(whole)
+        if text in self._said:  # a command that opens two worlds meets the same plug-ins twice
+            return
+        self._said.add(text)
+        click.echo(escaped(f"skiros: {record.levelname.lower()}: {text}"), err=True)
+        if os.environ.get("SKIROS_DEBUG"):
+            for line in whole.splitlines()[1:]:
+                click.echo(escaped(line), err=True)

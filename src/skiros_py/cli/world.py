@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
@@ -12,6 +11,7 @@ import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
+from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.vocabulary import ELEMENT
@@ -106,7 +106,7 @@ def _show(world: World, name: str, *, as_json: bool) -> None:
     if as_json:
         own = ElementEdit(name, None, element).as_json()["new"]
         relations = [{"subject": s, "relation": r, "object": o} for s, r, o in statements]
-        click.echo(json.dumps({**own, "relations": relations, "changed": {"change": stamp.change, "time": stamp.time}}))
+        answer({**own, "relations": relations, "changed": {"change": stamp.change, "time": stamp.time}})
         return
     click.echo(escaped(f"{element.id} ({element.type}) '{element.label}'"))
     if stamp.change:
@@ -134,7 +134,7 @@ def history(element: str | None, everything: bool, last: int | None, data: Path,
         first = directory.journal.first
         if as_json:
             changes = [{**entry.change.as_json(), "written": _written(entry)} for entry in entries]
-            click.echo(json.dumps({"remembered_from": first, "changes": changes}))
+            answer({"remembered_from": first, "changes": changes})
             return REACHED
         if first > 1:
             click.echo(f"changes are remembered from number {first} on")
@@ -173,7 +173,10 @@ def undo(data: Path, author: str, as_json: bool) -> int:
 
     with open_existing(data) as directory:
         change = take_back(directory.world, author)
-    click.echo(json.dumps(change.as_json()) if as_json else escaped(f"change {change.number}: {change.reason}"))
+    if as_json:
+        answer(change.as_json())
+    else:
+        click.echo(escaped(f"change {change.number}: {change.reason}"))
     return REACHED
 
 
@@ -187,7 +190,7 @@ def compact(data: Path, keep: int, as_json: bool) -> int:
         directory.compact(keep)
         first, version = directory.journal.first, directory.journal.version
     if as_json:
-        click.echo(json.dumps({"remembered_from": first, "version": version}))
+        answer({"remembered_from": first, "version": version})
     else:
         click.echo(f"{version - first + 1} of {version} changes are remembered")
     return REACHED

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON, open_existing
+from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 from skiros_py.errors import UnknownName
 from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
@@ -35,7 +35,7 @@ def list_learned(data: Path, as_json: bool) -> int:
     with open_existing(data) as directory:
         elements = [directory.world.element(name) for name in _learned(directory.world)]
     if as_json:
-        click.echo(json.dumps({"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}))
+        answer({"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]})
         return REACHED
     for element in elements:
         about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
@@ -60,7 +60,10 @@ def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
         with world.transaction(author, f"forgets {concept}", writer=Writer.PERSON) as tx:
             tx.remove(concept)
         (change,) = world.changes_since(world.version - 1)
-    click.echo(json.dumps(change.as_json()) if as_json else escaped(f"change {change.number}: {change.reason}"))
+    if as_json:
+        answer(change.as_json())
+    else:
+        click.echo(escaped(f"change {change.number}: {change.reason}"))
     return REACHED
 
 

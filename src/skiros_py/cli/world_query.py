@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,6 +15,7 @@ import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import Seconds
+from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
@@ -85,7 +85,7 @@ def command(
     with _world(scene, data) as world, OutsideQueries(world, limits) as queries:
         result = queries.query(sparql, entailed=entailed, time_limit=time_limit, **bound)
     if as_json:
-        click.echo(json.dumps(_as_json(result)))
+        answer(_as_json(result))
     else:
         _show(result, as_csv=as_csv)
     return REACHED

@@ -30,11 +30,12 @@ from skiros_py.skills.composition import (
     Wait,
 )
 from skiros_py.skills.conditions import Verdict
+from skiros_py.skills.conditions.watch import Watch
+from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.skills.primitive import Execution
 
-__all__ = ["run_node", "why"]
+__all__ = ["lost", "run_node", "run_until", "why"]
 
 
 def run_node(node: Node, scope: Scope) -> Execution[Outcome]:
@@ -87,32 +88,29 @@ def _repeat(node: Repeat, scope: Scope) -> Execution[Outcome]:
 
 
 def _parallel(node: Parallel, scope: Scope) -> Execution[Outcome]:
-    policy = node.policy
-    if not node.children:
-        return Success()
+    ended: dict[int, Outcome] = {}
     with scope.apart() as inner:
-        branches = [(number, run_node(child, inner)) for number, child in enumerate(node.children)]
-        ended: dict[int, Outcome] = {}
+        branches = {number: run_node(child, inner) for number, child in enumerate(node.children)}
         try:
-            while True:
-                before = len(ended)
-                for number, branch in branches:
-                    try:
-                        next(branch)
-                    except StopIteration as end:
-                        ended[number] = end.value
-                        if _decided(end.value, policy):
-                            break
-                if len(ended) > before:
-                    branches = [(number, branch) for number, branch in branches if number not in ended]
-                    if not branches or any(_decided(outcome, policy) for outcome in ended.values()):
-                        break
+            while not _all_over(branches, ended, node.policy):
                 yield
         finally:
-            for _, branch in branches:
+            for branch in branches.values():
                 branch.close()
         yield from make_up(inner)
-    return _together(ended, policy)
+    return _together(ended, node.policy)
+
+
+def _all_over(branches: dict[int, Execution[Outcome]], ended: dict[int, Outcome], policy: Policy) -> bool:
+    """Ticks the branches in turn and sorts out those that end; returns whether that decides it."""
+    for number, branch in tuple(branches.items()):
+        outcome = tick(branch)
+        if outcome is not None:
+            ended[number] = outcome
+            del branches[number]
+            if _decided(outcome, policy):
+                return True
+    return not branches
 
 
 def _decided(outcome: Outcome, policy: Policy) -> bool:
@@ -141,37 +139,42 @@ def _all_of(failures: list[Failure]) -> Failure:
 
 def _timeout(node: Timeout, scope: Scope) -> Execution[Outcome]:
     context, end = scope.context, scope.context.now + node.seconds
-    with scope.apart() as inner, closing(run_node(node.child, inner)) as run:
-        while True:
-            try:
-                next(run)
-            except StopIteration as ended:
-                outcome: Outcome = ended.value
-                return outcome
-            if context.now >= end - 1e-9:
-                break
-            yield
-        run.close()
-        yield from make_up(inner)
-    return Failure(f"took longer than {node.seconds:g} s")
+
+    def late() -> Failure | None:
+        return Failure(f"took longer than {node.seconds:g} s") if context.now >= end - 1e-9 else None
+
+    return run_until(node.child, scope, lambda run: tick(run) or late())
 
 
 def _guard(node: Guard, scope: Scope) -> Execution[Outcome]:
     watch = scope.watches.add(applying(node.conditions, scope.arguments), scope.arguments)
-    with closing(watch), scope.apart() as inner, closing(run_node(node.child, inner)) as run:
+    with closing(watch):
+        return (yield from run_until(node.child, scope, lambda run: lost(watch, "no longer") or tick(run)))
+
+
+def lost(watch: Watch, what: str) -> Failure | None:
+    """Returns that a watched condition holds no longer; what it is to whoever watches comes first."""
+    broken = watch.broken()
+    return None if broken is None else Failure(f"{what} {broken.text}: {why(broken)}")
+
+
+def run_until(node: Node, scope: Scope, end: Callable[[Execution[Outcome]], Outcome | None]) -> Execution[Outcome]:
+    """Runs a node until it ends or is ended; then makes up for what was broken off.
+
+    Args:
+        node: What is run.
+        scope: What it runs in.
+        end: Called each cycle: ticks the node's run, or ends it; returns how it ended, None while it goes on.
+    """
+    with scope.apart() as inner, closing(run_node(node, inner)) as run:
         while True:
-            broken = watch.broken()
-            if broken is not None:
+            outcome = end(run)
+            if outcome is not None:
                 break
-            try:
-                next(run)
-            except StopIteration as ended:
-                outcome: Outcome = ended.value
-                return outcome
             yield
         run.close()
         yield from make_up(inner)
-    return Failure(f"no longer {broken.text}: {why(broken)}")
+    return outcome
 
 
 def _for_each(node: ForEach, scope: Scope) -> Execution[Outcome]:

@@ -55,7 +55,7 @@ def broken(what: str, error: BaseException, origin: str = "") -> Failure:
 def words(error: BaseException) -> str:
     """Says in words what somebody's code did instead of ending well."""
     if isinstance(error, SystemExit):
-        return f"it tried to end the program: sys.exit({error.code!r})"
+        return f"it tried to end the program: sys.exit({error.code!r}){_where(error)}"
     return f"{type(error).__name__}: {error}{_where(error)}"
 
 

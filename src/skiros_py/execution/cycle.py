@@ -8,11 +8,13 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable, Generator
+from functools import partial
+from itertools import islice
 from typing import Any, TypeVar
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.clock import RunClock
-from skiros_py.execution.pulse import CycleOverrun, Pulse
+from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse
 from skiros_py.execution.task import Task
 from skiros_py.robot.devices import DeviceBoard
 
@@ -21,6 +23,9 @@ __all__ = ["ControlCycle", "Task"]
 T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
+
+_SUCCESSORS = 100
+"""How many tasks that others start have their first tick in the same cycle: who starts for ever must not hold it."""
 
 
 class ControlCycle:
@@ -44,14 +49,16 @@ class ControlCycle:
         self.halted = ""
         self._tasks: list[Task[Any]] = []
         self._stopping: list[Task[Any]] = []
-        self._observers: list[Callable[[], None]] = []
+        self._exchanging = Chore("the exchange with the devices")
+        self._telling = Chore("a listener of faults")
+        self._observers: list[tuple[Chore, Callable[[], None]]] = []
         self._fault_listeners: list[Callable[[Task[Any]], None]] = []
         self._epoch = (time.perf_counter(), board.snapshot.time)
 
     # ------------------------------------------------------------------ running
 
     def start(self, generator: Generator[None, None, T], name: str = "", *, clock: RunClock | None = None) -> Task[T]:
-        """Adds a task; it is ticked for the first time in the coming cycle.
+        """Adds a task; it is ticked for the first time in the coming cycle, or in this one where a task starts it.
 
         Args:
             generator: What is ticked.
@@ -69,8 +76,9 @@ class ControlCycle:
 
     def observe(self, observer: Callable[[], None]) -> Callable[[], None]:
         """Calls a function at the end of every cycle; it must be quick. Returns how to end that."""
-        self._observers.append(observer)
-        return lambda: self._observers.remove(observer)
+        entry = Chore(f"the observer {getattr(observer, '__qualname__', observer)}"), observer
+        self._observers.append(entry)
+        return lambda: self._observers.remove(entry)
 
     def on_fault(self, listener: Callable[[Task[Any]], None]) -> None:
         """Calls a function at the end of each cycle with every task that ended with a fault; else they are logged."""
@@ -79,13 +87,13 @@ class ControlCycle:
     def step(self) -> None:
         """Runs one cycle."""
         self._obey_halt()
-        self.board.exchange()
+        self._do(self._exchanging, self.board.exchange)
         self._settle()
         self._tick_all(self.board.snapshot.time)
         self._obey_halt()
         self._sort_out()
-        for observer in tuple(self._observers):
-            observer()
+        for chore, observer in tuple(self._observers):
+            self._do(chore, observer)
         self._keep_pace()
 
     def run(self, task: Task[T]) -> T:
@@ -104,8 +112,12 @@ class ControlCycle:
         Args:
             reason: Why, for a person.
         """
-        self.halted = self.halted or reason or "halted"
+        self.forbid(reason)
         self.board.halt()
+
+    def forbid(self, reason: str) -> None:
+        """Ends all tasks as soon as the control thread comes round, as :meth:`halt` does; the devices hear nothing."""
+        self.halted = self.halted or reason or "halted"
 
     def stop_all(self, reason: str = "a stop was asked for", *, patience: float | None = None) -> bool:
         """Halts everything and runs on until all stands; only between two cycles.
@@ -137,7 +149,7 @@ class ControlCycle:
         Raises:
             UsageError: Something still moves, or a task still runs.
         """
-        if self.pulse.task is not None or (self.halted and not all(task.done for task in self._tasks)):
+        if isinstance(self.pulse.task, Task) or (self.halted and not all(task.done for task in self._tasks)):
             raise UsageError("reset is for when everything has stopped: a task still runs")
         if not self.board.still:
             raise UsageError("reset is for when everything stands: something still moves")
@@ -152,11 +164,22 @@ class ControlCycle:
 
     # ------------------------------------------------------------------ parts of a cycle
 
+    def _do(self, chore: Chore, work: Callable[[], object]) -> None:
+        """Does a piece of the cycle's own work under the watchdog's eyes."""
+        outer = self.pulse.enter(chore)
+        try:
+            work()
+        finally:
+            self.pulse.leave(outer)
+
     def _tick_all(self, now: float) -> None:
-        """Ticks every task once; an interruption that comes late, between two ticks, changes nothing."""
+        """Ticks every task once, and those that they start.
+
+        An interruption that comes late, between two ticks, changes nothing.
+        """
         board, pulse = self.board, self.pulse
         pulse.begin_cycle()
-        coming = iter(tuple(self._tasks))
+        coming = islice(self._tasks, len(self._tasks) + _SUCCESSORS)  # those that are added meanwhile, too
         while True:
             try:
                 for task in coming:
@@ -204,7 +227,7 @@ class ControlCycle:
             own = isinstance(task.fault, SkirosError | CycleOverrun)
             _log.error("%s ended with a fault: %s", task.name, task.fault, exc_info=None if own else task.fault)
         for listener in self._fault_listeners:
-            listener(task)
+            self._do(self._telling, partial(listener, task))
 
     def _keep_pace(self) -> None:
         if self.pace is None:

@@ -8,6 +8,8 @@ from typing import Any
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.claims import Claims
 from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.directory import Directory
+from skiros_py.execution.modules import Modules
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.pulse import Watched
 from skiros_py.execution.skill_manager import SkillManager
@@ -53,6 +55,8 @@ class Managers(Mapping[str, SkillManager]):
         self._driver = driver
         self._config = config or {}
         self._watches = Watches(context.world)
+        self._directory: Directory[Modules] = Directory(context.world)
+        self._watching = False
         self._managers: dict[str, SkillManager] = {}
 
     def __getitem__(self, agent: str) -> SkillManager:
@@ -73,7 +77,7 @@ class Managers(Mapping[str, SkillManager]):
                     self.open(agent)
 
     def open(self, agent: str) -> SkillManager:
-        """Opens the skill manager of a subsystem and registers what it can do.
+        """Opens the skill manager of a subsystem and registers what it can do; in the place of one that was lost.
 
         Raises:
             UnknownName: There is no such element.
@@ -84,6 +88,8 @@ class Managers(Mapping[str, SkillManager]):
             raise UsageError(f"the skill manager of {agent} is there already")
         if not view.ontology.is_a(view.element(agent).type, AGENT):
             raise UsageError(f"{agent} is a {view.element(agent).type}, and only an {AGENT} has a skill manager")
+        if agent in self._managers:
+            self.close(agent)
         manager = SkillManager(
             agent,
             self._skills,
@@ -94,10 +100,13 @@ class Managers(Mapping[str, SkillManager]):
             driver=self._driver,
             claims=self.claims,
             watches=self._watches,
+            directory=self._directory,
             config=self._config,
         )
         manager.register()
         self._managers[agent] = manager
+        if self._watching and not self._cycle.halted:
+            manager.watch()
         return manager
 
     def close(self, agent: str) -> None:
@@ -111,7 +120,8 @@ class Managers(Mapping[str, SkillManager]):
         self._managers.pop(agent).retire()
 
     def watch(self) -> None:
-        """Starts what runs in the background of each."""
+        """Starts what runs in the background of each, and of those that come; once more after everything was halted."""
+        self._watching = True
         for manager in self._managers.values():
             manager.watch()
 

@@ -1,29 +1,27 @@
-"""What a skill manager can run: primitives and skills by name, loaded when they are first wanted."""
+"""What a skill manager can run: primitives and skills by name."""
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from skiros_py.errors import ModuleError, UnknownName, UsageError
+from skiros_py.errors import UnknownName
 from skiros_py.execution.claims import Claim, Claims
-from skiros_py.execution.contained import contained, words
-from skiros_py.execution.primitive_run import Loaded, run_primitive
-from skiros_py.execution.pulse import CycleOverrun
+from skiros_py.execution.directory import Directory
+from skiros_py.execution.loader import Loader
+from skiros_py.execution.primitive_run import run_primitive
 from skiros_py.execution.scope import Scope
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.robot.devices import DeviceBoard
+from skiros_py.skills.composition import Do, walk
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import BROKEN, Failure, Outcome
-from skiros_py.skills.parameters import Kind, Param, params_of, read_value
+from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.parameters import Kind, Param, params_of
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 
 __all__ = ["ModuleInfo", "Modules"]
-
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +66,10 @@ class Modules:
         agent: Id of the subsystem.
         skills: Implementations of each skill by its name, in the order in which they are tried.
         primitives: Classes by name; may load themselves when they are looked up.
+        loader: Loads the primitives.
         claims: Who may use which device.
         board: Whose commands are limited to what was taken.
-        config: Values of configuration parameters by "module.key".
+        directory: Who runs what is called and is not here.
     """
 
     def __init__(
@@ -78,17 +77,18 @@ class Modules:
         agent: str,
         skills: Mapping[str, Sequence[Skill]],
         primitives: Mapping[str, type[Primitive[Any]]],
+        loader: Loader,
         claims: Claims,
         board: DeviceBoard,
-        config: Mapping[str, Any],
+        directory: Directory[Modules],
     ) -> None:
-        self._agent = agent
+        self.agent = agent
         self.skills = skills
         self.primitives = primitives
+        self._loader = loader
         self._claims = claims
         self._board = board
-        self._config = config
-        self._loaded: dict[str, Loaded] = {}
+        self._directory = directory
 
     def kind(self, module: str) -> str:
         """Returns "skill" or "primitive".
@@ -100,7 +100,7 @@ class Modules:
             return "skill"
         if module in self.primitives:
             return "primitive"
-        raise UnknownName("module", module, [*self.skills, *self.primitives], where=f"of {self._agent}")
+        raise UnknownName("module", module, [*self.skills, *self.primitives], where=f"of {self.agent}")
 
     def info(self, module: str) -> ModuleInfo:
         """Describes one module.
@@ -116,22 +116,35 @@ class Modules:
         help_ = (cls.__doc__ or "").strip().partition("\n")[0]
         return ModuleInfo(module, "primitive", help_, params_of(cls.Params), cls.version)
 
+    def agent_of(self, skill: str) -> str | None:
+        """Returns the key of the parameter that is the subsystem doing a skill; None where it is not offered."""
+        ways = self.skills.get(skill)
+        return ways[0].description.agent if ways else None
+
     def run(self, module: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outcome]:
         """Returns the run of a module within a scope; ticked to its end, or closed.
+
+        A skill that another subsystem does runs as by the skill manager of that one.
 
         Raises:
             UnknownName: There is no such module.
         """
+        able = self._directory.who_runs(module, arguments, self)
+        if able is not self:
+            return able.run(module, arguments, replace(scope, agent=able.agent, modules=able))
         if self.kind(module) == "skill":
             return self.skill_run(module, arguments, scope).execute()
-        try:
-            loaded = self._load(module, scope.context)
-        except (KeyboardInterrupt, CycleOverrun, UnknownName, UsageError):
-            raise
-        except BaseException as error:  # noqa: BLE001 - an author's mistake makes this run fail, and no other
-            _log.exception("primitive %s did not load", module)
-            return _failed(Failure(f"{module} did not load: {words(error)}", BROKEN))
+        loaded = self._loader.get(module, scope.context)
+        if isinstance(loaded, Failure):
+            return _failed(loaded)
         return run_primitive(loaded, arguments, scope, self.take)
+
+    def prepare(self, module: str, context: RunContext) -> None:
+        """Loads the primitives that a module is made of, as far as its composition names them.
+
+        Those that a primitive calls by itself are loaded when it does.
+        """
+        self._prepare(module, {}, context, set())
 
     def skill_run(self, skill: str, arguments: Mapping[str, Any], scope: Scope) -> SkillRun:
         """Makes a run of a skill."""
@@ -151,28 +164,20 @@ class Modules:
         Raises:
             ModuleError: Its code broke.
         """
-        loaded = self._loaded.pop(module, None)
-        if loaded is None:
+        self._loader.reset(module, context)
+
+    def _prepare(
+        self, module: str, arguments: Mapping[str, Any], context: RunContext, seen: set[tuple[str, str]]
+    ) -> None:
+        able = self._directory.who_runs(module, arguments, self)
+        if (able.agent, module) in seen:
             return
-        resource = contained(f"{module}, when it was reset,", lambda: (loaded.cls.reset(context, loaded.resource),))
-        if isinstance(resource, Failure):
-            raise ModuleError(resource.reason)
-        self._loaded[module] = replace(loaded, resource=resource[0])
-
-    def _load(self, module: str, context: RunContext) -> Loaded:
-        if module not in self._loaded:
-            cls = self.primitives[module]
-            self._loaded[module] = Loaded(cls, self._configuration(module, cls, context), cls.load(context))
-        return self._loaded[module]
-
-    def _configuration(self, module: str, cls: type[Primitive[Any]], context: RunContext) -> dict[str, Any]:
-        """Reads what is given for the configuration parameters of a primitive."""
-        given = {k.partition(".")[2]: v for k, v in self._config.items() if k.partition(".")[0] == module}
-        params = {p.key: p for p in params_of(cls.Params) if p.kind is Kind.CONFIG}
-        for key in given:
-            if key not in params:
-                raise UnknownName("configuration parameter", key, params, where=f"of {module}")
-        return {key: read_value(params[key], value, context.world) for key, value in given.items()}
+        seen.add((able.agent, module))
+        if module not in able.skills and module in able.primitives:
+            able._loader.prepare(module, context)  # noqa: SLF001 - one of the same class
+        for skill in able.skills.get(module, ()):
+            for call in (node for root in skill.nodes for node in walk(root) if isinstance(node, Do)):
+                able._prepare(call.module, call.arguments, context, seen)  # noqa: SLF001 - one of the same class
 
 
 def _failed(failure: Failure) -> Execution[Outcome]:

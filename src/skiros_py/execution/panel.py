@@ -9,7 +9,7 @@ from typing import Any
 from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import complete
 from skiros_py.skills.conditions import Condition, Verdict
-from skiros_py.skills.inference import Missing, infer
+from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Kind, Param, as_json, missing, read_arguments
 from skiros_py.skills.skill import SkillDescription
@@ -82,7 +82,7 @@ def skill_panel(description: SkillDescription, given: Mapping[str, Any], view: W
         UsageError: Something is wrong with what is given.
     """
     read = read_arguments(description.params, given, view)
-    found = infer(description, complete(view, [description.param(description.agent)], read, agent), view)
+    found = _inferred(description, complete(view, [description.param(description.agent)], read, agent), view)
     open_ = {key: v.text for key, v in found.verdicts.items()} if isinstance(found, Missing) else {}
     reasons = {} if isinstance(found, Missing) else found.reasons
     kinds = (("pre", description.needs), ("hold", description.hold), ("post", description.post))
@@ -94,6 +94,14 @@ def skill_panel(description: SkillDescription, given: Mapping[str, Any], view: W
         if not left_out.intersection(c.arguments)  # nobody asks those
     )
     return Panel(description.params, found.values, reasons, open_, rows)
+
+
+def _inferred(description: SkillDescription, given: Mapping[str, Any], view: WorldView) -> Inferred | Missing:
+    """Infers what is left out; where an author's condition breaks, that stays open, and says why."""
+    found = contained("inference", lambda: infer(description, given, view))
+    if not isinstance(found, Failure):
+        return found
+    return Missing({key: Verdict(False, found.reason) for key in missing(description.params, given)}, given)
 
 
 def primitive_panel(params: Sequence[Param], given: Mapping[str, Any], view: WorldView, agent: str) -> Panel:

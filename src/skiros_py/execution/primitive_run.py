@@ -3,41 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from itertools import count
 from typing import Any
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim
 from skiros_py.execution.contained import broken, contained
 from skiros_py.execution.hardware import complete, devices_of, standstill
-from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.loader import Loaded
+from skiros_py.execution.monitor import Status
 from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.execution.scope import Scope, Unfinished, make_up
+from skiros_py.execution.telling import Tell, teller, to_its_end
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success
+from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import missing, params_of, read_arguments
 from skiros_py.skills.primitive import Execution, Primitive
 
-__all__ = ["Loaded", "Take", "run_primitive"]
+__all__ = ["Take", "run_primitive"]
 
 Take = Callable[[str, set[str], Claim | None], Claim]
 """Asks for devices: who asks, which, and out of whose."""
-_Tell = Callable[[Status, int, str], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Loaded:
-    """A primitive that a skill manager has loaded.
-
-    Attributes:
-        cls: Its class.
-        config: Values of its configuration parameters.
-        resource: What its :meth:`~skiros_py.skills.primitive.Primitive.load` returned.
-    """
-
-    cls: type[Primitive[Any]]
-    config: Mapping[str, Any]
-    resource: Any
 
 
 def run_primitive(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take) -> Execution[Outcome]:
@@ -50,13 +37,13 @@ def run_primitive(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: 
         take: Asks for its devices.
     """
     name = loaded.cls.name
-    tell = _teller(name, scope)
+    tell = teller("primitive", name, scope)
     specified = contained(name, lambda: _specify(loaded, given, scope, take))
     if isinstance(specified, Failure):
         tell(Status.ERROR, specified.code, specified.reason)
         return specified
     values, claim = specified
-    return (yield from _Run(loaded, values, scope, claim, tell).execute())
+    return (yield from to_its_end(_Run(loaded, values, scope, claim, tell), scope, tell))
 
 
 def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take) -> tuple[dict[str, Any], Claim]:
@@ -66,6 +53,7 @@ def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take)
         SkirosError: Something is wrong with what is given, is missing, or is not there.
     """
     cls, world = loaded.cls, scope.context.world
+    scope.check_depth(cls.name)
     params = params_of(cls.Params)
     values = complete(world, params, {**read_arguments(params, given, world), **loaded.config}, scope.agent)
     open_ = missing(params, values)
@@ -78,61 +66,72 @@ def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take)
 class _Run:
     """One run of a primitive that is specified and has asked for its devices.
 
-    What it calls runs in a scope of its own: what of that its author breaks off makes up for it before the next call,
-    and before the run ends.
+    What it calls runs in a scope of its own: what of that its author breaks off makes up for it beside whatever the
+    author goes on with, but before the next call begins, and before the run ends.
     """
 
-    def __init__(self, loaded: Loaded, values: Mapping[str, Any], scope: Scope, claim: Claim, tell: _Tell) -> None:
+    def __init__(self, loaded: Loaded, values: Mapping[str, Any], scope: Scope, claim: Claim, tell: Tell) -> None:
         self._loaded = loaded
         self._values = values
         self._scope = scope
+        self._board = scope.context.board
         self._calls = replace(scope, claim=claim, unfinished=[], callers=(*scope.callers, loaded.cls.name))
+        self._open: dict[int, Execution[Outcome]] = {}
+        self._numbers = count()
+        self._making_up: Execution[None] | None = None
+        self._made_up_in = -1
         self._claim = claim
         self._tell = tell
         self._made: Primitive[Any] | None = None
-        self._started = False
+        self.started = False
         self._broken = False
         self._code = self._life()
+        self._next = self._code.__next__
 
-    def execute(self) -> Execution[Outcome]:
-        """Waits for its devices, then runs it; also reports to the monitor."""
-        kept = False
-        try:
-            while not self._claim.granted:
-                yield
-            self._started = True
-            self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
-            outcome = yield from self._ticks()
-            yield from make_up(self._calls)
-            if self._broken:
-                yield from standstill(self._scope.context.board, self._claim.devices)
-        except GeneratorExit:
-            kept = self._break_off()
-            raise
-        except CycleOverrun:
-            if self._scope.callers:  # else whoever started it tells, when all stands
-                self._tell(Status.ERROR, BROKEN, "held the control cycle too long")
-            raise
-        finally:
-            if not kept:
-                self._claim.release()
-        if isinstance(outcome, Failure):
-            self._tell(Status.ERROR, outcome.code, outcome.reason)
-        else:
-            self._tell(Status.TERMINATED, 1, outcome.message)
-        return outcome
-
-    def _ticks(self) -> Execution[Outcome]:
+    def run(self) -> Execution[Outcome]:
+        """Waits for its devices, then runs it."""
+        while not self._claim.granted:
+            yield
+        self.started = True
+        self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self._values.items()))
         while True:
             outcome = self._tick()
             if outcome is not None:
-                return outcome
+                break
+            self._make_up()
             yield
+        self._end_calls()
+        while self._make_up():
+            yield
+        if self._broken:
+            yield from standstill(self._board, self._claim.devices)
+        return outcome
+
+    def leave(self) -> bool:
+        """Ends it at once; returns whether it keeps its devices to make up for that."""
+        made = self._made
+        if not self.started:
+            return False
+        self._close()
+        if self._making_up is not None:
+            self._making_up.close()
+        self._scope.unfinished.extend(self._calls.unfinished)
+        if made is not None:
+            self._tidy("when it was stopped", made.stop)
+            self._scope.unfinished.append(Unfinished(made.name, made.recover, self._claim))
+        return made is not None
+
+    def release(self) -> None:
+        """Gives its devices back."""
+        self._claim.release()
 
     def _tick(self) -> Outcome | None:
-        """Runs its author's code up to the next ``yield``; returns how it ended, None while it goes on."""
+        """Runs its author's code up to the next ``yield``; returns how it ended, None while it goes on.
+
+        Meanwhile no other devices obey than those it has taken.
+        """
         try:
-            yielded: object = next(self._code)
+            yielded: object = self._board.limited(self._claim.devices, self._next)
         except StopIteration as end:
             ended: object = end.value
             if isinstance(ended, Success | Failure):
@@ -151,8 +150,10 @@ class _Run:
         cls = self._loaded.cls
         made = self._made = cls(self._own_context(), cls.Params(**self._values), self._loaded.resource)
         refusal = made.start()
-        if refusal is not None:
+        if isinstance(refusal, Failure):
             return refusal
+        if refusal is not None:
+            raise TypeError(f"start() returned {refusal!r}: None lets it run, a Failure refuses")
         execution = made.execute()
         if not isinstance(execution, Generator):
             raise TypeError(f"execute() returned {execution!r} instead of running: it has no 'yield'")
@@ -166,9 +167,40 @@ class _Run:
             call=self._call,
         )
 
+    # ------------------------------------------------------------------ what it calls
+
     def _call(self, module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:
-        yield from make_up(self._calls)
-        return (yield from self._calls.modules.run(module, arguments, self._calls))
+        number = next(self._numbers)
+        called = self._open[number] = self._called(number, module, arguments)
+        return called
+
+    def _called(self, number: int, module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:
+        try:
+            while self._make_up():
+                yield
+            return (yield from self._calls.modules.run(module, arguments, self._calls))
+        finally:
+            self._open.pop(number, None)
+
+    def _make_up(self) -> bool:
+        """Goes on, once in a cycle, making up for calls that were broken off; returns whether there is more to do."""
+        if self._making_up is None and not self._calls.unfinished:
+            return False
+        cycle = self._board.snapshot.cycle
+        if cycle != self._made_up_in:
+            self._made_up_in = cycle
+            self._making_up = self._making_up or make_up(self._calls)
+            if next(self._making_up, _ENDED) is _ENDED:
+                self._making_up = None
+        return self._making_up is not None or bool(self._calls.unfinished)
+
+    def _end_calls(self) -> None:
+        """Breaks off what was called, is kept somewhere and was not ticked to its end; nobody else will."""
+        for call in reversed(list(self._open.values())):
+            self._tidy("when a call was ended", call.close)
+        self._open.clear()
+
+    # ------------------------------------------------------------------ ending
 
     def _broke(self, error: BaseException) -> Failure:
         """Lets its devices brake; they stay its own until they stand."""
@@ -179,33 +211,14 @@ class _Run:
         return failure
 
     def _close(self) -> None:
-        """Ends its author's code and takes back what it commanded; what clean-up raises must not keep others moving."""
-        contained(f"{self._loaded.cls.name}, when it was ended,", self._code.close)
-        self._scope.context.board.clear(self._claim.devices)
+        """Ends its author's code and what that has called."""
+        self._tidy("when it was ended", self._code.close)
+        self._end_calls()
 
-    def _break_off(self) -> bool:
-        """Ends it at once; returns whether it keeps its devices to make up for that."""
-        if not self._started:
-            return False
-        self._close()
-        self._scope.unfinished.extend(self._calls.unfinished)
-        made = self._made
-        if made is not None:
-            contained(f"{made.name}, when it was stopped,", made.stop)
-            self._scope.context.board.clear(self._claim.devices)
-            self._scope.unfinished.append(Unfinished(made.name, made.recover, self._claim))
-        nested = bool(self._scope.callers)
-        self._tell(*((Status.PREEMPTED, 0, "broken off") if nested else (Status.RUNNING, 0, "stopping")))
-        return made is not None
+    def _tidy(self, when: str, action: Callable[[], object]) -> None:
+        """Calls what its author wrote for its end; neither what that raises nor what it commands counts."""
+        contained(f"{self._loaded.cls.name}, {when},", lambda: self._board.limited(self._claim.devices, action))
+        self._board.clear(self._claim.devices)
 
 
-def _teller(name: str, scope: Scope) -> _Tell:
-    caller = scope.callers[-1] if scope.callers else ""
-
-    def tell(status: Status, code: int, text: str) -> None:
-        event = ModuleEvent(
-            scope.context.board.snapshot.time, "primitive", name, status, code, text, agent=scope.agent, caller=caller
-        )
-        scope.monitor.publish(event)
-
-    return tell
+_ENDED = object()

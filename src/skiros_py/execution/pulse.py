@@ -13,18 +13,43 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Protocol
 
-__all__ = ["CycleOverrun", "Overrun", "Pulse", "Watched"]
+from skiros_py.errors import Interruption
+
+__all__ = ["Chore", "CycleOverrun", "Overrun", "Pulse", "Watched"]
 
 
 class Watched(Protocol):
-    """A task, as the watchdog sees it."""
+    """A task, as the watchdog sees it.
+
+    Attributes:
+        name: For messages.
+        done: True when nothing more of it will run.
+        interruptible: True when it may be broken off anywhere.
+    """
 
     name: str
     done: bool
+    interruptible: bool
 
     def fail(self, fault: BaseException) -> None:
         """Ends it with a fault."""
         ...
+
+
+@dataclass(eq=False, slots=True)
+class Chore:
+    """Work of the cycle itself (devices, observers): told when it takes too long, never broken off half way.
+
+    Attributes:
+        name: For messages.
+    """
+
+    name: str
+    done: bool = False
+    interruptible: bool = False
+
+    def fail(self, fault: BaseException) -> None:
+        """Goes on: the cycle cannot do without it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +80,7 @@ class Overrun:
         )
 
 
-class CycleOverrun(BaseException):
+class CycleOverrun(Interruption):
     """Raised inside code that holds the control cycle; no ``except Exception`` of its author catches it.
 
     Attributes:
@@ -71,20 +96,23 @@ class Pulse:
     """The state of the control thread.
 
     Attributes:
-        beat: Grows with every cycle, and whenever something is closed: with :attr:`task` it names one tick.
+        beat: Grows with every cycle and with every piece of work that is timed by itself: with :attr:`task` it names
+            one tick.
         task: Whose code is running; None between ticks.
         thread: Identity of the control thread.
         waits: Above 0 while the control thread legitimately waits.
+        allowed: How long the present piece of work may take where that is more than for a tick [s]; else 0.
         overrun: The tick that was interrupted; None in good times.
     """
 
-    __slots__ = ("_guard", "beat", "overrun", "task", "thread", "waits")
+    __slots__ = ("_guard", "allowed", "beat", "overrun", "task", "thread", "waits")
 
     def __init__(self) -> None:
         self.beat = 0
         self.task: Watched | None = None
         self.thread = 0
         self.waits = 0
+        self.allowed = 0.0
         self.overrun: Overrun | None = None
         self._guard = threading.Lock()
 
@@ -94,7 +122,7 @@ class Pulse:
         self.thread = threading.get_ident()
 
     def enter(self, task: Watched) -> Watched | None:
-        """Code of a task begins to run outside its turn, because it is closed; returns whose code is interrupted."""
+        """Code begins to run outside a task's turn, such as when one is closed; returns whose code it interrupts."""
         outer, self.task = self.task, task
         self.begin_cycle()
         return outer
@@ -115,12 +143,31 @@ class Pulse:
         finally:
             self.waits -= 1
 
+    @contextmanager
+    def allowing(self, seconds: float) -> Iterator[None]:
+        """Tells the watchdog that this piece of work may take longer than a tick.
+
+        The order matters: at no moment does the old limit meet the beat of the longer work.
+
+        Args:
+            seconds: Wall time that it may take [s].
+        """
+        outer, self.allowed = self.allowed, max(seconds, self.allowed)
+        self.beat += 1
+        try:
+            yield
+        finally:
+            self.beat += 1
+            self.allowed = outer
+
     def strike(self, overrun: Overrun) -> bool:
         """Raises :class:`CycleOverrun` in the control thread, if it still is in that tick; for the watchdog's thread.
 
         The order matters: the overrun is announced before the tick is looked at once more. The control thread marks the
         end of a tick before it looks for announcements, so one of the two always sees the other.
         """
+        if not overrun.task.interruptible:
+            return False
         with self._guard:
             known = self.overrun
             self.overrun = known or overrun

@@ -8,19 +8,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
+from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim
 from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import standstill
 from skiros_py.execution.monitor import Monitor
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
+from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.skills.primitive import Execution
 
 __all__ = ["ModuleRunner", "Scope", "Unfinished", "make_up"]
 
 _log = logging.getLogger(__name__)
 
+_DEEPEST = 20
+"""Modules within modules: more than these are taken for a circle."""
 _RECOVERY_LIMIT = 20.0
 """Longest time for motion after something was broken off [s]."""
 
@@ -74,6 +77,15 @@ class Scope:
     unfinished: list[Unfinished] = field(default_factory=list)
     callers: tuple[str, ...] = ()
 
+    def check_depth(self, module: str) -> None:
+        """Looks whether modules seem to call each other without end, where one more is about to run.
+
+        Raises:
+            UsageError: They do.
+        """
+        if len(self.callers) >= _DEEPEST:
+            raise UsageError(f"modules call each other without end: {' > '.join((*self.callers, module)[-4:])}")
+
     def with_arguments(self, more: Mapping[str, Any]) -> Scope:
         """Returns the same scope with further arguments."""
         return replace(self, arguments={**self.arguments, **more})
@@ -105,10 +117,10 @@ def make_up(scope: Scope) -> Execution[None]:
 
 def _recovery(entry: Unfinished, context: RunContext, deadline: float) -> Execution[None]:
     what = f"{entry.name}, while it recovered,"
-    recovery = _begun(entry)
+    recovery, devices = _begun(entry), entry.claim.devices
     try:
         while context.now <= deadline:
-            ended = contained(what, lambda: next(recovery, _ENDED))
+            ended = contained(what, lambda: context.board.limited(devices, lambda: next(recovery, _ENDED)))
             if ended is _ENDED:
                 return
             if isinstance(ended, Failure):
@@ -118,7 +130,7 @@ def _recovery(entry: Unfinished, context: RunContext, deadline: float) -> Execut
             _log.warning("%s did not recover within %g s", entry.name, _RECOVERY_LIMIT)
     finally:
         contained(what, recovery.close)
-    context.board.clear(entry.claim.devices)
+    context.board.clear(devices)
 
 
 def _begun(entry: Unfinished) -> Execution[None]:

@@ -5,7 +5,6 @@ It is reached through a small interface of plain data, so that it may one day li
 
 from __future__ import annotations
 
-import json
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -15,22 +14,25 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.claims import Claims
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.directory import Directory
 from skiros_py.execution.hardware import pieces
+from skiros_py.execution.loader import Loader
 from skiros_py.execution.modules import ModuleInfo, Modules
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
 from skiros_py.execution.pulse import Watched
+from skiros_py.execution.registration import Registration
 from skiros_py.execution.running import Running, RunningModule
 from skiros_py.execution.scope import Scope
-from skiros_py.execution.task import Task
+from skiros_py.execution.watchers import Watchers
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
-from skiros_py.skills.outcome import BROKEN, Failure, Outcome
+from skiros_py.skills.outcome import BROKEN, Failure
 from skiros_py.skills.parameters import Kind, params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
-from skiros_py.world.vocabulary import HAS_A, HAS_PRIMITIVE, HAS_SKILL, MODULE_DESCRIPTION, PRIMITIVE, SKILL, VERSION
 
 __all__ = ["SkillManager", "Transport"]
 
@@ -49,6 +51,11 @@ class Transport(Protocol):
     @property
     def descriptions(self) -> Mapping[str, SkillDescription]:
         """The skills it offers, by name; none when it is lost."""
+        ...
+
+    @property
+    def alternatives(self) -> Mapping[str, Sequence[Sequence[Condition]]]:
+        """What each implementation of a skill asks for besides what the description does, by the skill's name."""
         ...
 
     @property
@@ -80,6 +87,7 @@ class SkillManager:
         driver: Kind of cell driver; a fake one gets the implementations that only pretend.
         claims: Who may use which device, over all managers of the cell.
         watches: Conditions under watch.
+        directory: Who runs what is called, over all managers of the cell.
         config: Values of configuration parameters by "module.key".
     """
 
@@ -93,21 +101,25 @@ class SkillManager:
         monitor: Monitor,
         *,
         driver: str,
-        claims: Claims | None = None,
-        watches: Watches | None = None,
-        config: Mapping[str, Any] | None = None,
+        claims: Claims,
+        watches: Watches,
+        directory: Directory[Modules],
+        config: Mapping[str, Any],
     ) -> None:
         self.agent = agent
         self.lost = ""
         self._context = context
         self._cycle = cycle
         self._monitor = monitor
-        self._watches = watches or Watches(context.world)
+        self._watches = watches
         chosen = _choose(skills, context, agent, driver)
-        self._modules = Modules(agent, chosen, primitives, claims or Claims(), context.board, config or {})
+        loader = Loader(primitives, config, cycle.pulse)
+        self._modules = Modules(agent, chosen, primitives, loader, claims, context.board, directory)
+        self._directory = directory
+        directory.enter(self._modules)
         self._running: dict[str, RunningModule] = {}
-        self._watchers: list[Task[Outcome]] = []
-        self._registered: list[str] = []
+        self._registration = Registration(context.world, agent)
+        self._watchers = Watchers(self._modules, context.world, cycle, self._scope)
         self._leave_cycle = cycle.observe(self._attend)
         self._retired = False
 
@@ -117,6 +129,11 @@ class SkillManager:
     def descriptions(self) -> Mapping[str, SkillDescription]:
         """The skills it offers, by name; none when it is lost."""
         return {} if self.lost else {name: ways[0].description for name, ways in self._modules.skills.items()}
+
+    @property
+    def alternatives(self) -> Mapping[str, Sequence[Sequence[Condition]]]:
+        """What each implementation of a skill asks for besides what the description does, by the skill's name."""
+        return {name: [way.when for way in ways] for name, ways in self._modules.skills.items()}
 
     @property
     def modules(self) -> tuple[str, ...]:
@@ -166,20 +183,7 @@ class SkillManager:
 
     def register(self) -> None:
         """Writes what it can do into the world model, where planners and people find it."""
-        world = self._context.world
-        primitives = [name for name in self.modules if name not in self._modules.skills]
-        offered = [*((SKILL, HAS_SKILL, name) for name in sorted(self._modules.skills))]
-        offered += [(PRIMITIVE, HAS_PRIMITIVE, name) for name in primitives]
-        if not offered:
-            return
-        with world.transaction(author=self._author, reason="registers what it can do") as tx:
-            for class_, relation, name in offered:
-                info = self._modules.info(name)
-                module = tx.add(class_, label=name)
-                tx.set(module, VERSION, info.version)
-                tx.set(module, MODULE_DESCRIPTION, json.dumps(info.as_json()))
-                tx.relate(self.agent, relation, module)
-                self._registered.append(module)
+        self._registration.write(self.info(name) for name in self.modules)
 
     def retire(self) -> None:
         """Stops what runs, ends its watching, and takes back what it wrote about itself into the world model.
@@ -188,11 +192,10 @@ class SkillManager:
         """
         self._retired = True
         self.lost = self.lost or "it was let go"
+        self._directory.leave(self._modules)
         self.stop()
-        for watcher in self._watchers:
-            watcher.stop("its skill manager goes")
-        self._watchers.clear()
-        self._unregister("goes")
+        self._watchers.stop("its skill manager goes")
+        self._registration.withdraw("goes")
 
     def lose(self, reason: str) -> None:
         """Gives it up: nobody may count on its skills any more. For any thread; everything else goes on.
@@ -202,28 +205,19 @@ class SkillManager:
         if self.lost:
             return
         self.lost = reason
-        leaving = threading.Thread(target=self._unregister, args=(f"is lost: {reason}",), daemon=True)
+        self._directory.leave(self._modules)
+        leaving = threading.Thread(
+            target=self._registration.withdraw,
+            args=(f"is lost: {reason}",),
+            name=f"skiros-leaving-{self.agent}",
+            daemon=True,
+        )
         leaving.start()
         leaving.join(_PATIENCE)
 
-    def _unregister(self, reason: str) -> None:
-        world = self._context.world
-        there = [module for module in self._registered if world.has(module)]
-        self._registered.clear()
-        if there:
-            with world.transaction(author=self._author, reason=reason) as tx:
-                for module in there:
-                    tx.remove(module)
-
     def watch(self) -> None:
-        """Starts the primitives that watch this subsystem's devices in the background."""
-        view = self._context.world
-        for name, primitive in sorted(self._modules.primitives.items()):
-            for device in view.objects(self.agent, HAS_A) if primitive.watches else ():
-                if view.ontology.is_a(view.element(device).type, primitive.watches or ""):
-                    scope = self._scope(f"{name} of {device}")
-                    run = self._modules.run(name, {"device": device}, scope)
-                    self._watchers.append(self._cycle.start(run, name=f"{name} of {device}"))
+        """Starts the primitives that watch this subsystem's devices in the background, as far as they do not run."""
+        self._watchers.start()
 
     # ------------------------------------------------------------------ running
 
@@ -250,6 +244,7 @@ class SkillManager:
         if module in self._running:
             raise UsageError(f"{module} of {self.agent} is running already: wait for its end, or stop it")
         kind = self._modules.kind(module)
+        self._modules.prepare(module, self._context)
         clock = RunClock(self._cycle.board.snapshot.time)
         scope = replace(self._scope(module), context=replace(self._context, clock=clock))
         name = f"{module} of {self.agent}"
@@ -327,10 +322,6 @@ class SkillManager:
             self._monitor.publish(event)
 
         return report
-
-    @property
-    def _author(self) -> str:
-        return f"skill manager {self.agent}"
 
 
 def _choose(skills: Sequence[Skill], context: RunContext, agent: str, driver: str) -> dict[str, tuple[Skill, ...]]:

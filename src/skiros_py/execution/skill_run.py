@@ -9,21 +9,20 @@ from functools import partial
 from typing import Any
 
 from skiros_py.execution.claims import Claim
-from skiros_py.execution.composing import run_node, why
+from skiros_py.execution.composing import lost, run_until, why
 from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import complete, devices_of
-from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.monitor import Status
 from skiros_py.execution.primitive_run import Take
-from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.execution.scope import Scope, Unfinished, make_up
+from skiros_py.execution.telling import teller, to_its_end
 from skiros_py.skills.composition import Node
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.conditions.watch import Watch
 from skiros_py.skills.effects import Effects
+from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.inference import Inferred, Missing, applying, infer
-from skiros_py.skills.outcome import BROKEN, BROKEN_OFF, Failure, Outcome, Success
+from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import read_arguments
-from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import Skill, SkillDescription
 
 __all__ = ["SkillRun"]
@@ -41,6 +40,7 @@ class SkillRun:
     Attributes:
         description: What is promised.
         arguments: The parameters, as far as they are known.
+        started: True when the monitor has heard of it.
     """
 
     def __init__(self, implementations: Sequence[Skill], given: Mapping[str, Any], scope: Scope, take: Take) -> None:
@@ -51,8 +51,10 @@ class SkillRun:
         self._outer = scope
         self._take = take
         self._broken_off = ""
+        self.started = False
         self._claim: Claim | None = None
         self._finish: Node | None = None
+        self._tell = teller("skill", self.description.name, scope, self._target)
         effects = Effects(scope.context.world, self.description.post, self.arguments)
         self._scope = replace(
             scope,
@@ -74,64 +76,35 @@ class SkillRun:
 
     def execute(self) -> Execution[Outcome]:
         """Runs it; also reports to the monitor."""
-        kept = False
-        try:
-            outcome = yield from self._run()
-        except GeneratorExit:
-            kept = self._leave()
-            raise
-        except CycleOverrun:
-            if self._outer.callers:  # else whoever started it tells, when all stands
-                self._tell(Status.ERROR, BROKEN, "held the control cycle too long")
-            raise
-        finally:
-            if self._claim is not None and not kept:
-                self._claim.release()
-        if isinstance(outcome, Failure):
-            self._tell(Status.ERROR, outcome.code, outcome.reason)
-        else:
-            self._tell(Status.TERMINATED, 1, outcome.message)
-        return outcome
+        return to_its_end(self, self._outer, self._tell)
 
-    def _run(self) -> Execution[Outcome]:
-        name = self.description.name
-        found = contained(name, self._specify)
+    def run(self) -> Execution[Outcome]:
+        """Infers what is left out, then does it."""
+        found = contained(self.description.name, self._specify)
+        self.started = True
         self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self.arguments.items() if v is not None))
         for line in found.lines() if isinstance(found, Inferred) else ():
             self._tell(Status.RUNNING, 0, line)
-        if isinstance(found, Failure):
-            return found
-        claim = contained(name, lambda: self._take(name, self._devices(), self._outer.claim))
-        if isinstance(claim, Failure):
-            return claim
-        self._claim = claim
-        refusal = yield from self._granted(claim)
-        self._scope = replace(self._scope, claim=claim)
-        return refusal or (yield from self._attempts())
+        return found if isinstance(found, Failure) else (yield from self._attempts())
 
-    def _granted(self, claim: Claim) -> Execution[Failure | None]:
-        """Waits for its devices, or until it is broken off."""
-        if not claim.granted:
-            self._tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
-        while not claim.granted and not self._broken_off:
-            yield
-        return self._interruption()
-
-    def _leave(self) -> bool:
+    def leave(self) -> bool:
         """Ends it at once; returns whether it keeps its devices to make up for that."""
+        if self._claim is None or not self._claim.granted:
+            return False
+        self._outer.unfinished.append(Unfinished(self.description.name, self.recover, self._claim))
+        return True
+
+    def release(self) -> None:
+        """Gives its devices back."""
         if self._claim is not None:
-            self._outer.unfinished.append(Unfinished(self.description.name, self.recover, self._claim))
-        nested = bool(self._outer.callers)
-        self._tell(*((Status.PREEMPTED, 0, "broken off") if nested else (Status.RUNNING, 0, "stopping")))
-        return self._claim is not None
+            self._claim.release()
 
     # ------------------------------------------------------------------ parameters and devices
 
     def _specify(self) -> Inferred | Failure:
         """Fills in what is left out, or returns why that is not possible."""
         world, name = self._scope.context.world, self.description.name
-        if len(self._scope.callers) > _DEEPEST:
-            return Failure(f"{name}: skills call each other without end: {' > '.join(self._scope.callers[-4:])}")
+        self._outer.check_depth(name)
         given = read_arguments(self.description.params, self._given, world)
         own = [self.description.param(self.description.agent)]
         found = infer(self.description, complete(world, own, given, self._scope.agent), world)
@@ -140,9 +113,26 @@ class SkillRun:
         self.arguments.update(found.values)
         return found
 
-    def _devices(self) -> set[str]:
-        takes = [key for skill in self._implementations for key in skill.takes]
-        return devices_of(self._scope.context.world, self.description.params, takes, self.arguments)
+    def _with_devices(self, skill: Skill) -> Execution[Outcome]:
+        """Tries one implementation with the devices that it takes."""
+        name, world = self.description.name, self._scope.context.world
+        devices = devices_of(world, self.description.params, skill.takes, self.arguments)
+        claim = contained(name, lambda: self._take(name, devices, self._outer.claim))
+        if isinstance(claim, Failure):
+            return claim
+        self._claim = claim
+        self._scope = replace(self._scope, claim=claim)
+        outcome = (yield from self._granted(claim)) or (yield from self._attempt(skill))
+        claim.release()
+        return outcome
+
+    def _granted(self, claim: Claim) -> Execution[Failure | None]:
+        """Waits for its devices, or until it is broken off."""
+        if not claim.granted:
+            self._tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
+        while not claim.granted and not self._broken_off:
+            yield
+        return self._interruption()
 
     # ------------------------------------------------------------------ phases
 
@@ -155,7 +145,7 @@ class SkillRun:
                 if self._check("precondition", self.description.needs) is not None:
                     break
                 self._tell(Status.RUNNING, 0, f"{failures[-1].reason}; trying {_label(skill)}")
-            outcome = yield from self._attempt(skill)
+            outcome = yield from self._with_devices(skill)
             if isinstance(outcome, Success) or outcome.code == BROKEN_OFF:
                 return outcome
             failures.append(outcome)
@@ -190,16 +180,13 @@ class SkillRun:
         """Runs a part while conditions hold and nobody breaks the skill off; then makes up for what is open."""
         name = self.description.name
         watch = self._scope.watches.add(applying(hold, self.arguments), self.arguments)
-        with closing(watch), closing(run_node(node, self._scope)) as part:
-            while True:
-                ended: Outcome | None = None if at_any_rate else self._interruption()
-                ended = ended or contained(name, lambda: _lost(watch)) or contained(name, lambda: _tick(part))
-                if ended is not None:
-                    break
-                yield
-            part.close()
-            yield from make_up(self._scope)
-        return ended
+
+        def end(run: Execution[Outcome]) -> Outcome | None:
+            interruption = None if at_any_rate else self._interruption()
+            return interruption or contained(name, lambda: lost(watch, "hold condition") or tick(run))
+
+        with closing(watch):
+            return (yield from run_until(node, self._scope, end))
 
     def _interruption(self) -> Failure | None:
         return Failure(self._broken_off, BROKEN_OFF) if self._broken_off else None
@@ -214,32 +201,8 @@ class SkillRun:
                 return Failure(f"{kind} {verdict.text}: {why(verdict)}")
         return None
 
-    def _tell(self, status: Status, code: int, text: str) -> None:
-        target = str(self.arguments.get(self.description.target) or "")
-        caller = self._outer.callers[-1] if self._outer.callers else ""
-        time, agent = self._scope.context.board.snapshot.time, self._scope.agent
-        event = ModuleEvent(time, "skill", self.description.name, status, code, text, target, agent, caller)
-        self._scope.monitor.publish(event)
-
-
-def _lost(watch: Watch) -> Failure | None:
-    """Returns why a hold condition holds no longer."""
-    broken = watch.broken()
-    return None if broken is None else Failure(f"hold condition {broken.text}: {why(broken)}")
-
-
-def _tick(run: Execution[Outcome]) -> Outcome | None:
-    """Runs up to the next ``yield``; returns how it ended, None while it goes on."""
-    try:
-        next(run)
-    except StopIteration as end:
-        outcome: Outcome = end.value
-        return outcome
-    return None
-
-
-_DEEPEST = 20
-"""Skills within skills: more than these are taken for a circle."""
+    def _target(self) -> str:
+        return str(self.arguments.get(self.description.target) or "")
 
 
 def _label(skill: Skill) -> str:

@@ -37,7 +37,10 @@ class Task(Generic[T]):
         fault: What its code raised, with the traceback; None in good times.
         reason: Why it was stopped; empty where nobody said so.
         devices: The devices that it may command; None for all.
+        interruptible: The watchdog may break it off anywhere.
     """
+
+    interruptible = True
 
     def __init__(
         self,

@@ -13,13 +13,15 @@ import time
 import traceback
 from collections.abc import Callable
 from types import FrameType, TracebackType
-from typing import Self
+from typing import ParamSpec, Self
 
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.pulse import Overrun, Watched
 from skiros_py.skills.primitive import Primitive
 
 __all__ = ["Watchdog"]
+
+P = ParamSpec("P")
 
 _log = logging.getLogger(__name__)
 
@@ -90,43 +92,54 @@ class Watchdog:
 
     def _watch(self) -> None:
         while not self._ended.wait(min(self.limit, self._again) / _LOOKS):
-            self._look(time.monotonic())
+            _surely(self._look, time.monotonic())
 
     def _look(self, now: float) -> None:
         pulse = self._cycle.pulse
+        limit = max(self.limit, pulse.allowed)  # first of all: see Pulse.allowing
         beat, task = pulse.beat, pulse.task
         if beat != self._seen or task is None or pulse.waits:
             self._seen, self._since, self._overrun, self._lost = beat, now, None, False
         elif self._overrun is not None and self._overrun.task is not task:  # that one ended; this one has a limit, too
             self._since, self._overrun, self._lost = now, None, False
-        elif now - self._since > self.limit:
-            self._act(beat, task, now)
+        elif now - self._since > limit:
+            self._act(beat, task, now, limit)
 
-    def _act(self, beat: int, task: Watched, now: float) -> None:
+    def _act(self, beat: int, task: Watched, now: float, limit: float) -> None:
         if self._overrun is None:
-            self._overrun = self._describe(task, beat, now - self._since)
+            self._overrun = self._describe(task, beat, now - self._since, limit)
             self._struck = now
-            self._cycle.halt(str(self._overrun))
-            self._cycle.pulse.strike(self._overrun)
-            self._report(self._overrun)
-        elif now - self._since > self.limit + self._patience and not self._lost:
+            self._interrupt(self._overrun)
+        elif now - self._since > limit + self._patience and not self._lost:
             self._lost = True
             _log.error("%s is lost: it does not come back from where it is", task.name)
             for listener in self._lost_listeners:
-                listener(task)
+                _surely(listener, task)
         elif now - self._struck > self._again:
             self._struck = now
             self._cycle.pulse.strike(self._overrun)
 
-    def _report(self, overrun: Overrun) -> None:
+    def _interrupt(self, overrun: Overrun) -> None:
+        """Says that all is halted, strikes the tick, brakes: in this order, for a brake may break or hang."""
+        self._cycle.forbid(str(overrun))
+        self._cycle.pulse.strike(overrun)
+        _surely(self._cycle.board.halt)
         _log.error("%s\n%s", overrun, overrun.stack)
         for listener in self._overrun_listeners:
-            listener(overrun)
+            _surely(listener, overrun)
 
-    def _describe(self, task: Watched, beat: int, seconds: float) -> Overrun:
+    def _describe(self, task: Watched, beat: int, seconds: float, limit: float) -> Overrun:
         frame = sys._current_frames().get(self._cycle.pulse.thread)  # noqa: SLF001 - documented, for debugging
         stack = "" if frame is None else "".join(traceback.format_stack(frame)).rstrip()
-        return Overrun(task, beat, seconds, self.limit, _primitive_in(frame) or task.name, stack)
+        return Overrun(task, beat, seconds, limit, _primitive_in(frame) or task.name, stack)
+
+
+def _surely(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> None:
+    """Calls what others wrote; whatever it raises is logged, for the watchdog has to go on."""
+    try:
+        action(*args, **kwargs)
+    except BaseException:  # noqa: BLE001 - the last one who watches must not be brought down
+        _log.exception("the watchdog goes on, though this broke: %s", getattr(action, "__qualname__", action))
 
 
 def _primitive_in(frame: FrameType | None) -> str:

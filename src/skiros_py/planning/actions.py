@@ -21,8 +21,9 @@ from skiros_py.planning.literals import (
     property_of,
 )
 from skiros_py.planning.model import Action, Atom, Variable
-from skiros_py.planning.needs import needs_of, sensed_holds_of
-from skiros_py.skills.conditions import Assign, Effect, Not, Relate, Unrelate, effects_of
+from skiros_py.planning.needs import needs_of, required_elements, sensed_holds_of, with_defaults
+from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Relate, Unrelate, effects_of
+from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 
@@ -45,7 +46,7 @@ def actions_of(
     """
     where = f"skill '{skill.name}'"
     fresh = count(1)
-    needed = needs_of(skill)
+    needed = _said(skill, needs_of(skill))
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
     variants = list(product(*choices))
     if asked is None:
@@ -55,14 +56,29 @@ def actions_of(
     return tuple(_action(n, skill, variant, effects, ontology) for n, variant in zip(names, variants, strict=True))
 
 
+def _said(skill: SkillDescription, conditions: Iterable[Condition]) -> tuple[Condition, ...]:
+    """Those conditions that plans know of, over variables and defaults: without what speaks of optional parameters."""
+    values = with_defaults(skill, {param.key: param.key for param in required_elements(skill)})
+    return tuple(condition.bind(values) for condition in applying(conditions, values))
+
+
+def _constants(skill: SkillDescription) -> tuple[Variable, ...]:
+    """What it takes where nobody says which, with the class it takes that for."""
+    defaults = with_defaults(skill, {}).items()
+    return tuple(Variable(element, skill.param(key).element_class) for key, element in defaults)
+
+
 def _action(
     name: str, skill: SkillDescription, pre: Sequence[Conjunction], effects: _Effects, ontology: Ontology
 ) -> Action:
-    own = tuple(Variable(param.key, param.element_class) for param in skill.params if param.is_element)
+    own = tuple(Variable(param.key, param.element_class) for param in required_elements(skill))
     extra = tuple(dict.fromkeys(variable for part in pre for variable in part.variables))
     atoms = [Atom(CAN + skill.name, (skill.agent,)), *(atom for part in pre for atom in part.atoms)]
     notes = tuple(f"hold condition {c}: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill))
-    draft = Action(name, skill.name, own + extra, tuple(dict.fromkeys(atoms)), effects.add, effects.delete, notes)
+    needed = tuple(dict.fromkeys(atoms))
+    spoken = {argument for atom in (*needed, *effects.add, *effects.delete) for argument in atom.arguments}
+    constants = tuple(constant for constant in _constants(skill) if constant.name in spoken)
+    draft = Action(name, skill.name, own + extra, needed, effects.add, effects.delete, notes, constants)
     return _with_question_marks(_with_implicit_deletes(draft, ontology))
 
 
@@ -83,7 +99,7 @@ class _Effects:
 
     def _declared(self) -> list[Effect]:
         try:
-            return [effect for condition in self._skill.post for effect in effects_of(condition)]
+            return [effect for condition in _said(self._skill, self._skill.post) for effect in effects_of(condition)]
         except DescriptionError as error:
             raise PlanningError(f"skill '{self._skill.name}', postcondition {error}") from None
 
@@ -102,7 +118,8 @@ class _Effects:
 
     def _check_no_fallback(self, effect: Assign) -> None:
         """Refuses to take a value away where that of the class would then count: it differs from class to class."""
-        class_ = self._skill.param(effect.subject).element_class
+        named = {constant.name: constant.type for constant in _constants(self._skill)}
+        class_ = named.get(effect.subject) or self._skill.param(effect.subject).element_class
         if effect.value is not None or class_ not in self._ontology.classes:
             return
         given = [
@@ -188,10 +205,9 @@ def emptiness_classes(actions: Iterable[Action]) -> dict[str, str]:
     """
     classes: dict[str, str] = {}
     for action in actions:
-        types = {v.name: v.type for v in action.parameters}
         for atom in action.pre:
             if atom.predicate.startswith(NOTHING):
-                class_ = types[atom.arguments[0]]
+                class_ = action.types[atom.arguments[0]]
                 if classes.setdefault(atom.predicate, class_) != class_:
                     both = f"{classes[atom.predicate]} and {class_}"
                     raise PlanningError(f"'{atom.predicate}' is asked of {both}; use one class of place")
@@ -214,7 +230,7 @@ def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[A
 
 
 def _maintain(action: Action, emptiness: _Emptiness, ontology: Ontology) -> Action:
-    types = {v.name: v.type for v in action.parameters}
+    types = action.types
     filled = [a.arguments[1] for a in action.add if a.predicate == emptiness.relation]
     freed = [a.arguments[1] for a in action.delete if a.predicate == emptiness.relation]
     ends = tuple(Atom(emptiness.predicate, (p,)) for p in filled if _overlap(types[p], emptiness.class_, ontology))

@@ -16,6 +16,8 @@ from skiros_py.world.view import WorldView
 
 __all__ = ["explain"]
 
+Chain = tuple[Atom, ...]
+
 _DEPTH = 5
 _SHOWN = 4
 """How many things of one kind are named before it gets long."""
@@ -28,7 +30,7 @@ def explain(task: PlanningTask, view: WorldView) -> tuple[str, ...]:
     for condition, atoms in task.goal:
         missing = [atom for atom in atoms if atom not in relaxed.facts]
         if missing:
-            reasons.append(f"{condition} cannot be reached: {relaxed.why(missing[0], {}, _DEPTH)}")
+            reasons.append(f"{condition} cannot be reached: {relaxed.why(missing[0], {}, ())}")
     return tuple(reasons)
 
 
@@ -41,6 +43,7 @@ class _Relaxation:
         self.ontology = view.ontology
         self.facts: dict[Atom, None] = {}
         self._by_predicate: dict[str, list[Atom]] = {}
+        self._possible = [a for a in task.domain.actions if all(self._is_some(v.type) for v in a.parameters)]
         for atom in sorted(task.problem.init):
             self._learn(atom)
         while self._grow():
@@ -56,7 +59,7 @@ class _Relaxation:
     def _grow(self) -> bool:
         news = [
             atom.bind(binding)
-            for action in self.task.domain.actions
+            for action in self._possible
             for binding in self.bindings(action, action.pre, {})
             for atom in action.add
         ]
@@ -65,15 +68,24 @@ class _Relaxation:
 
     def bindings(self, action: Action, atoms: Sequence[Atom], start: Mapping[str, str]) -> Iterator[dict[str, str]]:
         """Yields every way to make the atoms true at once."""
-        return bindings(atoms, self._by_predicate, start, _types(action), self._fits)
+        return bindings(atoms, self._by_predicate, start, action.types, self._fits)
 
     def _fits(self, element: str, class_: str) -> bool:
         return not class_ or self.ontology.is_a(self.task.problem.objects[element], class_)
 
-    def why(self, atom: Atom, types: Mapping[str, str], depth: int) -> str:
-        """Says why an atom (perhaps with variables left) never holds."""
+    def _is_some(self, class_: str) -> bool:
+        return any(self._fits(thing, class_) for thing in self.task.problem.objects)
+
+    def why(self, atom: Atom, types: Mapping[str, str], chain: Chain) -> str:
+        """Says why an atom (perhaps with variables left) never holds.
+
+        Args:
+            atom: The atom.
+            types: Classes of its variables.
+            chain: The atoms that it would be needed for, one for the other: what needs itself needs no second telling.
+        """
         givers = [(a, e) for a in self.task.domain.actions for e in a.add if self._could_give(a, e, atom, types)]
-        if not givers or depth == 0:
+        if not givers or atom in chain or len(chain) == _DEPTH:
             return self._where_instead(atom, types)
         action, effect = givers[0]
         start = {
@@ -81,17 +93,17 @@ class _Relaxation:
             for variable, value in zip(effect.arguments, atom.arguments, strict=True)
             if variable.startswith("?") and not value.startswith("?")
         }
-        narrowed = _types(action)
+        narrowed = action.types
         for variable, value in zip(effect.arguments, atom.arguments, strict=True):
             if value.startswith("?") and types.get(value) and self.ontology.is_a(types[value], narrowed[variable]):
                 narrowed[variable] = types[value]
-        return self._first_obstacle(action, start, narrowed, depth)
+        return self._first_obstacle(action, start, narrowed, (*chain, atom))
 
     def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Mapping[str, str]) -> bool:
         """Tells whether an effect is of the kind that is wanted; a wrong element is for the obstacle to name."""
         if effect.predicate != atom.predicate:
             return False
-        own = _types(action)
+        own = action.types
         pairs = [
             (own[variable], types[value])
             for variable, value in zip(effect.arguments, atom.arguments, strict=True)
@@ -112,18 +124,19 @@ class _Relaxation:
         said = [f"{thing} {self._word(p.relation)} {p.place}" for thing, p in places if p is not None]
         return f"{', '.join(said)}, and no skill takes it from there" if said else plain
 
-    def _first_obstacle(self, action: Action, start: dict[str, str], types: Mapping[str, str], depth: int) -> str:
+    def _first_obstacle(self, action: Action, start: dict[str, str], types: Mapping[str, str], chain: Chain) -> str:
         for variable, value in start.items():
             if not self._fits(value, types[variable]):
                 return f"{value} is not a {_local(types[variable])}, which skill '{action.skill}' needs"
-        for variable, class_ in types.items():
-            if variable not in start and not any(self._fits(thing, class_) for thing in self.task.problem.objects):
+        for variable in (v.name for v in action.parameters if v.name not in start):
+            class_ = types[variable]
+            if not self._is_some(class_):
                 return f"there is no {_local(class_)}"
         pre = self._easy_first(action)
         for count in range(1, len(pre) + 1):
             if next(self._typed(action, pre[:count], start, types), None) is None:
                 best = next(self._typed(action, pre[: count - 1], start, types), dict(start))
-                return self._because(action, pre[count - 1], best, start, types, depth)
+                return self._because(action, pre[count - 1], best, start, types, chain)
         return f"skill '{action.skill}' could do it for other elements only"
 
     def _typed(
@@ -145,27 +158,28 @@ class _Relaxation:
         best: Mapping[str, str],
         start: Mapping[str, str],
         types: Mapping[str, str],
-        depth: int,
+        chain: Chain,
     ) -> str:
         free = atom.bind(start)
         given = any(e.predicate == atom.predicate for a in self.task.domain.actions for e in a.add)
         if action.skill is None:
-            return self.why(free, types, depth - 1) if given else self._plainly(atom.bind({**best, **start}), types)
+            return self.why(free, types, chain) if given else self._plainly(atom.bind({**best, **start}), types)
         need = f"skill '{action.skill}' would do it, but needs that {self._words(free, types)}"
         if not given:
             return f"{need}, and {self._plainly(atom.bind({**best, **start}), types)}"
-        why = self.why(free, types, depth - 1)
+        why = self.why(free, types, chain)
         return f"{need}; {why}"
 
     def _plainly(self, atom: Atom, types: Mapping[str, str]) -> str:
         """Says what is the case instead of a fact that no skill changes."""
-        if atom.predicate.startswith(NOTHING):
+        if atom.predicate.startswith(NOTHING) and self.view.has(atom.arguments[0]):
             relation = atom.predicate.removeprefix(NOTHING)
             place = atom.arguments[0]
-            there = [f.arguments[0] for f in self._by_predicate.get(relation, ()) if f.arguments[1] == place]
+            there = self.view.subjects(relation, place)
             return f"{', '.join(there)} {self._word(relation)} {place}, and no skill takes it away"
         if atom.predicate.startswith(HAS):
-            return f"{atom.arguments[0]} has none"
+            thing, property_ = atom.arguments[0], self._word(atom.predicate.removeprefix(HAS))
+            return f"no {_local(types[thing])} has a {property_}" if thing.startswith("?") else f"{thing} has none"
         if atom.predicate.startswith(CAN):
             return "it does not"
         return f"{self._instead(atom) or f'that is not so ({self._words(atom, types)})'}, and no skill changes it"
@@ -205,10 +219,6 @@ class _Relaxation:
             label = self.ontology.relations[term].label
             return f"is {label}" if self.ontology.is_placement(term) else label
         return self.ontology.properties[term].label if term in self.ontology.properties else _local(term)
-
-
-def _types(action: Action) -> dict[str, str]:
-    return {v.name: v.type for v in action.parameters}
 
 
 def _some(noun: str) -> str:

@@ -22,7 +22,7 @@ class Atom:
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A typed action parameter; ``name`` starts with '?'."""
+    """A typed action parameter; ``name`` starts with '?', where it is no element."""
 
     name: str
     type: str
@@ -38,6 +38,7 @@ class Action:
         parameters: Typed variables; the skill's own come first, in their order.
         pre, add, delete: Positive atoms over the parameters; deletes happen before adds.
         notes: What was added to what the author wrote, and why.
+        constants: Elements that the skill always means, with the class it takes them for; its atoms name them.
     """
 
     name: str
@@ -47,6 +48,12 @@ class Action:
     add: tuple[Atom, ...]
     delete: tuple[Atom, ...]
     notes: tuple[str, ...] = ()
+    constants: tuple[Variable, ...] = ()
+
+    @property
+    def types(self) -> dict[str, str]:
+        """Class of each argument of its atoms."""
+        return {v.name: v.type for v in (*self.parameters, *self.constants)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,7 +38,8 @@ class _Writer:
             self.predicates.pddl(name, _predicate_words(name))
         actions = (action.name for action in domain.actions)
         self.actions = NameMap(actions, avoid=(self.objects, self.types, self.predicates))
-        named = {a for action in domain.actions for atom in action.pre for a in atom.arguments}
+        atoms = (atom for action in domain.actions for atom in (*action.pre, *action.add, *action.delete))
+        named = {argument for atom in atoms for argument in atom.arguments}
         self.constants = sorted(named & set(problem.objects))
 
     def object(self, element: str) -> str:
@@ -82,7 +83,7 @@ def _domain_text(writer: _Writer, title: str) -> str:
     predicates = [f"    {_predicate(writer, name, types_)}" for name, types_ in sorted(domain.predicates.items())]
     actions = [_action_text(writer, action) for action in domain.actions]
     head = [f"(define (domain {title})", "  (:requirements :strips :typing)", "  (:types", *types, "  )"]
-    if writer.constants:  # elements that the goal names
+    if writer.constants:  # elements that goals name, and defaults of skills
         head += ["  (:constants", *map(writer.object, writer.constants), "  )"]
     return "\n".join([*head, "  (:predicates", *predicates, "  )", *actions, ")"]) + "\n"
 

@@ -1,4 +1,4 @@
-"""A plan: skills with all their parameters, in order."""
+"""A plan: skills with the parameters that it depends on, in order."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Step:
 
     Attributes:
         skill: Its name.
-        arguments: Element id by parameter key.
+        arguments: Element id by parameter key; what is left out is inferred when it starts.
     """
 
     skill: str
@@ -54,12 +54,12 @@ class NoPlan:
 def read_plan(
     lines: tuple[tuple[str, ...], ...], texts: PddlTexts, keys: Mapping[str, tuple[str, ...]]
 ) -> tuple[Step, ...]:
-    """Turns a planner's answer back into skills; parameters and actions of our own making are left out.
+    """Turns a planner's answer back into skills; actions of our own making and what is not to be passed are left out.
 
     Args:
         lines: Action name and objects of each step, in PDDL names.
         texts: The task as written.
-        keys: Element parameter keys by skill.
+        keys: Keys of the parameters to pass, by skill.
 
     Raises:
         PlanningError: The answer names an action or object that the task does not have.
@@ -72,7 +72,6 @@ def read_plan(
         except KeyError as error:
             raise PlanningError(f"the planner answered with {error}, which is not in the task") from error
         if action.skill is not None:
-            wanted = keys[action.skill]
-            arguments = MappingProxyType(dict(zip(wanted, ids[: len(wanted)], strict=True)))
-            steps.append(Step(action.skill, arguments))
+            own = {variable.name.lstrip("?"): id_ for variable, id_ in zip(action.parameters, ids, strict=True)}
+            steps.append(Step(action.skill, MappingProxyType({key: own[key] for key in keys[action.skill]})))
     return tuple(steps)

@@ -6,7 +6,7 @@ longer hold.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from skiros_py.planning.matching import bindings
 from skiros_py.planning.model import Action, Atom
@@ -61,12 +61,21 @@ class _Run:
             facts.setdefault(atom.predicate, []).append(atom)
         given = {f"?{key}": value for key, value in step.arguments.items()} if step else {}
         for action in choices:
-            types = {v.name: v.type for v in action.parameters}
-            for binding in bindings(action.pre, facts, given, types, self._fits):
+            for found in bindings(action.pre, facts, given, action.types, self._fits):
+                binding = self._completed(action, found)
                 self.state -= {atom.bind(binding) for atom in action.delete}
                 self.state |= {atom.bind(binding) for atom in action.add}
                 return action, tuple(binding[v.name] for v in action.parameters)
         return None
+
+    def _completed(self, action: Action, found: Mapping[str, str]) -> dict[str, str]:
+        """Takes any element for a parameter that no atom speaks of and the step leaves out: the skill will choose."""
+        objects = self._task.problem.objects
+        binding = dict(found)
+        for variable in action.parameters:
+            if variable.name not in binding:
+                binding[variable.name] = next(o for o in objects if self._fits(o, variable.type))
+        return binding
 
     def _fits(self, element: str, class_: str) -> bool:
         return class_ in ("", "object") or self._ontology.is_a(self._task.problem.objects[element], class_)

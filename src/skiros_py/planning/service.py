@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 from skiros_py.planning.explanation import explain
+from skiros_py.planning.needs import passed_keys
 from skiros_py.planning.pddl import PddlTexts, write_pddl
 from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
 from skiros_py.planning.planner import Answer, Planner, Unsolvable
@@ -42,12 +44,21 @@ class PlanningService:
         planner: What solves the PDDL.
         name: Name of domain and problem.
         lockstep: True when simulated time stands still while the planner works.
+        waiting: Says, for as long as it is entered, that a long wait for the planner is no fault.
     """
 
-    def __init__(self, planner: Planner, name: str = "skiros", *, lockstep: bool = True) -> None:
+    def __init__(
+        self,
+        planner: Planner,
+        name: str = "skiros",
+        *,
+        lockstep: bool = True,
+        waiting: Callable[[], AbstractContextManager[None]] = nullcontext,
+    ) -> None:
         self.planner = planner
         self._name = name
         self._lockstep = lockstep
+        self._waiting = waiting
 
     def plan(
         self, view: WorldView, capabilities: Sequence[Capability], goal: Sequence[Condition]
@@ -66,16 +77,17 @@ class PlanningService:
         pending = self.planner.solve(texts.domain, texts.problem)
         while not (self._lockstep or pending.done()):
             yield
-        outcome = self._outcome(view, task, texts, pending.result())
+        with self._waiting():
+            answer = pending.result()
+        outcome = self._outcome(view, task, texts, answer)
         return Planned(outcome, texts, time.perf_counter() - started)
 
     def _outcome(self, view: WorldView, task: PlanningTask, texts: PddlTexts, answer: Answer) -> Plan | NoPlan:
         if isinstance(answer, Unsolvable):
             reasons = explain(task, view)
-            together = "each condition could be reached alone, but not all of them together"
-            return NoPlan(reasons or (together,))
+            return NoPlan(reasons or (_conflict(task.conditions),))
         skills = {c.skill.name: c.skill for c in task.capabilities}
-        keys = {name: tuple(p.key for p in skill.params if p.is_element) for name, skill in skills.items()}
+        keys = {name: passed_keys(skill) for name, skill in skills.items()}
         steps = read_plan(answer.steps, texts, keys)
         flaw = replay(view, steps, task.conditions, skills)
         if flaw is not None:
@@ -83,6 +95,13 @@ class PlanningService:
             return NoPlan((f"the plan of {self.planner.name} breaks at {where}: {flaw.verdict.text}",))
         steps = _without_detours(view, steps, task, skills)
         return Plan(steps, pddl_plan(task, texts, steps, view.ontology))
+
+
+def _conflict(goal: Sequence[Condition]) -> str:
+    """Says why there is no plan although nothing is lacking that skills could not bring about."""
+    if len(goal) > 1:
+        return "each condition could be reached alone, but not all of them together"
+    return f"{goal[0]} cannot be reached: whatever is done for it undoes something else that it needs"
 
 
 def _without_detours(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
-from skiros_py.errors import PlanningError, SkirosError
+from skiros_py.errors import Interruption, PlanningError, SkirosError
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.planning.classes import IS, common_class, primary_line, with_class_predicates
 from skiros_py.planning.goals import compile_goal
@@ -64,18 +64,20 @@ def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequen
     asked = asked_literals(
         (*(c.pattern for s in skills for c in needs_of(s)), *(c.closed_pattern(ontology) for c in goal))
     )
-    actions = maintain_emptiness((a for s in skills for a in actions_of(s, ontology, asked)), ontology)
+    possible = (a for s in skills for a in actions_of(s, ontology, asked) if all(view.has(c.name) for c in a.constants))
+    actions = maintain_emptiness(possible, ontology)
     compiled = compile_goal(goal, actions, view)
     atoms = tuple(atom for own in compiled.atoms for atom in own)
-    objects = _objects(view, compiled.actions, [a for c in goal for a in c.arguments])
+    constants = [c.name for action in actions for c in action.constants]
+    objects = _objects(view, compiled.actions, [*constants, *(a for c in goal for a in c.arguments)])
     typed = with_class_predicates(compiled.actions, objects, ontology)
 
     def facts_of(name: str, types: tuple[str, ...]) -> Iterable[Atom]:
         try:
             return _facts(view, name, types, objects, asked)
-        except SkirosError:
+        except (SkirosError, KeyboardInterrupt, Interruption):
             raise
-        except Exception as error:
+        except BaseException as error:
             words = (*(c for s in skills for c in needs_of(s)), *goal)
             who = ", ".join(dict.fromkeys(str(c) for c in words if name in asked_literals((c.pattern,))))
             raise PlanningError(f"{who or name} cannot be worked out: {type(error).__name__}: {error}") from error
@@ -84,7 +86,7 @@ def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequen
         predicates = _predicates(actions, atoms, objects, ontology)
         facts = {atom for name, types in predicates.items() for atom in facts_of(name, types)}
         able = {Atom(CAN + c.skill.name, (agent,)) for c in capabilities for agent in c.agents}
-        return predicates, facts | able | compiled.init
+        return predicates, facts | {atom for atom in able if atom.predicate in predicates} | compiled.init
 
     typed = _supported(typed, predicates_and_facts(typed)[1])
     predicates, init = predicates_and_facts(typed)
@@ -125,7 +127,7 @@ def _predicates(
         found[atom.predicate] = tuple(common_class(a, b, ontology) for a, b in zip(old, new, strict=True))
 
     for action in actions:
-        types = {v.name: v.type for v in action.parameters} | dict(objects)
+        types = action.types | dict(objects)
         for atom in (*action.pre, *action.add, *action.delete):
             meet(atom, types)
     for atom in goal:

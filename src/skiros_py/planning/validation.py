@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from skiros_py.planning.needs import needs_of
+from skiros_py.planning.needs import needs_of, with_defaults
 from skiros_py.planning.plan import Step
-from skiros_py.skills.conditions import Condition, Verdict, effects_of, suppose_effects
+from skiros_py.skills.conditions import Condition, Verdict, effects_of, judge, suppose_effects
+from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
@@ -21,7 +22,7 @@ class Flaw:
 
     Attributes:
         step: Index of the step, or None when all steps run but the goal is not reached.
-        verdict: What does not hold, and why.
+        verdict: What does not hold, or which condition broke, and why.
     """
 
     step: int | None
@@ -50,7 +51,8 @@ def replay_rest(
     """Tells whether the rest of a plan still leads to the goal, given that the current step will succeed."""
     overlay = Overlay(view)
     if current is not None:
-        apply_effects(overlay, skills[current.skill].post, current.arguments)
+        skill = skills[current.skill]
+        apply_effects(overlay, skill.post, with_defaults(skill, current.arguments))
     return _replay(overlay, rest, goal, skills)
 
 
@@ -59,25 +61,29 @@ def _replay(
 ) -> Flaw | None:
     for index, step in enumerate(steps):
         skill = skills[step.skill]
-        for condition in needs_of(skill):
-            verdict = condition.evaluate(overlay, step.arguments)
-            if not verdict:
-                return Flaw(index, verdict)
-        apply_effects(overlay, skill.post, step.arguments)
-        for condition in skill.post:
-            verdict = condition.evaluate(overlay, step.arguments)
-            if not verdict:
-                return Flaw(index, verdict)
-    return next((Flaw(None, v) for v in (c.evaluate(overlay) for c in goal) if not v), None)
+        values = with_defaults(skill, step.arguments)
+        broken = _first_broken(overlay, needs_of(skill), values)
+        if broken is None:
+            apply_effects(overlay, skill.post, values)
+            broken = _first_broken(overlay, skill.post, values)
+        if broken is not None:
+            return Flaw(index, broken)
+    return next((Flaw(None, v) for v in (judge(c, overlay) for c in goal) if not v), None)
+
+
+def _first_broken(view: WorldView, conditions: Sequence[Condition], values: Mapping[str, str]) -> Verdict | None:
+    verdicts = (judge(condition, view, values) for condition in applying(conditions, values))
+    return next((verdict for verdict in verdicts if not verdict), None)
 
 
 def apply_effects(overlay: Overlay, post: Sequence[Condition], arguments: Mapping[str, str]) -> None:
     """Makes postconditions true on an overlay: moves what is moved, relates what is related.
 
-    Conditions that follow from others ("nothing is there") are left to the check afterwards.
+    Left out are conditions that speak of parameters that are not specified; those that follow from others ("nothing is
+    there") are left to the check afterwards.
 
     Raises:
         DescriptionError: One cannot be brought about.
     """
-    for condition in post:
+    for condition in applying(post, arguments):
         suppose_effects(overlay, effects_of(condition.bind(arguments)))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
-from skiros_py.plugins.loading import fault_of, load, refused
+from skiros_py.plugins.loading import attempt, fault_of, load, refused
 from skiros_py.plugins.origin import locate
-from skiros_py.plugins.plugin import Entry, PluginFault
+from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 
 __all__ = ["files_of", "folder_of"]
 
@@ -34,12 +34,16 @@ def _named_object(entry: Entry) -> tuple[Path, ...] | PluginFault:
     plugin = load(entry)
     if isinstance(plugin, PluginFault):
         return plugin
+    return attempt(plugin, lambda: _named_by(plugin))
+
+
+def _named_by(plugin: Plugin) -> tuple[Path, ...] | PluginFault:
     if isinstance(plugin.value, Path):
         return (plugin.value,)
     if isinstance(plugin.value, Traversable):
         return _unpacked(plugin.value) or plugin.fault(f"{plugin.value} lies in an archive: it must be files")
     kind = type(plugin.value).__name__
-    return plugin.fault(f"it is a {kind}, nothing for {folder_of(entry)}: name a package, or a Path")
+    return plugin.fault(f"it is a {kind}, nothing for {plugin.group.partition('.')[2]}: name a package, or a Path")
 
 
 def _unpacked(value: Traversable) -> tuple[Path, ...]:

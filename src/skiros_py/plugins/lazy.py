@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
-from skiros_py.plugins.loading import load, raised
+from skiros_py.plugins.loading import examined, load
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 
 __all__ = ["LazyPlugins"]
@@ -70,15 +70,9 @@ class LazyPlugins(Mapping[str, T]):
         if name in self._loaded or name in self._faults:
             return
         plugin = load(self._entries[name])
-        fault = plugin if isinstance(plugin, PluginFault) else self._fault(plugin)
-        if fault is not None:
-            self._faults[name] = fault
-        elif isinstance(plugin, Plugin):
+        if isinstance(plugin, Plugin):
+            plugin = examined(plugin, self._problem)
+        if isinstance(plugin, PluginFault):
+            self._faults[name] = plugin
+        else:
             self._loaded[name] = plugin.value
-
-    def _fault(self, plugin: Plugin) -> PluginFault | None:
-        try:
-            reason = self._problem(plugin)
-        except Exception as error:  # noqa: BLE001 - to look at somebody else's object may run their code
-            return raised(plugin, error)
-        return plugin.fault(reason) if reason else None

@@ -4,16 +4,30 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import redirect_stdout
 from importlib.metadata import EntryPoint
+from typing import TypeVar
 
+from skiros_py.errors import by_user
 from skiros_py.plugins.fits import misfit
 from skiros_py.plugins.installation import installation
 from skiros_py.plugins.origin import locate, origin_of
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 
-__all__ = ["contained", "fault_of", "load", "load_plugins", "raised", "refused", "unambiguous"]
+__all__ = [
+    "attempt",
+    "contained",
+    "examined",
+    "fault_of",
+    "load",
+    "load_plugins",
+    "raised",
+    "refused",
+    "unambiguous",
+]
+
+T = TypeVar("T")
 
 
 def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
@@ -59,9 +73,9 @@ def load(entry: Entry) -> Plugin | PluginFault:
     try:
         with redirect_stdout(sys.stderr):  # stdout is the command's answer
             value = EntryPoint(entry.name, entry.value, entry.group).load()
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # noqa: BLE001 - somebody else's code: whatever it raises, SystemExit too
+    except BaseException as error:
+        if by_user(error):
+            raise
         return contained(entry, error)
     return Plugin(entry.group, entry.name, str(entry.distribution), value, entry.module)
 
@@ -83,6 +97,33 @@ def contained(entry: Entry, error: BaseException) -> PluginFault:
     return fault_of(entry, _told(error), trace)
 
 
+def attempt(plugin: Plugin, look: Callable[[], T]) -> T | PluginFault:
+    """Looks at the object of a plug-in, which may run its author's code; whatever that raises is its fault.
+
+    Raises:
+        KeyboardInterrupt: The user's.
+    """
+    try:
+        return look()
+    except BaseException as error:
+        if by_user(error):
+            raise
+        return raised(plugin, error)
+
+
+def examined(plugin: Plugin, problem: Callable[[Plugin], str | None]) -> Plugin | PluginFault:
+    """Returns a plug-in that can be used, else its fault.
+
+    Args:
+        plugin: The plug-in, loaded.
+        problem: Says what is wrong with it, or None.
+    """
+    reason = attempt(plugin, lambda: problem(plugin))
+    if isinstance(reason, PluginFault):
+        return reason
+    return plugin.fault(reason) if reason else plugin
+
+
 def raised(plugin: Plugin, error: BaseException) -> PluginFault:
     """Makes the fault for what the object of a plug-in raised once it was loaded."""
     return plugin.fault(_told(error), "".join(traceback.format_exception(error)))
@@ -96,5 +137,5 @@ def fault_of(entry: Entry, reason: str, trace: str = "") -> PluginFault:
 def _told(error: BaseException) -> str:
     try:
         return f"{type(error).__name__}: {error}"
-    except Exception:  # noqa: BLE001 - the error is somebody else's code, too
+    except BaseException:  # noqa: BLE001 - the error is somebody else's code, too
         return f"{type(error).__name__}, which does not say what"

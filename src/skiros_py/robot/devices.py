@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import chain
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from skiros_py.errors import DeviceError
 from skiros_py.robot.driver import CellDriver
@@ -23,6 +23,8 @@ from skiros_py.robot.values import (
 )
 
 __all__ = ["Arm", "Base", "Camera", "Commander", "DeviceBoard", "Gripper"]
+
+T = TypeVar("T")
 
 
 class Commander(Protocol):
@@ -148,6 +150,17 @@ class DeviceBoard:
             case BaseTwist():
                 self._bases[device] = target
 
+    def limited(self, devices: frozenset[str], action: Callable[[], T]) -> T:
+        """Does something in which whoever commands may command these devices only."""
+        owner = self.owner
+        if owner is None:
+            return action()
+        before, owner.devices = owner.devices, devices
+        try:
+            return action()
+        finally:
+            owner.devices = before
+
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now."""
         return self._driver.capture(camera)
@@ -171,8 +184,9 @@ class Arm:
         Sample a motion by the clock of the run: then it brakes along its own path when the run is paused.
 
         Raises:
-            DeviceError: A number is missing or is none.
+            DeviceError: It is no such command, or a number is missing or is none.
         """
+        _require_kind(self.id, target, ArmTarget)
         _require_numbers(self.id, target, target.positions, target.velocities)
         if len(target.positions) != len(self.state.positions) or len(target.velocities) != len(target.positions):
             count = len(self.state.positions)
@@ -196,8 +210,9 @@ class Gripper:
         """Moves the fingers; the target stays in force until it is replaced.
 
         Raises:
-            DeviceError: A number is none.
+            DeviceError: It is no such command, or a number is none.
         """
+        _require_kind(self.id, target, GripperTarget)
         _require_numbers(self.id, target, (target.gap, target.force))
         self._board.send(self.id, target)
 
@@ -218,8 +233,9 @@ class Base:
         """Sets its speeds for the coming cycle; without a command it brakes, and it slows down while the run is paused.
 
         Raises:
-            DeviceError: A number is none.
+            DeviceError: It is no such command, or a number is none.
         """
+        _require_kind(self.id, twist, BaseTwist)
         _require_numbers(self.id, twist, (twist.linear, twist.angular))
         rate = self._board.rate
         if rate != 1.0:
@@ -244,6 +260,11 @@ def _known(device: str, devices: object, kind: str) -> str:
     if device not in names:
         raise DeviceError(f"no {kind} '{device}' answers; there is {', '.join(names) or 'none'}")
     return device
+
+
+def _require_kind(device: str, command: object, kind: type) -> None:
+    if not isinstance(command, kind):
+        raise DeviceError(f"{device}: it is commanded by a {kind.__name__}, not by {command!r:.100}")
 
 
 def _require_numbers(device: str, command: object, *numbers: Iterable[float]) -> None:

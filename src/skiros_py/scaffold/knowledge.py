@@ -16,7 +16,7 @@ from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.world.ontology import Ontology, load_installed
 
-__all__ = ["Knowledge", "Origin", "knowledge_of"]
+__all__ = ["Knowledge", "Origin", "knowledge_of", "taken_by"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,13 +84,18 @@ class Knowledge:
         Raises:
             UsageError: Somebody has it already: neither could be used.
         """
-        groups = ("skiros.conditions",) if kind == "condition" else ("skiros.skills", "skiros.primitives")
-        for entry in (entry for group in groups for entry in installation().of(group)):
-            if entry.name == name:
-                what = entry.group.partition(".")[2].removesuffix("s")
-                raise UsageError(
-                    f"there is a {what} '{name}' of {entry.distribution.name} already; choose another name"
-                )
+        if (holder := taken_by(kind, name)) is not None:
+            raise UsageError(f"there is {holder} already; choose another name")
+
+
+def taken_by(kind: str, name: str) -> str | None:
+    """Returns what has the name of a new skill, primitive or condition ("a skill 'pick' of skiros-skills"), or None."""
+    groups = ("skiros.conditions",) if kind == "condition" else ("skiros.skills", "skiros.primitives")
+    for entry in (entry for group in groups for entry in installation().of(group)):
+        if entry.name == name:
+            what = entry.group.partition(".")[2].removesuffix("s")
+            return f"a {what} '{name}' of {entry.distribution.name}"
+    return None
 
 
 def _origin(group: str, name: str) -> Origin:

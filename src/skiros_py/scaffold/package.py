@@ -7,12 +7,13 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
+from itertools import chain, count
 from pathlib import Path
 
 from skiros_py.errors import UsageError
 from skiros_py.scaffold.condition import NewCondition, draft_condition
 from skiros_py.scaffold.draft import Draft
-from skiros_py.scaffold.knowledge import Knowledge, knowledge_of
+from skiros_py.scaffold.knowledge import Knowledge, knowledge_of, taken_by
 from skiros_py.scaffold.ontology import NewOntology, draft_ontology
 from skiros_py.scaffold.primitive import NewPrimitive, draft_primitive
 from skiros_py.scaffold.project import Project
@@ -33,14 +34,14 @@ class NewPackage:
     Attributes:
         name: Its name ("my_scanning").
         help: One sentence; made from the name where left out.
-        skill, primitive, condition: Names of those that it begins with.
+        skill, primitive, condition: Names of those that it begins with; ones that are free where left out.
     """
 
     name: str
     help: str = ""
-    skill: str = "inspect"
-    primitive: str = "look_at"
-    condition: str = "Inspected"
+    skill: str = ""
+    primitive: str = ""
+    condition: str = ""
 
 
 def draft_package(folder: Path, said: NewPackage) -> Draft:
@@ -56,6 +57,7 @@ def draft_package(folder: Path, said: NewPackage) -> Draft:
     name = _free_name(said.name)
     if (folder / name).exists():
         raise UsageError(f"{folder / name} is there already, and nothing is overwritten")
+    said = replace(said, **{kind: _first(kind, getattr(said, kind)) for kind in _FIRST})
     with tempfile.TemporaryDirectory(prefix="skiros-new-") as work:
         root = Path(work).resolve() / name
         notes = [note for draft in _built(root, said) for note in draft.notes]
@@ -66,9 +68,30 @@ def draft_package(folder: Path, said: NewPackage) -> Draft:
 
 def _free_name(name: str) -> str:
     name = module_name(name, "package")
+    if name in _IN_SKELETON:
+        raise UsageError(f"package '{name}': every package has tests of that name; choose another")
     if name in sys.stdlib_module_names or find_spec(name) is not None:
         raise UsageError(f"package '{name}': Python finds a module of that name already; choose another")
     return name
+
+
+_IN_SKELETON = frozenset({"tests", "conftest"})
+"""Names by which Python finds a package's tests."""
+
+
+def _first(kind: str, name: str) -> str:
+    """Returns the name of the first skill, primitive or condition: the one said, if it is free, or else a free one."""
+    if not name:
+        usual = _FIRST[kind]
+        numbered = (f"{usual}{'' if kind == 'condition' else '_'}{number}" for number in count(2))
+        return next(free for free in chain((usual,), numbered) if taken_by(kind, free) is None)
+    if (holder := taken_by(kind, name)) is not None:
+        raise UsageError(f"there is {holder} already; choose another name by --{kind}")
+    return name
+
+
+_FIRST = {"skill": "inspect", "primitive": "look_at", "condition": "Inspected"}
+"""What those that a package begins with are called, where nobody else's are."""
 
 
 def _built(root: Path, said: NewPackage) -> Iterator[Draft]:

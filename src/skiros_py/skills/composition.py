@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions import Condition, Pattern
+from skiros_py.skills.made_of import check_conditions, check_seconds, check_texts, check_times, require
+from skiros_py.skills.parameters import IT
 
 __all__ = [
     "AssertEffects",
@@ -27,6 +28,7 @@ __all__ = [
     "Sequence",
     "Timeout",
     "Wait",
+    "check_node",
     "children_of",
     "lines",
     "walk",
@@ -38,6 +40,9 @@ class P:
     """The value that the skill's parameter of this key has in this run, or the element a :class:`ForEach` is at."""
 
     key: str
+
+    def __post_init__(self) -> None:
+        check_texts("P", "the key of a parameter", self.key)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +58,10 @@ class Do:
     module: str
     arguments: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
+    def __post_init__(self) -> None:
+        check_texts("do", "the name of a module", self.module)
+        require(isinstance(self.arguments, Mapping), "do", "its arguments by key", self.arguments)
+
     @classmethod
     def of(cls, module: str, **arguments: Any) -> Do:
         """Makes one: ``Do.of("locate", camera=P("Camera"), place=P("Container"))``."""
@@ -65,6 +74,9 @@ class Sequence:
 
     children: tuple[Node, ...]
 
+    def __post_init__(self) -> None:
+        _check_parts("sequence", self.children)
+
     @classmethod
     def of(cls, *children: Node) -> Sequence:
         """Makes one."""
@@ -76,6 +88,9 @@ class Fallback:
     """One after the other until one succeeds."""
 
     children: tuple[Node, ...]
+
+    def __post_init__(self) -> None:
+        _check_parts("fallback", self.children)
 
     @classmethod
     def of(cls, *children: Node) -> Fallback:
@@ -101,6 +116,10 @@ class Parallel:
     children: tuple[Node, ...]
     policy: Policy = Policy.FIRST_FAILURE
 
+    def __post_init__(self) -> None:
+        _check_parts("parallel", self.children)
+        require(isinstance(self.policy, Policy), "parallel", "a policy such as Policy.ALL", self.policy)
+
     @classmethod
     def of(cls, *children: Node, policy: Policy = Policy.FIRST_FAILURE) -> Parallel:
         """Makes one."""
@@ -115,8 +134,8 @@ class Retry:
     times: int
 
     def __post_init__(self) -> None:
-        if self.times < 1:
-            raise DescriptionError(f"retry: at least once, not {self.times} times")
+        check_node("retry", self.child)
+        check_times("retry", self.times)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +151,9 @@ class Repeat:
     times: int | None = None
 
     def __post_init__(self) -> None:
-        if self.times is not None and self.times < 1:
-            raise DescriptionError(f"repeat: at least once, not {self.times} times")
+        check_node("repeat", self.child)
+        if self.times is not None:
+            check_times("repeat", self.times)
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,8 +164,9 @@ class Timeout:
     seconds: float
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.seconds < float("inf"):
-            raise DescriptionError(f"timeout: a time above 0 s, not {self.seconds} s")
+        check_node("timeout", self.child)
+        check_seconds("timeout", self.seconds)
+        require(self.seconds > 0.0, "timeout", "a time above 0 s", self.seconds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +181,10 @@ class Guard:
     child: Node
     conditions: tuple[Condition, ...]
 
+    def __post_init__(self) -> None:
+        check_node("guard", self.child)
+        check_conditions("guard", self.conditions)
+
     @classmethod
     def of(cls, child: Node, *conditions: Condition) -> Guard:
         """Makes one."""
@@ -171,10 +196,11 @@ class ForEach:
     """The child once for each element that a query finds when its turn comes, in the order of their ids.
 
     Attributes:
-        key: Name by which the child refers to the element: ``P(key)``.
+        key: Name by which the child refers to the element: ``P(key)``; no parameter of the skill has it.
         class_: Class of the elements.
         child: What is done; its first failure ends it.
-        where: What must hold of an element, over ``key`` and the skill's parameters; None for every one of the class.
+        where: What must hold of an element, which is called ``it`` there or by its ``key``, and of the skill's
+            parameters; None for every one of the class.
     """
 
     key: str
@@ -182,12 +208,24 @@ class ForEach:
     child: Node
     where: Pattern | None = None
 
+    def __post_init__(self) -> None:
+        check_texts("for each", "the name of its element, then a class such as sk:Box", self.key, self.class_)
+        require(":" in self.class_, "for each", "a class such as sk:Box", self.class_)
+        check_node("for each", self.child)
+        if self.where is not None:
+            is_pattern = hasattr(self.where, "rename") and hasattr(self.where, "evaluate")
+            require(is_pattern, "for each", "where is a pattern such as Nothing('sk:in', 'it')", self.where)
+            object.__setattr__(self, "where", self.where.rename({IT: self.key}))
+
 
 @dataclass(frozen=True, slots=True)
 class Check:
     """Succeeds where the conditions hold, else fails with the reason; takes no time."""
 
     conditions: tuple[Condition, ...]
+
+    def __post_init__(self) -> None:
+        check_conditions("check", self.conditions)
 
     @classmethod
     def of(cls, *conditions: Condition) -> Check:
@@ -202,8 +240,7 @@ class Wait:
     seconds: float
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.seconds < float("inf"):
-            raise DescriptionError(f"wait: a time from 0 s, not {self.seconds} s")
+        check_seconds("wait", self.seconds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,8 +255,33 @@ class AssertEffects:
     seconds: float = 1.0
     only: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        check_seconds("assert effects", self.seconds)
+        require(isinstance(self.only, tuple), "assert effects", "a tuple of keys such as ('held',)", self.only)
+        check_texts("assert effects", "the key of a postcondition", *self.only)
+
 
 Node = Do | Sequence | Fallback | Parallel | Retry | Repeat | Timeout | Guard | ForEach | Check | Wait | AssertEffects
+
+
+def check_node(what: str, node: object) -> None:
+    """Looks whether something that a body is made of is a node.
+
+    Args:
+        what: Whose part it is, for messages ("retry").
+        node: The part.
+
+    Raises:
+        DescriptionError: It is none.
+    """
+    require(isinstance(node, Node), what, "it is made of nodes, given one by one, such as Do.of('drive')", node)
+
+
+def _check_parts(what: str, children: tuple[Node, ...]) -> None:
+    require(isinstance(children, tuple), what, "its parts are a tuple", children)
+    require(bool(children), what, "at least one part: with none, nobody knows whether it has worked", children)
+    for child in children:
+        check_node(what, child)
 
 
 def children_of(node: Node) -> tuple[Node, ...]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Generator
+from inspect import isasyncgenfunction, iscoroutinefunction, isgeneratorfunction
 from typing import Any, ClassVar, Generic, TypeVar
 
+from skiros_py.errors import DescriptionError
 from skiros_py.robot.pending import Pending
 from skiros_py.skills.context import RunContext
+from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.world.world import World
 
@@ -15,9 +18,6 @@ __all__ = ["Execution", "Primitive"]
 
 P = TypeVar("P")
 T = TypeVar("T")
-
-Execution = Generator[None, None, T]
-"""A generator that yields once per control cycle while it still runs and returns its result."""
 
 
 class Primitive(ABC, Generic[P]):
@@ -44,6 +44,16 @@ class Primitive(ABC, Generic[P]):
     takes: ClassVar[tuple[str, ...]] = ()
     watches: ClassVar[str | None] = None
     version: ClassVar[str] = "1.0.0"
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        for name in _AT_ONCE:
+            method = getattr(cls, name)
+            if isgeneratorfunction(method) or iscoroutinefunction(method) or isasyncgenfunction(method):
+                raise DescriptionError(
+                    f"{name}() of primitive {cls.__name__}: it is called once and would never run, for it is a "
+                    "generator or async; what takes time goes into execute() or recover()"
+                )
 
     def __init__(self, context: RunContext, params: P, loaded: Any = None) -> None:
         self.context = context
@@ -92,7 +102,14 @@ class Primitive(ABC, Generic[P]):
         """Ticks until an answer may be used, and returns it.
 
         In lockstep that is exactly the declared latency after the request, however long the worker takes.
+
+        Raises:
+            TypeError: It is no answer that is on its way.
         """
+        if not hasattr(pending, "latency"):
+            raise TypeError(
+                f"wait() takes an answer that is on its way, such as camera.capture(), not {pending!r:.100}"
+            )
         due = self.context.now + pending.latency
         while self.context.now < due - 1e-9 or not (self.context.lockstep or pending.done()):
             yield
@@ -104,16 +121,21 @@ class Primitive(ABC, Generic[P]):
         return (yield from self.context.call(module, arguments))
 
     def join(self, *calls: Execution[Outcome]) -> Execution[tuple[Outcome, ...]]:
-        """Runs several calls at the same time until all have ended: ``yield from self.join(self.call(…), …)``."""
+        """Runs several calls at the same time until all have ended: ``yield from self.join(self.call(…), …)``.
+
+        Raises:
+            TypeError: Something is no call.
+        """
+        for call in calls:
+            if not isinstance(call, Generator):
+                raise TypeError(f"join() takes calls, one by one, such as self.call('drive'), not {call!r:.100}")
         outcomes: dict[int, Outcome] = {}
         try:
             while True:
                 for number, call in enumerate(calls):
-                    if number not in outcomes:
-                        try:
-                            next(call)
-                        except StopIteration as end:
-                            outcomes[number] = end.value
+                    outcome = None if number in outcomes else tick(call)
+                    if outcome is not None:
+                        outcomes[number] = outcome
                 if len(outcomes) == len(calls):
                     return tuple(outcomes[number] for number in range(len(calls)))
                 yield
@@ -134,3 +156,7 @@ class Primitive(ABC, Generic[P]):
     def seed(self) -> int:
         """Draws a seed for a library's random choices."""
         return int(self.context.rng.integers(2**31))
+
+
+_AT_ONCE = ("load", "start", "stop", "reset")
+"""What takes no time: plain functions, called once."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.composition import Node
-from skiros_py.skills.conditions import Condition, ConditionType, Pattern, Role
+from skiros_py.skills.composition import Node, check_node
+from skiros_py.skills.conditions import Condition, ConditionType, Pattern, Role, all_of, any_of, is_sensed
 from skiros_py.skills.parameters import IT, Param, check_params
+from skiros_py.skills.references import check_references
+from skiros_py.skills.structure import of_one_robot
 from skiros_py.skills.variables import variables
 
 __all__ = ["Skill", "SkillDescription"]
@@ -77,9 +79,32 @@ class SkillDescription:
 
     @property
     def needs(self) -> tuple[Condition, ...]:
-        """What must hold before it starts: what its parameters are described as, then the preconditions."""
-        described = (self._described(param, pattern) for param in self.params for pattern in param.described)
-        return (*described, *self.pre)
+        """What must hold before it starts: its devices are of one robot, its parameters as described; preconditions."""
+        said = (*self.described, *self.pre)
+        return (*of_one_robot(self.param(self.agent), self.params, said), *said)
+
+    @property
+    def described(self) -> tuple[Condition, ...]:
+        """What its parameters are described as (:attr:`Param.where`)."""
+        return tuple(self._described(param, pattern) for param in self.params for pattern in param.described)
+
+    def under(self, alternatives: Iterable[Sequence[Condition]]) -> SkillDescription:
+        """Returns the description for those who count on it: all conditions of one of the alternatives must hold, too.
+
+        What is sensed or speaks of optional parameters is left out: nobody knows that before.
+
+        Args:
+            alternatives: What each of the implementations asks for besides (:attr:`Skill.when`).
+        """
+        known = dict.fromkeys(tuple(filter(self._is_known_before, conditions)) for conditions in alternatives)
+        if () in known or not known:
+            return self
+        ways = [all_of(*conditions) if len(conditions) > 1 else conditions[0] for conditions in known]
+        return replace(self, pre=(*self.pre, ways[0] if len(ways) == 1 else any_of(*ways)))
+
+    def _is_known_before(self, condition: Condition) -> bool:
+        kinds = (self.param(key).kind for key in condition.arguments)
+        return not is_sensed(condition.pattern) and all(kind.is_required or kind.has_default for kind in kinds)
 
     def _described(self, param: Param, pattern: Pattern) -> Condition:
         own = pattern.rename({IT: param.key})
@@ -133,6 +158,10 @@ class Skill:
         for key in (*self.takes, *(argument for condition in self.when for argument in condition.arguments)):
             if key not in keys:
                 raise UnknownName("parameter", key, keys, where=named)
+        check_node(f"the body {named}", self.body)
+        for node in self.nodes:
+            check_node(f"a part {named}", node)
+            check_references(node, keys, named)
 
     @property
     def nodes(self) -> tuple[Node, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
+from skiros_py.planning.needs import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
@@ -70,7 +71,8 @@ class History:
         moved = {
             a for post in skill.post for a in post.arguments if not self._is_hardware(skill.param(a).element_class)
         }
-        subjects = {step.arguments[key] for key in moved | {skill.target}}
+        values = with_defaults(skill, step.arguments)
+        subjects = {values[key] for key in moved | {skill.target} if key in values}
         return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
 
     def _names_another_target(self, condition: Condition, target: str, class_: str) -> bool:

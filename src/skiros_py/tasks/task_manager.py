@@ -5,14 +5,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
+from typing import Self
 
-from skiros_py.errors import PlanningError
+from skiros_py.errors import Interruption, PlanningError, SkirosError
+from skiros_py.execution.contained import words
 from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import Transport
+from skiros_py.execution.station import Station
 from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.planner import Planner
 from skiros_py.planning.service import Planned, PlanningService
 from skiros_py.planning.task import Capability
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Condition, judge
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.dispatcher import Dispatcher
@@ -25,6 +30,9 @@ from skiros_py.world.world import World
 
 __all__ = ["TaskManager"]
 
+_PLANNING_LIMIT = 30.0
+"""How long what is worked out around the planner may hold the control cycle: a large world takes seconds [s]."""
+
 
 class TaskManager:
     """Pursues goals with the skill managers that are there.
@@ -36,6 +44,7 @@ class TaskManager:
         cycle: Runs everything.
         on_plan: Told of every new plan.
         attempts: How often a skill may fail on one target before that target is left out of further plans.
+        monitor: Hears of steps that have to wait; None where nobody listens.
     """
 
     def __init__(
@@ -47,6 +56,7 @@ class TaskManager:
         *,
         on_plan: Callable[[Planned], None] = lambda _planned: None,
         attempts: int = 3,
+        monitor: Monitor | None = None,
     ) -> None:
         self._world = world
         self._managers = managers
@@ -54,7 +64,39 @@ class TaskManager:
         self._cycle = cycle
         self._on_plan = on_plan
         self._attempts = attempts
+        self._monitor = monitor
         self._history = History(world, attempts)
+
+    @classmethod
+    def of(
+        cls,
+        station: Station,
+        planner: Planner,
+        name: str,
+        *,
+        on_plan: Callable[[Planned], None] = lambda _planned: None,
+        attempts: int = 3,
+    ) -> Self:
+        """Makes the task manager of a station.
+
+        Args:
+            station: Runs everything.
+            planner: Plans; whoever made it closes it.
+            name: Name of what is planned for, for the planner's files.
+            on_plan: Told of every new plan.
+            attempts: How often a skill may fail on one target before that target is left out of further plans.
+        """
+        cycle = station.cycle
+        planning = PlanningService(planner, name, lockstep=cycle.pace is None, waiting=cycle.pulse.waiting)
+        return cls(
+            station.world,
+            station.managers,
+            planning,
+            cycle,
+            on_plan=on_plan,
+            attempts=attempts,
+            monitor=station.monitor,
+        )
 
     @property
     def steps(self) -> tuple[StepReport, ...]:
@@ -64,13 +106,15 @@ class TaskManager:
     @property
     def capabilities(self) -> tuple[Capability, ...]:
         """The skills that the world model says are there, with who has them."""
-        found: dict[str, tuple[SkillDescription, list[str]]] = {}
+        found: dict[str, tuple[SkillDescription, list[str], list[Sequence[Condition]]]] = {}
         for agent, manager in sorted(self._managers.items()):
             registered = {self._world.element(s).label for s in self._world.objects(agent, HAS_SKILL)}
             for name, description in manager.descriptions.items():
                 if name in registered:
-                    found.setdefault(name, (description, []))[1].append(agent)
-        return tuple(Capability(d, tuple(agents)) for _, (d, agents) in sorted(found.items()))
+                    _, agents, ways = found.setdefault(name, (description, [], []))
+                    agents.append(agent)
+                    ways += manager.alternatives[name]
+        return tuple(Capability(d.under(ways), tuple(agents)) for _, (d, agents, ways) in sorted(found.items()))
 
     def plan(self, goal: Sequence[Condition]) -> Execution[Planned]:
         """Plans from what is believed now, leaving out targets on which skills failed too often.
@@ -81,11 +125,31 @@ class TaskManager:
             PlanningError: The planner broke before anything was done.
         """
         try:
-            return (yield from self._planning.plan(self._view(), self.capabilities, goal))
+            return (yield from self._unhurried(self._planning.plan(self._view(), self.capabilities, goal)))
         except PlanningError as error:
             if not self._history.steps:
                 raise
             return Planned(NoPlan((str(error),)), None, 0.0)
+
+    def _unhurried(self, planning: Execution[Planned]) -> Execution[Planned]:
+        """Passes planning through, whose ticks may take long; what authors' conditions raise in it is a fault of it.
+
+        Raises:
+            PlanningError: It broke.
+        """
+        with closing(planning):
+            while True:
+                with self._cycle.pulse.allowing(_PLANNING_LIMIT):
+                    try:
+                        next(planning)
+                    except StopIteration as end:
+                        result: Planned = end.value
+                        return result
+                    except (SkirosError, KeyboardInterrupt, Interruption):
+                        raise
+                    except BaseException as error:
+                        raise PlanningError(f"planning broke: {words(error)}") from error
+                yield
 
     def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
         """Pursues a goal to its end.
@@ -95,14 +159,14 @@ class TaskManager:
         """
         history = self._history = History(self._world, self._attempts)  # what failed before may work now
         skills: dict[str, SkillDescription] = {}
-        dispatcher = Dispatcher(self._world, self._managers, skills, self._cycle, history)
+        dispatcher = Dispatcher(self._world, self._managers, skills, self._cycle, history, self._monitor)
         noted = _Moments(self._world, goal, self._cycle)
-        held = {c for c in goal if c.evaluate(self._world)}
+        held = {c for c in goal if judge(c, self._world)}
         given_up: dict[Condition, str] = {}
         no_plan: tuple[str, ...] = ()
         for _ in range(self._attempts * (len(goal) + 2)):
             kept = tuple(c for c in goal if c not in given_up)
-            if all(c.evaluate(self._world) for c in kept):
+            if all(judge(c, self._world) for c in kept):
                 break
             skills |= {c.skill.name: c.skill for c in self.capabilities}  # managers come and go
             planned = yield from self.plan(kept)
@@ -128,7 +192,7 @@ class TaskManager:
         return {
             c: f"gave up after {self._attempts} tries"
             for c in goal
-            if out.intersection(c.arguments) and not c.evaluate(self._world)
+            if out.intersection(c.arguments) and not judge(c, self._world)
         }
 
     def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
@@ -148,7 +212,7 @@ class TaskManager:
     def _report(
         self, c: Condition, given_up: Mapping[Condition, str], noted: _Moments, *, held: bool
     ) -> ConditionReport:
-        holds = bool(c.evaluate(self._world))
+        holds = bool(judge(c, self._world))
         tries = 0 if held else self._history.tries(c, holds=holds)
         reason = "" if holds else self._history.why_missing(c, given_up)
         return ConditionReport(str(c), holds, None, tries, reason, *noted.since(c))
@@ -188,7 +252,7 @@ class _Moments:
             return
         self._version = self._world.version
         for condition in self._goal:
-            if not condition.evaluate(self._world):
+            if not judge(condition, self._world):
                 self._since.pop(condition, None)
             elif condition not in self._since:
                 self._since[condition] = self.used

@@ -6,29 +6,23 @@ from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
-import numpy as np
-
-from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.managers import Managers
-from skiros_py.execution.monitor import ModuleEvent, Monitor
+from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.running import RunningModule
-from skiros_py.execution.watchdog import Watchdog
+from skiros_py.execution.station import Station, StationOptions
 from skiros_py.planning.fast_downward import FastDownward
 from skiros_py.planning.planner import Planner
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.service import Planned
 from skiros_py.robot.cell import CellSpec
-from skiros_py.robot.devices import DeviceBoard
 from skiros_py.robot.driver import CellDriver
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition, ConditionType
-from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.primitive import Primitive
-from skiros_py.skills.questions import Questions
-from skiros_py.skills.sensing import BoardSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.goals import parse_goal
+from skiros_py.tasks.pursuit import pursue
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing.tiny_skills import CONDITIONS, SKILLS
@@ -59,6 +53,7 @@ class Bench:
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
 
     Attributes:
+        station: What runs everything.
         events: Every module event so far.
         plans: Every plan so far.
         questions: What is asked of a person; see :func:`skiros_py.testing.answers`.
@@ -86,38 +81,17 @@ class Bench:
         self.world = world
         self.events: list[ModuleEvent] = []
         self.plans: list[Planned] = []
-        self.questions = Questions()
         self._conditions = conditions
         spec = read_cell(world, world.instances(ROBOT) if robots is None else robots)
         self.cell = cell(spec)
-        board = DeviceBoard(self.cell)
-        world.clock = lambda: board.snapshot.time
-        world.sensors = BoardSensors(board)
-        self.cycle = ControlCycle(board)
-        self.watchdog = Watchdog(self.cycle, overrun)
-        self.monitor = Monitor()
-        self.monitor.subscribe(self.events.append)
-        self.context = RunContext(
-            world,
-            board,
-            libraries or Libraries(),
-            spec,
-            np.random.default_rng(0),
-            lockstep=True,
-            report=lambda _m, _c, _t: None,
-            clock=board,
-            questions=self.questions,
-            waiting=self.cycle.pulse.waiting,
-        )
         named = primitives if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
-        self.managers = Managers(skills, named, self.context, self.cycle, self.monitor, driver=driver, config=config)
-        self.managers.open_all([robot.id for robot in spec.robots])
-        self.watchdog.on_lost(self.managers.lose)
+        options = StationOptions(driver, libraries=libraries or Libraries(), config=config or {}, overrun=overrun)
+        self.station = station = Station(world, spec, self.cell, skills, named, options)
+        self.cycle, self.managers, self.watchdog = station.cycle, station.managers, station.watchdog
+        self.context, self.questions, self.monitor = station.context, station.questions, station.monitor
+        self.monitor.subscribe(self.events.append)
         self._planner = planner or FastDownward()
-        planning = PlanningService(self._planner, "bench")
-        self.tasks = TaskManager(
-            world, self.managers, planning, self.cycle, on_plan=self.plans.append, attempts=attempts
-        )
+        self.tasks = TaskManager.of(station, self._planner, "bench", on_plan=self.plans.append, attempts=attempts)
 
     # ------------------------------------------------------------------ goals
 
@@ -130,8 +104,8 @@ class Bench:
         return self.cycle.run(self.cycle.start(self.tasks.plan(self.goal(*texts))))
 
     def pursue(self, *texts: str) -> GoalReport:
-        """Pursues a goal to its end."""
-        return self.cycle.run(self.cycle.start(self.tasks.pursue(self.goal(*texts))))
+        """Pursues a goal to its end, or until everything is halted."""
+        return pursue(self.station, self.tasks, self.goal(*texts))
 
     # ------------------------------------------------------------------ modules
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import sys
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
@@ -231,3 +233,60 @@ def test_a_condition_that_raises_is_a_finding() -> None:
 
     assert rule in ("effect-missing", "never-tried")
     assert "no such luck" in text
+
+
+def odd(function: Callable[..., Verdict]) -> Any:
+    pattern = Computed("tiny:fitsIn", "a", "b", function)
+    return ConditionType("Odd", (Role("a", "sk:Robot"), Role("b", "sk:Location")), pattern, "Odd.")("Robot", "Location")
+
+
+def of_conditions(overrun: float | None = None, **conditions: Any) -> list[tuple[str, str]]:
+    skill = pretend(replace(DRIVE, **{key: (*getattr(DRIVE, key), odd(value)) for key, value in conditions.items()}))
+    return [(f.rule, f.text) for f in check_contract(skill, TINY, overrun=overrun).findings]
+
+
+@pytest.mark.parametrize("key", ["pre", "hold"])
+def test_a_condition_that_tries_to_end_the_program_is_a_finding(key: str) -> None:
+    def leave(*_: object) -> Verdict:
+        sys.exit(3)
+
+    ((rule, text),) = of_conditions(**{key: leave})
+
+    assert rule == "effect-missing"
+    assert "it tried to end the program: sys.exit(3)" in text
+
+
+@pytest.mark.parametrize("key", ["pre", "hold"])
+def test_a_condition_that_never_comes_back_is_a_finding(key: str) -> None:
+    def hog(*_: object) -> Verdict:
+        while True:
+            pass
+
+    ((rule, text),) = of_conditions(overrun=0.2, **{key: hog})
+
+    assert rule == "effect-missing"
+    assert "a condition held the control cycle too long" in text
+
+
+def test_a_primitive_that_never_comes_back_is_a_finding() -> None:
+    class Hog(Meddle):
+        name: ClassVar[str] = "hog"
+
+        def execute(self) -> Execution[Outcome]:
+            yield
+            while True:
+                pass
+
+    skill = pretend(DRIVE, Do.of("hog", robot=P("Robot"), place=P("Location")))
+
+    ((rule, text),) = [(f.rule, f.text) for f in check_contract(skill, TINY, (), {"hog": Hog}, overrun=0.2).findings]
+
+    assert rule == "effect-missing"
+    assert "hog (of" in text
+    assert "held the control cycle" in text
+
+
+def test_no_watchdog_stays_behind() -> None:
+    check_contract(pretend(PLACE), TINY, SKILLS)
+
+    assert not [thread for thread in threading.enumerate() if thread.name == "skiros-watchdog"]

@@ -339,3 +339,12 @@ def test_every_node_is_printed_as_one_line_below_its_parent() -> None:
 def test_numbers_that_mean_nothing_are_refused(make: Any) -> None:
     with pytest.raises(DescriptionError):
         make()
+
+
+def test_for_each_asks_of_it_what_must_hold_of_an_element() -> None:
+    where_it_is = ForEach("Box", "tiny:Box", Do.of("arrive", place=P("Box")), Related("sk:at", "Robot", "it"))
+    with bench_for(Sequence.of(ARRIVE, where_it_is)) as bench:
+        bench.run("drive", **TO_A)
+        places = [e.text for e in bench.events if e.module == "arrive" and e.status is Status.STARTED]
+
+    assert places == ["place=box_a", "place=box_a"]

@@ -73,7 +73,7 @@ def test_all_tasks_of_a_cycle_see_the_same_snapshot() -> None:
     assert seen[0] == seen[1] == [1, 2, 3]
 
 
-def test_a_task_added_by_a_task_begins_in_the_next_cycle() -> None:
+def test_a_task_that_a_task_starts_begins_in_the_same_cycle() -> None:
     cycle, log = new_cycle(), []
 
     def parent() -> Iterator[None]:
@@ -83,9 +83,24 @@ def test_a_task_added_by_a_task_begins_in_the_next_cycle() -> None:
 
     cycle.start(parent())
     cycle.step()
-    assert log == ["parent"]
-    cycle.step()
     assert log == ["parent", "child"]
+
+
+def test_tasks_that_start_each_other_for_ever_do_not_hold_the_cycle() -> None:
+    cycle, log = new_cycle(), []
+
+    def parent() -> Iterator[None]:
+        log.append("tick")
+        cycle.start(parent())
+        yield
+
+    cycle.start(parent())
+    cycle.step()
+    first = len(log)
+    cycle.step()
+
+    assert 1 < first < 1000
+    assert len(log) > first
 
 
 def test_running_a_task_gives_its_result() -> None:

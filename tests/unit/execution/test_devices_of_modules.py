@@ -20,6 +20,7 @@ from skiros_py.robot.devices import Base
 from skiros_py.robot.values import BaseTwist, Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.composition import Do, Fallback, P, Parallel, Policy, Timeout
+from skiros_py.skills.execution import tick
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -100,6 +101,23 @@ class Drive(Use):
         ends: str = param("text", "How.", kind=Kind.OFFLINE, default="well")
 
 
+class Race(Use):
+    """Calls twice for one base and drops the first of them when it has begun; the second waits for what that had."""
+
+    name: ClassVar[str] = "race"
+
+    def execute(self) -> Execution[Outcome]:
+        called = {"base": self.params.base, "cycles": self.params.cycles}
+        dropped, kept = self.call("roll", **called), self.call("roll", ends=self.params.ends, **called)
+        for _ in range(2):
+            for call in (dropped, kept):
+                if (outcome := tick(call)) is not None:
+                    return outcome
+            yield
+        dropped.close()
+        return (yield from kept)
+
+
 ARM = Param("Arm", "sk:Arm", "The arm.", Kind.HARDWARE)
 CYCLES = Param("Cycles", "integer", "How many.", Kind.OFFLINE, 10)
 SHIFT = replace(
@@ -124,7 +142,7 @@ def _fresh() -> None:
 
 
 def bench_of(robots: int = 1) -> Bench:
-    return Bench(tiny_world(robots=robots), (SHIFTING,), (Use, Drive), cell=Sluggish)
+    return Bench(tiny_world(robots=robots), (SHIFTING,), (Use, Drive, Race), cell=Sluggish)
 
 
 def free(bench: Bench, *devices: str) -> bool:
@@ -266,6 +284,10 @@ class Modules(RuleBasedStateMachine):
     )
     def start_use(self, agent: str, base: int, arm: int, cycles: int, ends: str) -> None:
         self.start(agent, "use", {"base": f"base_{base}", "arm": f"arm_{arm}", "cycles": cycles, "ends": ends})
+
+    @rule(agent=st.sampled_from(_AGENTS), robot=st.sampled_from([1, 2]), cycles=st.sampled_from([0, 7]), ends=_ENDINGS)
+    def start_race(self, agent: str, robot: int, cycles: int, ends: str) -> None:
+        self.start(agent, "race", {"base": f"base_{robot}", "arm": f"arm_{robot}", "cycles": cycles, "ends": ends})
 
     @rule(agent=st.sampled_from(_AGENTS), base=st.sampled_from([1, 2]), cycles=st.sampled_from([0, 7]), ends=_ENDINGS)
     def start_roll(self, agent: str, base: int, cycles: int, ends: str) -> None:

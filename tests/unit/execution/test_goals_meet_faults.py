@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
 
 from skiros_py.catalogue import Catalogue
+from skiros_py.errors import PlanningError, UsageError
 from skiros_py.execution import watchdog
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.planning.plan import Plan
 from skiros_py.runtime import Options, Session
 from skiros_py.skills.composition import AssertEffects, Do, Sequence
+from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import Skill
 from skiros_py.tasks.report import GoalReport
 from skiros_py.testing import CONDITIONS, TINY_ONTOLOGY, Bench, tiny_scene, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
@@ -226,6 +230,73 @@ def test_when_one_holds_the_cycle_each_module_that_ran_is_told_to_have_ended_onc
         assert bench.managers.claims.request("the test", ["arm_1", "gripper_1"]).granted
 
 
+# ------------------------------------------------------------------ conditions that break or hang
+
+
+def picky(does: Callable[[], None]) -> Skill:
+    """Returns a pick with a precondition that somebody wrote in Python."""
+
+    def fits(_view: Any, _ball: str, _gripper: str) -> Verdict:
+        does()
+        return Verdict(True, "it fits")
+
+    roles = (Role("ball", "tiny:Ball"), Role("gripper", "sk:Gripper"))
+    type_ = ConditionType("Fits2", roles, Computed("tiny:fitsIn", "ball", "gripper", fits), "Fits.")
+    return pretend(replace(PICK, pre=(*PICK.pre, type_("Ball", "Gripper"))))
+
+
+def _break() -> None:
+    raise SystemExit(3)
+
+
+def test_a_condition_that_breaks_while_a_plan_is_replayed_is_a_flaw_of_the_plan_and_no_more() -> None:
+    breaks: list[bool] = []
+    with Bench(tiny_world(), (pretend(DRIVE), picky(lambda: _break() if breaks else None))) as bench:
+        bench.monitor.subscribe(lambda _event: breaks.append(True))
+        report = bench.pursue("Holding(gripper_1, ball_1)")
+
+    assert [step.skill for step in report.steps] == ["drive"]
+    assert not report.reached
+    assert "Fits2" in report.conditions[0].reason
+
+
+def test_a_condition_that_breaks_while_it_is_planned_with_is_a_fault_of_planning_with_its_name() -> None:
+    with Bench(tiny_world(), (pretend(DRIVE), picky(_break))) as bench:
+        with pytest.raises(PlanningError, match="Fits2"):
+            bench.plan("Holding(gripper_1, ball_1)")
+        panel = bench.managers["arm_1"].panel("pick", {})
+
+    assert not panel.ready
+    assert "sys.exit(3)" in str(panel.as_json())
+
+
+def test_a_condition_that_hangs_while_a_plan_is_replayed_is_interrupted_as_any_other_code() -> None:
+    hangs: list[bool] = []
+    with Bench(tiny_world(), (pretend(DRIVE), picky(lambda: _hang() if hangs else None)), overrun=0.2) as bench:
+        bench.monitor.subscribe(lambda _event: hangs.append(True))
+        started = time.monotonic()
+        report = bench.pursue("Holding(gripper_1, ball_1)")
+
+    assert time.monotonic() - started < 10.0
+    assert "held the control cycle" in report.conditions[0].reason
+
+
+def test_planning_may_take_longer_than_a_tick() -> None:
+    with Bench(tiny_world(), (pretend(DRIVE), picky(lambda: time.sleep(0.3))), overrun=0.2) as bench:
+        assert isinstance(bench.plan("Holding(gripper_1, ball_1)").outcome, Plan)
+        assert bench.cycle.halted == ""
+
+
+def test_between_two_steps_of_a_plan_no_cycle_is_idle() -> None:
+    with Bench(tiny_world()) as bench:
+        bench.pursue("In(ball_1, slot_1)")
+        cycles = [(round(e.time / bench.cycle.board.period), e.status) for e in bench.events if e.kind == "skill"]
+
+    ends = [at for at, status in cycles if status is Status.TERMINATED]
+    starts = [at for at, status in cycles if status is Status.STARTED]
+    assert starts[1:] == [at + 1 for at in ends[:-1]]
+
+
 # ------------------------------------------------------------------ whole sessions
 
 
@@ -242,23 +313,58 @@ def session(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
         yield made
 
 
-def test_when_the_watchdog_halts_everything_the_report_says_why_and_the_session_goes_on(session: Session) -> None:
+def test_after_the_watchdog_halted_everything_a_session_goes_on_when_it_is_reset_and_not_before(
+    session: Session,
+) -> None:
     Linger.does.append(_hang)
     report = session.run(GOAL)
 
     assert not report.reached
     assert "linger (of pick of arm_1) held the control cycle for" in report.conditions[0].reason
     assert not report.stopped
-    assert session.cycle.halted == ""
+    with pytest.raises(UsageError, match=r"(?s)nothing can start: everything was halted \(linger.*reset"):
+        session.run(GOAL)
+    session.reset()
     assert session.run(GOAL).reached
 
 
-def test_when_a_module_halts_everything_the_report_says_why_and_the_session_goes_on(session: Session) -> None:
+def test_after_a_module_halted_everything_nothing_starts_before_a_reset(session: Session) -> None:
     Linger.does.append(lambda: session.cycle.halt("a hand was seen"))
     report = session.run(GOAL)
 
     assert report.conditions[0].reason == "a hand was seen"
     assert not report.stopped
+    for start in (session.run_module, session.start_module):
+        with pytest.raises(UsageError, match="a hand was seen"):
+            start("linger", {})
+    session.reset()
+    assert session.run(GOAL).reached
+
+
+def test_a_module_that_was_run_by_itself_leaves_everything_halted_too(session: Session) -> None:
+    Linger.does.append(lambda: session.cycle.halt("a hand was seen"))
+    outcome = session.run_module("linger", {})
+
+    assert isinstance(outcome, Success | Failure)
+    assert session.cycle.halted == "a hand was seen"
+    with pytest.raises(UsageError, match="a hand was seen"):
+        session.run_module("linger", {})
+
+
+def test_after_the_users_own_stop_the_next_run_just_runs(session: Session) -> None:
+    Linger.does.append(session.stop)
+    assert session.run(GOAL).stopped
+    assert session.cycle.halted == ""
+    assert session.run(GOAL).reached
+
+    Linger.does.append(session.stop)
+    session.run_module("linger", {})
+    assert session.run_module("linger", {}) == Success()
+
+
+def test_a_reset_of_what_was_never_halted_changes_nothing(session: Session) -> None:
+    session.reset()
+
     assert session.run(GOAL).reached
 
 

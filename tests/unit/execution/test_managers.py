@@ -167,6 +167,70 @@ def test_only_one_manager_for_a_subsystem_and_only_for_a_subsystem() -> None:
             bench.managers.open("box_a")
 
 
+class Look(Idle):
+    """Looks at a gripper for ever."""
+
+    name: ClassVar[str] = "look"
+    watches: ClassVar[str | None] = "sk:Gripper"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        device: str = param("sk:Gripper", "The gripper.", kind=Kind.HARDWARE)
+
+    def execute(self) -> Execution[Outcome]:
+        while True:
+            self.ticks.append(self.context.now)
+            yield
+
+
+def looks_per_cycle(bench: Bench) -> int:
+    bench.cycle.step()
+    before = len(Look.ticks)
+    bench.cycle.step()
+    return len(Look.ticks) - before
+
+
+def test_a_manager_that_comes_later_watches_too() -> None:
+    with Bench(tiny_world(), SKILLS, (Roll, Look)) as bench:
+        bench.managers.watch()
+        assert looks_per_cycle(bench) == 1
+        bench.managers.close("arm_1")
+        assert looks_per_cycle(bench) == 0
+
+        bench.managers.open("arm_1")
+        assert looks_per_cycle(bench) == 1
+
+
+def test_watching_goes_on_after_a_halt_and_never_doubles() -> None:
+    with Bench(tiny_world(), SKILLS, (Roll, Look)) as bench:
+        for _ in range(3):
+            bench.managers.watch()
+            bench.managers.watch()
+            assert looks_per_cycle(bench) == 1
+            bench.cycle.stop_all()
+            bench.cycle.reset()
+
+
+def test_opening_in_the_place_of_a_lost_manager_leaves_nothing_of_that_one() -> None:
+    with Bench(tiny_world(), SKILLS, (Roll, Look), cell=Sluggish) as bench:
+        bench.managers.watch()
+        bench.advance(0.01)
+        observers = len(bench.cycle._observers)
+        lost = bench.managers["arm_1"].start("roll", {"base": "base_1", "seconds": 60.0})
+        bench.advance(0.02)
+        for _ in range(3):
+            bench.managers["arm_1"].lose("it does not come back")
+            bench.managers.open("arm_1")
+            assert looks_per_cycle(bench) == 1
+
+        assert len(bench.cycle._observers) <= observers + 1  # the first is there until what it ran stands
+        bench.until(lambda: lost.done, limit=3.0 * BRAKING)
+        bench.advance(0.01)
+        assert len(bench.cycle._observers) == observers
+        again = bench.managers["base_1"].start("roll", {})
+        bench.until(lambda: again.done, limit=1.0)
+
+
 # ------------------------------------------------------------------ several at once
 
 

@@ -135,19 +135,16 @@ def test_a_configuration_cannot_be_given_at_a_call() -> None:
 
 @pytest.mark.parametrize(
     ("config", "told"),
-    [({"roll.sped": 1.0}, "unknown configuration parameter 'sped' of roll"), ({"roll.speed": "fast"}, "speed")],
+    [
+        ({"roll.sped": 1.0}, "unknown configuration parameter 'sped' of roll"),
+        ({"roll.speed": "fast"}, "speed"),
+        ({"rol.speed": 1.0}, "unknown primitive 'rol' in the configuration. Did you mean 'roll'?"),
+        ({"roll": 1.0}, "unknown configuration parameter '' of roll"),
+    ],
 )
-def test_a_wrong_configuration_is_refused_by_name(config: dict[str, Any], told: str) -> None:
-    with bench_of(Roll, config=config) as bench, pytest.raises(UsageError, match=told):
-        bench.start("roll")
-
-
-def test_a_wrong_configuration_of_what_a_skill_calls_is_its_failure() -> None:
-    with bench_of(Roll, body=Do.of("roll"), config={"roll.sped": 1.0}) as bench:
-        outcome = bench.run("drive", Location="box_a")
-
-    assert isinstance(outcome, Failure)
-    assert "unknown configuration parameter 'sped' of roll" in outcome.reason
+def test_a_wrong_configuration_is_refused_by_name_before_anything_runs(config: dict[str, Any], told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        bench_of(Roll, config=config)
 
 
 # ------------------------------------------------------------------ start, stop, recover, reset

@@ -14,7 +14,7 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.pulse import CycleOverrun, Overrun, Pulse, Watched
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.robot.devices import Base, DeviceBoard
-from skiros_py.robot.values import BaseTwist
+from skiros_py.robot.values import BaseTwist, Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.outcome import Outcome
@@ -275,11 +275,129 @@ def test_a_cycle_overruns_by_many_ticks_that_are_short_each(cycle: ControlCycle,
     assert "held the control cycle" in cycle.halted
 
 
+# ------------------------------------------------------------------ the cycle's own work
+
+
+class Sluggish(FakeCell):
+    """A cell whose devices answer late."""
+
+    def exchange(self, commands: Commands) -> Snapshot:
+        time.sleep(4 * LIMIT)
+        return super().exchange(commands)
+
+
+def test_devices_that_answer_late_halt_everything_and_are_named() -> None:
+    cycle = ControlCycle(DeviceBoard(Sluggish(SPEC)))
+    with Watchdog(cycle, LIMIT):
+        cycle.step()
+
+    assert cycle.halted.startswith("the exchange with the devices held the control cycle")
+
+
+def test_an_observer_that_takes_too_long_halts_everything_and_is_not_broken_off(
+    cycle: ControlCycle, watchdog: Watchdog
+) -> None:
+    ended: list[bool] = []
+
+    def ponder() -> None:
+        hold_for(4 * LIMIT)
+        ended.append(True)
+
+    cycle.observe(ponder)
+    cycle.step()
+
+    assert ended
+    assert "ponder held the control cycle" in cycle.halted
+
+
+def test_a_listener_of_faults_that_takes_too_long_halts_everything(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def breaks() -> Iterator[None]:
+        yield
+        raise ValueError
+
+    cycle.on_fault(lambda _task: hold_for(4 * LIMIT))
+    cycle.start(breaks())
+    cycle.step()
+    cycle.step()
+
+    assert cycle.halted.startswith("a listener of faults held")
+
+
+def hold_for(seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        pass
+
+
+def test_a_piece_of_work_may_be_allowed_more_time_than_a_tick(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def loads() -> None:
+        with cycle.pulse.allowing(AGES):
+            hold_for(3 * LIMIT)
+
+    task = cycle.start(after_one_tick(loads))
+    cycle.step()
+    cycle.step()
+
+    assert task.fault is None
+    assert not cycle.halted
+
+
+def test_what_takes_longer_than_it_was_allowed_is_interrupted(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def loads() -> None:
+        with cycle.pulse.allowing(3 * LIMIT):
+            hog()
+
+    task = cycle.start(after_one_tick(loads), "loader")
+    cycle.step()
+    cycle.step()
+
+    assert isinstance(task.fault, CycleOverrun)
+    assert "0.30 s are allowed" in cycle.halted
+    assert cycle.pulse.allowed == 0.0
+
+
+# ------------------------------------------------------------------ what others wrote
+
+
+class Brakeless(FakeCell):
+    """A cell whose brake breaks."""
+
+    def halt(self) -> None:
+        raise OSError("no such device")
+
+
+def test_a_brake_that_breaks_does_not_keep_code_from_being_interrupted_nor_the_watchdog_from_going_on() -> None:
+    cycle = ControlCycle(DeviceBoard(Brakeless(SPEC)))
+    with Watchdog(cycle, LIMIT):
+        for _ in range(2):
+            task = cycle.start(after_one_tick(hog))
+            cycle.step()
+            cycle.step()
+            assert isinstance(task.fault, CycleOverrun)
+            cycle.reset()
+
+
+def test_a_listener_that_breaks_does_not_end_the_watchdog(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    def breaks(_overrun: Overrun) -> None:
+        raise SystemExit(1)
+
+    told: list[Overrun] = []
+    watchdog.on_overrun(breaks)
+    watchdog.on_overrun(told.append)
+    for number in (1, 2):
+        cycle.start(after_one_tick(hog))
+        cycle.step()
+        cycle.step()
+        wait_for(lambda: len(told) == number)  # noqa: B023 - waited for at once
+        cycle.reset()
+
+
 class Tick:
     """A task as the pulse sees it."""
 
     def __init__(self) -> None:
         self.name = "tick"
+        self.interruptible = True
         self.done = False
         self.faults: list[BaseException] = []
 

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from skiros_py.planning.explanation import explain
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_task, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, FREE, HOLDING, IN_CONTAINER
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, FREE, HOLDING, IN_CONTAINER, REACHABLE
 from skiros_py.world.world import World
 
 GIANT = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."
@@ -98,3 +101,21 @@ def test_conditions_that_exclude_each_other_only_have_no_reason_each() -> None:
 
 def test_what_holds_already_needs_no_explanation() -> None:
     assert reasons(tiny_world(), FREE("slot_1"), HOLDING("gripper_1", "ball_1")) == ()
+
+
+def test_a_property_that_nothing_has_is_said_of_the_class() -> None:
+    skill = replace(DRIVE, params=(*DRIVE.params, Param("Slot", "tiny:Slot", "A slot.")), pre=(REACHABLE("Slot"),))
+    goal = AT_LOCATION("robot_1", "box_a")
+
+    (reason,) = explain(tiny_task(tiny_world(), goal, skills=(skill,)), tiny_world())
+
+    assert reason.endswith("needs that a Slot has a driving pose, and no Slot has a driving pose")
+
+
+def test_a_skill_that_needs_what_it_is_wanted_for_is_told_once() -> None:
+    goal = AT_LOCATION("robot_1", "box_a")
+    skill = replace(DRIVE, pre=(*DRIVE.pre, AT_LOCATION("Robot", "Location")))
+
+    (reason,) = explain(tiny_task(tiny_world(), goal, skills=(skill,)), tiny_world())
+
+    assert reason.count("skill 'drive'") == 1

@@ -85,6 +85,15 @@ def test_when_each_condition_alone_could_be_reached_the_answer_says_so() -> None
     assert outcome == NoPlan(("each condition could be reached alone, but not all of them together",))
 
 
+def test_one_condition_that_undoes_what_it_needs_is_not_said_to_be_several() -> None:
+    outcome = planned()
+
+    assert isinstance(outcome, NoPlan)
+    assert outcome.reasons == (
+        "In(ball_1, slot_1) cannot be reached: whatever is done for it undoes something else that it needs",
+    )
+
+
 def test_the_same_ball_in_two_slots_has_no_plan() -> None:
     with Bench(tiny_world()) as bench:
         outcome = bench.plan("In(ball_1, slot_1)", "In(ball_1, slot_2)").outcome

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -336,3 +336,18 @@ def test_a_condition_lost_again_has_the_time_when_it_came_to_hold_for_good() -> 
     assert len(taken) == 1
     assert report.conditions[0].simulated == pytest.approx(report.simulated, abs=0.011)
     assert report.conditions[0].simulated > taken[0]
+
+
+def test_a_step_whose_skill_runs_already_waits_and_says_so_once_and_the_plan_is_still_looked_after() -> None:
+    with Bench(tiny_world(), (pretend(DRIVE, Sequence.of(Wait(3.0), AssertEffects(0.0))), pretend(PICK))) as bench:
+        busy = bench.start("drive", Location="box_b")
+        task = bench.cycle.start(bench.tasks.pursue(bench.goal("Holding(gripper_1, ball_1)")))
+        bench.until(lambda: [e for e in bench.events if "is running already" in e.text])
+        bench.advance(0.1)
+        assert [e.text for e in bench.events if "waits" in e.text] == ["waits: drive of base_1 is running already"]
+        with bench.world.transaction("somebody", "carried the ball away") as tx:
+            tx.place("ball_1", "sk:in", "box_b")
+        bench.until(lambda: len(bench.plans) == 2, limit=0.5)  # while the other one still runs
+
+        assert not busy.done
+        assert bench.cycle.run(task).reached

@@ -1,7 +1,7 @@
 """Conditions: patterns over the world, in the words of the domain, with reasons; their effects; watching them."""
 
 from skiros_py.skills.conditions.compare import Compare
-from skiros_py.skills.conditions.condition import Condition, ConditionType, Role, any_of
+from skiros_py.skills.conditions.condition import Condition, ConditionType, Role, all_of, any_of
 from skiros_py.skills.conditions.effects import (
     Assign,
     Effect,
@@ -11,6 +11,7 @@ from skiros_py.skills.conditions.effects import (
     suppose_effects,
     write_effects,
 )
+from skiros_py.skills.conditions.judging import judge
 from skiros_py.skills.conditions.kinds import ClassRelated, IsA
 from skiros_py.skills.conditions.pattern import (
     AllOf,
@@ -53,9 +54,11 @@ __all__ = [
     "Verdict",
     "Watch",
     "Watches",
+    "all_of",
     "any_of",
     "effects_of",
     "is_sensed",
+    "judge",
     "suppose_effects",
     "write_effects",
 ]

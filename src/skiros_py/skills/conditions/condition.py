@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions.pattern import AnyOf, Binding, Exists, Not, Pattern
+from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern
 from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["Condition", "ConditionType", "Role", "any_of"]
+__all__ = ["Condition", "ConditionType", "Role", "all_of", "any_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +125,7 @@ class Condition:
         pattern = grounded.closed_pattern(view.ontology)
         try:
             inner = pattern.evaluate(view, {argument: argument for argument in grounded.arguments})
-        except Exception as error:
+        except BaseException as error:
             error.add_note(f"in condition {grounded}")
             raise
         return Verdict(inner.holds, str(grounded), (inner,))
@@ -133,6 +133,15 @@ class Condition:
 
 def any_of(*conditions: Condition) -> Condition:
     """Makes a condition that holds when at least one of the given ones does."""
+    return _joined(conditions, AnyOf(tuple(condition.pattern for condition in conditions)), " or ")
+
+
+def all_of(*conditions: Condition) -> Condition:
+    """Makes a condition that holds when all of the given ones do."""
+    return _joined(conditions, AllOf(tuple(condition.pattern for condition in conditions)), " and ")
+
+
+def _joined(conditions: Sequence[Condition], pattern: Pattern, word: str) -> Condition:
     arguments = tuple(dict.fromkeys(argument for condition in conditions for argument in condition.arguments))
     classes = {
         argument: role.class_
@@ -140,6 +149,5 @@ def any_of(*conditions: Condition) -> Condition:
         for role, argument in zip(condition.type.roles, condition.arguments, strict=True)
     }
     roles = tuple(Role(argument, classes[argument]) for argument in arguments)
-    name = " or ".join(condition.type.name for condition in conditions)
-    pattern = AnyOf(tuple(condition.pattern for condition in conditions))
-    return Condition(ConditionType(name, roles, pattern, " or ".join(c.type.help for c in conditions)), arguments)
+    name = word.join(condition.type.name for condition in conditions)
+    return Condition(ConditionType(name, roles, pattern, word.join(c.type.help for c in conditions)), arguments)

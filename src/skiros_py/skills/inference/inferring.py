@@ -14,6 +14,7 @@ from skiros_py.skills.inference.result import Inferred, Missing
 from skiros_py.skills.inference.search import Search
 from skiros_py.skills.parameters import IT, Param, missing
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.structure import nearest_first
 from skiros_py.skills.variables import variables
 from skiros_py.world.view import WorldView
 
@@ -100,7 +101,7 @@ def _groups(description: SkillDescription, values: Mapping[str, Any]) -> list[_G
     """The open parameters, apart where no need and no preference connects them."""
     elements = [param for param in description.params if param.is_element]
     known = {param.key: str(values[param.key]) for param in elements if values[param.key] is not None}
-    open_ = [param for param in elements if param.is_inferred and param.key not in known]
+    open_ = [nearest_first(p, description.agent) for p in elements if p.is_inferred and p.key not in known]
     speakable = {*known, *(param.key for param in open_)}
     needs = [need for need in description.needs if speakable.issuperset(need.arguments)]
     preferences = [{p.key, *variables(pattern)} - {IT} for p in open_ for pattern in p.preferred]

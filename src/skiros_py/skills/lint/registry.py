@@ -8,12 +8,13 @@ from types import MappingProxyType
 from skiros_py.errors import UnknownName
 from skiros_py.skills.lint.finding import Severity
 from skiros_py.skills.lint.rule import Rule
-from skiros_py.skills.lint.rules.calls import MISSING_PARAMETER, UNKNOWN_MODULE
+from skiros_py.skills.lint.rules.calls import MISSING_ARGUMENT, MISSING_PARAMETER, UNKNOWN_MODULE
 from skiros_py.skills.lint.rules.code import BLOCKING_CALL, MOTION_IN_FINALLY, YIELD_NEVER
 from skiros_py.skills.lint.rules.devices import SAME_DEVICE
 from skiros_py.skills.lint.rules.documented import MISSING_HELP, MISSING_UNIT
 from skiros_py.skills.lint.rules.imports import PRIVATE_IMPORT
 from skiros_py.skills.lint.rules.places import MOVES_BY_STRUCTURE, UNPLACED
+from skiros_py.skills.lint.rules.pretending import PRETENDS
 from skiros_py.skills.lint.rules.ranges import WRONG_RANGE
 from skiros_py.skills.lint.rules.reach import IMPOSSIBLE_EFFECT, UNREACHABLE_PRECONDITION
 from skiros_py.skills.lint.rules.recursion import RECURSIVE_SKILL
@@ -32,12 +33,14 @@ _ALL = (
     NOT_COMPUTED,
     UNPLACED,
     UNKNOWN_MODULE,
+    MISSING_ARGUMENT,
     MISSING_PARAMETER,
     WRONG_RANGE,
     IMPOSSIBLE_EFFECT,
     UNREACHABLE_PRECONDITION,
     RECURSIVE_SKILL,
     SAME_DEVICE,
+    PRETENDS,
     MOVES_BY_STRUCTURE,
     MISSING_HELP,
     MISSING_UNIT,

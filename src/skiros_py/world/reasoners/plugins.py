@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skiros_py.errors import UsageError
-from skiros_py.plugins import Plugin, PluginFault, load_plugins, raised
+from skiros_py.plugins import Plugin, PluginFault, attempt, load_plugins
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.reasoner import Reasoner
 from skiros_py.world.reasoners.registry import Reasoners
@@ -45,16 +45,15 @@ def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[P
 
 def _made(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | None) -> Reasoner | PluginFault:
     """Returns the reasoner of a plug-in, or why it cannot be used beside the others."""
+    return attempt(plugin, lambda: _usable(plugin, others, ontology))
+
+
+def _usable(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | None) -> Reasoner | PluginFault:
     class_ = plugin.value
     if not isinstance(class_, type) or not issubclass(class_, Reasoner):
         return plugin.fault(f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")
-    try:
-        reasoner = class_()
-        problem = _problem(reasoner, others) or _undeclared(reasoner, ontology)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # noqa: BLE001 - somebody else's code: whatever it raises, SystemExit too
-        return raised(plugin, error)
+    reasoner = class_()
+    problem = _problem(reasoner, others) or _undeclared(reasoner, ontology)
     return reasoner if problem is None else plugin.fault(problem)
 
 

@@ -13,11 +13,9 @@ from hypothesis import strategies as st
 
 from skiros_py.skills.composition import (
     AssertEffects,
-    Check,
     Do,
     Fallback,
     ForEach,
-    Guard,
     Node,
     P,
     Parallel,
@@ -49,7 +47,7 @@ from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import CONDITIONS, SKILLS, tiny_ontology, tiny_world
-from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE, pretend
+from skiros_py.testing.tiny_skills import DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE, pretend
 from skiros_py.world.checks import relation_problem
 from skiros_py.world.element import Placement
 from skiros_py.world.reasoners.registry import Reasoners
@@ -231,7 +229,48 @@ def test_values_that_a_called_skill_needs_must_be_given() -> None:
 
     (finding,) = findings(caller, skills=[slow, caller])
 
-    assert (finding.rule, finding.text) == ("unknown-module", "skill 'creep' needs Speed")
+    assert (finding.rule, finding.text) == ("missing-argument", "skill 'creep' needs Speed")
+
+
+class Squeeze(Wave):
+    """Squeezes."""
+
+    name: ClassVar[str] = "squeeze"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        force: float = param("number", "How hard.", unit="N")
+        gripper: str = param("sk:Gripper", "The gripper.", kind=Kind.HARDWARE)
+        robot: str = param("sk:Robot", "The robot.", kind=Kind.PLANNING)
+        of: str | None = param("tiny:Ball", "What.", kind=Kind.OPTIONAL)
+        rate: float = param("number", "How often.", kind=Kind.CONFIG, default=1.0, unit="Hz")
+
+
+def of_call(call: Do) -> list[tuple[str, str]]:
+    there = Known(tiny_ontology(), {"squeeze": Squeeze}, SKILLS, REASONERS)
+    return [(f.rule, f.text) for f in check(pretend(PICK, call), there, rules=RULES.values())]
+
+
+def test_what_a_run_finds_by_itself_may_be_left_out_of_a_call_of_a_primitive() -> None:
+    assert of_call(Do.of("squeeze", force=3.0)) == []
+    assert of_call(Do.of("squeeze")) == [("missing-argument", "primitive 'squeeze' needs force")]
+
+
+def test_what_is_fixed_when_a_module_is_loaded_cannot_be_passed() -> None:
+    ((rule, text),) = of_call(Do.of("squeeze", force=3.0, rate=2.0))
+
+    assert (rule, text) == (
+        "unknown-module",
+        "primitive 'squeeze' has rate fixed when it is loaded: it cannot be given at a call",
+    )
+
+
+@pytest.mark.parametrize("driver", [None, "pybullet"])
+def test_a_skill_that_is_not_for_fakes_must_not_pretend_wherever_it_does(driver: str | None) -> None:
+    (problem,) = problems_of(Skill(DRIVE, Fallback.of(AssertEffects()), driver=driver), tiny_ontology(), {})
+
+    assert "only skills for driver 'fake' may" in problem
+    assert problems_of(Skill(DRIVE, Do.of("drive"), finish=AssertEffects()), tiny_ontology(), {}, skills=SKILLS)
 
 
 def test_a_misspelt_parameter_of_a_module_is_named_with_the_one_it_is_like() -> None:
@@ -240,20 +279,8 @@ def test_a_misspelt_parameter_of_a_module_is_named_with_the_one_it_is_like() -> 
     assert texts == ["skill 'pick' has no parameter Bal; did you mean Ball?"]
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
-        Do.of("pick", Ball=P("Bal")),
-        Guard.of(AssertEffects(), AT_LOCATION("Robot", "Spot")),
-        Check.of(AT_LOCATION("Robot", "Spot")),
-        ForEach("x", "tiny:Box", Do.of("drive"), Related("sk:at", "Robott", "x")),
-        AssertEffects(1.0, ("nothing",)),
-        Sequence.of(ForEach("x", "tiny:Box", Do.of("drive")), Do.of("pick", Box=P("x"))),
-    ],
-    ids=["call", "guard", "check", "query", "effect", "after the loop"],
-)
-def test_what_refers_to_no_parameter_is_found(body: Node) -> None:
-    assert of_body(body) == {"missing-parameter"}
+def test_what_is_asserted_and_is_no_postcondition_is_found() -> None:
+    assert broken(pretend(DRIVE, AssertEffects(1.0, ("nothing",)))) == {"missing-parameter"}
 
 
 def test_a_loop_has_a_name_of_its_own() -> None:
@@ -354,6 +381,36 @@ def test_parallel_branches_may_take_different_devices() -> None:
     assert broken(Skill(two, Parallel.of(*waving[:2]))) == set()
     (finding,) = findings(Skill(two, Parallel.of(*waving)))
     assert finding.text.startswith("parallel branches 1 and 3 both take Left")
+
+
+@pytest.mark.parametrize(
+    ("branches", "said"),
+    [
+        ((Do.of("wave"), Do.of("wave")), "the robot's sk:Arm"),
+        ((Do.of("wave"), Do.of("pick")), "the robot's sk:Arm"),
+        ((Do.of("drive"), Do.of("drive")), "Base"),
+        ((Do.of("drive", Base=P("Base")), Sequence.of(Do.of("wave"), Do.of("drive"))), "Base"),
+        ((Do.of("wave", arm="arm_1"), Do.of("wave")), "arm_1"),
+        ((Do.of("drive"), Do.of("wave")), ""),
+        ((Do.of("wave", arm="arm_1"), Do.of("wave", arm="arm_2")), ""),
+    ],
+)
+def test_devices_that_are_left_out_are_the_robots_own(branches: tuple[Node, ...], said: str) -> None:
+    texts = [f.text for f in findings(pretend(replace(DRIVE, name="roam"), Parallel.of(*branches)))]
+
+    assert [f"both take {said}:" in text for text in texts] == [True] * bool(said)
+
+
+def test_who_only_looks_on_takes_nothing() -> None:
+    class Watch(Wave):
+        """Looks on."""
+
+        watches: ClassVar[str] = "sk:Arm"
+
+    there = Known(tiny_ontology(), {"wave": Watch}, SKILLS, REASONERS)
+    roam = pretend(replace(DRIVE, name="roam"), Parallel.of(Do.of("wave"), Do.of("wave")))
+
+    assert list(check(roam, there, rules=[RULES["same-device"]])) == []
 
 
 # ------------------------------------------------------------------------------------------ code

@@ -4,62 +4,56 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Iterator
-from dataclasses import MISSING, fields
 
-from skiros_py.skills.composition import AssertEffects, Check, Do, ForEach, Guard, P, walk
+from skiros_py.skills.composition import AssertEffects, Do, walk
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint.finding import Problem, Severity
-from skiros_py.skills.lint.patterns import classes_of, walk_scoped
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.rules.words import own_params
-from skiros_py.skills.lint.subject import Known, PrimitiveClass, Source, Subject
+from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.variables import variables
 
-__all__ = ["MISSING_PARAMETER", "UNKNOWN_MODULE"]
+__all__ = ["MISSING_ARGUMENT", "MISSING_PARAMETER", "UNKNOWN_MODULE"]
 
 
 def _calls(subject: Subject, known: Known) -> Iterator[Problem]:
-    if not isinstance(subject, Skill):
-        return
-    for call in (node for root in subject.nodes for node in walk(root) if isinstance(node, Do)):
-        yield from map(Problem, _in_call(call, known))
+    for call in _calls_of(subject):
+        if call.module in known.primitives:
+            yield from _unknown(f"primitive '{call.module}'", call.arguments, known.params(call.module) or ())
+        elif known.implementations(call.module):
+            yield from _unknown(f"skill '{call.module}'", call.arguments, known.params(call.module) or ())
+        else:
+            names = sorted({*known.primitives, *(s.description.name for s in known.skills)})
+            yield Problem(f"there is no primitive or skill '{call.module}'; there is {', '.join(names) or 'none'}")
 
 
-def _in_call(call: Do, known: Known) -> Iterator[str]:
-    if call.module in known.primitives:
-        yield from _in_primitive_call(call, known.primitives[call.module])
-        return
-    params = known.params(call.module)
-    if params is None:
-        names = sorted({*known.primitives, *(s.description.name for s in known.skills)})
-        yield f"there is no primitive or skill '{call.module}'; there is {', '.join(names) or 'none'}"
-        return
-    yield from _in_skill_call(call, params)
+def _gaps(subject: Subject, known: Known) -> Iterator[Problem]:
+    for call in _calls_of(subject):
+        kind = "primitive" if call.module in known.primitives else "skill"
+        for param in known.params(call.module) or ():
+            if param.kind.is_required and param.key not in call.arguments and not _is_filled_in(param, kind):
+                yield Problem(f"{kind} '{call.module}' needs {param.key}")
 
 
-def _in_primitive_call(call: Do, primitive: PrimitiveClass) -> Iterator[str]:
-    own = {field.name: field for field in fields(primitive.Params)}
-    for name, field in own.items():
-        if field.default is MISSING and field.default_factory is MISSING and name not in call.arguments:
-            yield f"primitive '{call.module}' needs {name}"
-    yield from _unknown(f"primitive '{call.module}'", call.arguments, own)
+def _calls_of(subject: Subject) -> Iterator[Do]:
+    if isinstance(subject, Skill):
+        yield from (node for root in subject.nodes for node in walk(root) if isinstance(node, Do))
 
 
-def _in_skill_call(call: Do, params: tuple[Param, ...]) -> Iterator[str]:
-    """Elements that are left out are inferred when the call's turn comes; values are not."""
-    for param in params:
-        if param.kind is Kind.ONLINE and not param.is_element and param.key not in call.arguments:
-            yield f"skill '{call.module}' needs {param.key}"
-    yield from _unknown(f"skill '{call.module}'", call.arguments, [param.key for param in params])
+def _is_filled_in(param: Param, kind: str) -> bool:
+    """Tells whether a run finds it: what it can of a skill, and of a primitive what belongs to the robot."""
+    return param.is_inferred and (kind == "skill" or param.kind in (Kind.HARDWARE, Kind.PLANNING))
 
 
-def _unknown(module: str, given: Iterable[str], known: Iterable[str]) -> Iterator[str]:
-    keys = list(known)
+def _unknown(module: str, given: Iterable[str], params: Iterable[Param]) -> Iterator[Problem]:
+    by_key = {param.key: param for param in params}
     for key in given:
-        if key not in keys:
-            yield f"{module} has no parameter {key}{_nearest(key, keys)}"
+        if key not in by_key:
+            yield Problem(f"{module} has no parameter {key}{_nearest(key, by_key)}")
+        elif by_key[key].kind is Kind.CONFIG:
+            yield Problem(f"{module} has {key} fixed when it is loaded: it cannot be given at a call")
 
 
 def _nearest(name: str, known: Iterable[str]) -> str:
@@ -87,35 +81,18 @@ def _open(type_: ConditionType, roles: list[str]) -> Iterator[str]:
 
 
 def _in_body(skill: Skill) -> Iterator[str]:
-    keys = {param.key for param in skill.description.params}
+    """Yields what is asserted in vain; other references were looked at when the skill was made."""
     posts = [condition.key for condition in skill.description.post]
-    for root in skill.nodes:
-        for node, scope in walk_scoped(root, classes_of(skill.description)):
-            there = keys | scope.keys()
-            match node:
-                case Do(module, arguments):
-                    asked = [value.key for value in arguments.values() if isinstance(value, P)]
-                    yield from _said(f"'{module}' asks for", asked, there)
-                case Guard(_, conditions) | Check(conditions):
-                    for condition in conditions:
-                        yield from _said(f"condition {condition} asks for", condition.arguments, there)
-                case ForEach(key, _, _, pattern) if pattern is not None:
-                    yield from _said(f"for each {key} asks for", variables(pattern), {*there, key})
-                case AssertEffects(_, only):
-                    for key in (key for key in only if key not in posts):
-                        yield f"it asserts '{key}', which is no postcondition; there is {', '.join(posts)}"
-                case _:
-                    pass
-
-
-def _said(what: str, names: Iterable[str], there: set[str]) -> Iterator[str]:
-    for name in names:
-        if name not in there:
-            yield f"{what} {name}, which is no parameter of the skill{_nearest(name, there)}"
+    asserted = (node for root in skill.nodes for node in walk(root) if isinstance(node, AssertEffects))
+    for key in (key for node in asserted for key in node.only if key not in posts):
+        yield f"it asserts '{key}', which is no postcondition; there is {', '.join(posts)}"
 
 
 UNKNOWN_MODULE = Rule(
     "unknown-module", Severity.ERROR, "A body calls what is not there, or with parameters it has not.", _calls, True
+)
+MISSING_ARGUMENT = Rule(
+    "missing-argument", Severity.ERROR, "A call leaves out what nobody can fill in.", _gaps, disables=True
 )
 MISSING_PARAMETER = Rule(
     "missing-parameter", Severity.ERROR, "Something refers to a parameter that is not there.", _strays, True

@@ -3,45 +3,86 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from skiros_py.skills.composition import Do, Node, P, Parallel, walk
+from skiros_py.skills.composition import Do, Node, P, Parallel
 from skiros_py.skills.lint.finding import Problem, Severity
+from skiros_py.skills.lint.patterns import Classes, classes_of, walk_scoped
 from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rules.ranges import overlap
 from skiros_py.skills.lint.subject import Known, Subject
-from skiros_py.skills.parameters import Kind
-from skiros_py.skills.skill import Skill
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.skill import Skill, SkillDescription
 
 __all__ = ["SAME_DEVICE"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Device:
+    """What a call takes.
+
+    Attributes:
+        class_: Its class.
+        name: What the body says for it; empty where it is left out, so that it is the robot's.
+    """
+
+    class_: str
+    name: str = ""
+
+    def __str__(self) -> str:
+        return self.name or f"the robot's {self.class_}"
 
 
 def _shared(subject: Subject, known: Known) -> Iterator[Problem]:
     if not isinstance(subject, Skill):
         return
-    for node in (node for root in subject.nodes for node in walk(root)):
+    own = classes_of(subject.description)
+    for node, classes in (found for root in subject.nodes for found in walk_scoped(root, own)):
         if isinstance(node, Parallel):
-            for (i, one), (j, other) in combinations(enumerate(node.children, start=1), 2):
-                for device in sorted(_devices(one, known) & _devices(other, known)):
+            branches = [_devices(child, classes, subject.description, known) for child in node.children]
+            for (i, one), (j, other) in combinations(enumerate(branches, start=1), 2):
+                for device in sorted({str(a if a.name else b) for a in one for b in other if _may_be_one(a, b, known)}):
                     yield Problem(f"parallel branches {i} and {j} both take {device}: one waits for the other")
 
 
-def _devices(node: Node, known: Known) -> set[str]:
-    """Returns what the modules of a branch take, as far as the body says it."""
-    calls = [below for below in walk(node) if isinstance(below, Do)]
-    return {name for call in calls for name in _taken(call, known)}
+def _may_be_one(one: _Device, other: _Device, known: Known) -> bool:
+    """Tells whether two are one device; of what is left out, robots have one of a class or would have to say which."""
+    if one.name and other.name:
+        return one.name == other.name
+    return overlap(known.ontology, one.class_, other.class_)
 
 
-def _taken(call: Do, known: Known) -> Iterator[str]:
-    taken = set(known.takes(call.module))
-    taken |= {param.key for param in known.params(call.module) or () if param.kind is Kind.HARDWARE}
-    for key, value in call.arguments.items():
-        if key in taken:
-            yield _name(value)
+def _devices(node: Node, classes: Classes, description: SkillDescription, known: Known) -> set[_Device]:
+    """Returns what the modules of a branch take."""
+    calls = ((below, scope) for below, scope in walk_scoped(node, classes) if isinstance(below, Do))
+    return {device for call, scope in calls for device in _taken(call, scope, description, known)}
 
 
-def _name(value: Any) -> str:
-    return value.key if isinstance(value, P) else str(value)
+def _taken(call: Do, classes: Classes, description: SkillDescription, known: Known) -> Iterator[_Device]:
+    if call.module in known.primitives and known.primitives[call.module].watches:
+        return  # who only looks on takes nothing
+    taken = known.takes(call.module)
+    for param in known.params(call.module) or ():
+        if not param.is_element or not (param.key in taken or param.kind is Kind.HARDWARE):
+            continue
+        if param.key in call.arguments:
+            yield _given(call.arguments[param.key], param, classes)
+        elif param.kind.is_required:
+            yield _left_out(param, description, known)
+
+
+def _given(value: Any, param: Param, classes: Classes) -> _Device:
+    if isinstance(value, P):
+        return _Device(classes.get(value.key, param.element_class), value.key)
+    return _Device(param.element_class, str(value))
+
+
+def _left_out(param: Param, description: SkillDescription, known: Known) -> _Device:
+    """Returns what a run fills in: the subsystem itself where it is of that class, for nothing is nearer."""
+    is_agent = overlap(known.ontology, description.agent_class, param.element_class)
+    return _Device(param.element_class, description.agent if is_agent else "")
 
 
 SAME_DEVICE = Rule("same-device", Severity.WARNING, "Two parallel branches take one device.", _shared)

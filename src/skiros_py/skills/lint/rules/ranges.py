@@ -25,7 +25,7 @@ from skiros_py.world.literals import CLASS_NAME, DATATYPES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import End
 
-__all__ = ["WRONG_RANGE"]
+__all__ = ["WRONG_RANGE", "overlap"]
 
 
 def _misfits(subject: Subject, known: Known) -> Iterator[Problem]:
@@ -40,11 +40,11 @@ def _misfits(subject: Subject, known: Known) -> Iterator[Problem]:
 def _roles(condition: Condition, classes: Classes, ontology: Ontology) -> Iterator[str]:
     for role, argument in zip(condition.type.roles, condition.arguments, strict=True):
         class_ = classes.get(argument)
-        if class_ is not None and not _overlap(ontology, class_, role.class_):
+        if class_ is not None and not overlap(ontology, class_, role.class_):
             yield f"its {role.name} is a {role.class_}, and {argument} is a {class_}: nothing is both"
 
 
-def _overlap(ontology: Ontology, one: str, other: str) -> bool:
+def overlap(ontology: Ontology, one: str, other: str) -> bool:
     """Tells whether something can be of both classes; of what is not declared nothing is known."""
     if one not in ontology.classes or other not in ontology.classes:
         return True
@@ -64,7 +64,7 @@ def _ends(use: Use, ontology: Ontology) -> Iterator[str]:
                 yield from _end("object", relation, object_, classes, ontology)
             case Has() | Compare():
                 yield from _property(leaf, classes, ontology)
-            case IsA(subject, class_) if not _overlap(ontology, classes.get(subject, class_), class_):
+            case IsA(subject, class_) if not overlap(ontology, classes.get(subject, class_), class_):
                 yield f"{subject} is a {classes[subject]}, and can never be a {class_}"
             case _:
                 pass
@@ -137,7 +137,7 @@ def _in_call(call: Do, classes: Classes, skill: Skill, known: Known) -> Iterator
             yield f"'{call.module}' takes {param.type_name} as {key}, and {value.key} is a {class_}"
         elif param.is_element and value.key in values:
             yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is no element"
-        elif class_ is not None and param.is_element and not _overlap(known.ontology, class_, param.element_class):
+        elif class_ is not None and param.is_element and not overlap(known.ontology, class_, param.element_class):
             yield f"'{call.module}' takes a {param.type_name} as {key}, and {value.key} is a {class_}: nothing is both"
 
 

@@ -1,0 +1,96 @@
+"""The command ends, whatever the code of others does: C that does not come back, threads that are left."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import click
+
+from skiros_py.cli.output import answer
+from skiros_py.cli.text import escaped
+
+__all__ = ["GRACE", "end_unless", "leave"]
+
+GRACE = 3.0
+"""For how long the control thread may be stuck once the command shall end [s]."""
+_LEAVING = 2.0
+"""For how long threads and exit handlers of others may keep a command that is over [s]."""
+_LOOK = 0.05
+
+
+def end_unless(comes_back: Callable[[], bool], text: str, status: int, *, as_json: bool) -> None:
+    """Ends the process from a thread of its own, unless there is a sign of life within :data:`GRACE`.
+
+    Args:
+        comes_back: Tells whether there is one; asked again and again.
+        text: What is said then.
+        status: Exit status then.
+        as_json: Whether that is an answer in JSON, too.
+    """
+
+    def wait() -> None:
+        if not _soon(comes_back, GRACE):
+            click.echo(escaped(f"skiros: {text}"), err=True)
+            if as_json:
+                answer({"error": text, "status": status})
+            _end(status)
+
+    threading.Thread(target=wait, name="skiros-ending", daemon=True).start()
+
+
+def leave(status: int) -> None:
+    """Ends the process in the usual way, but does not wait for ever for threads that others have started."""
+    threading.Thread(target=_end_late, args=(status,), name="skiros-leaving", daemon=True).start()
+    sys.exit(status)
+
+
+def _end_late(status: int) -> None:
+    main = threading.main_thread()
+    main.join(_LEAVING)
+    if main.is_alive():  # the command was called by a program that goes on
+        return
+    time.sleep(_LEAVING)
+    left = [thread.name for thread in threading.enumerate() if thread is not main and not thread.daemon]
+    what = f"threads that are no daemons still run: {', '.join(left)}" if left else "an exit handler does not end"
+    click.echo(escaped(f"skiros: warning: {what}; the command ends nevertheless"), err=True)
+    _end(status)
+
+
+def _soon(came: Callable[[], bool], seconds: float) -> bool:
+    end = time.monotonic() + seconds
+    while not came():
+        if time.monotonic() > end:
+            return False
+        time.sleep(_LOOK)
+    return True
+
+
+def _end(status: int) -> None:
+    """Ends at once: no clean-up of others runs any more; what is in a data directory is on the disk already."""
+    for child in _children():
+        with suppress(ProcessLookupError):
+            os.kill(child, signal.SIGKILL)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(status)
+
+
+def _children() -> list[int]:
+    """Returns the processes that this one has started, where the system tells."""
+    texts = [_text(file) for file in Path("/proc/self/task").glob("*/children")]
+    return [int(number) for text in texts for number in text.split()]
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_text(encoding="ascii")
+    except OSError:  # that thread is gone
+        return ""

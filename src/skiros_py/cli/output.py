@@ -1,0 +1,62 @@
+"""Stdout is for the answer: whatever else is printed while a command runs, also from C, goes to stderr."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO
+
+import click
+
+__all__ = ["answer", "answer_text", "answers_alone", "silence"]
+
+_answers: TextIO | None = None
+
+
+@contextmanager
+def answers_alone(*, prints: bool) -> Iterator[None]:
+    """Keeps what others print from C away from stdout, and on request all that is printed in Python, too.
+
+    Args:
+        prints: True where only :func:`answer` shall reach stdout.
+    """
+    global _answers
+    outer = sys.stdout
+    _answers = _moved(outer)
+    sys.stdout = sys.stderr if prints else _answers
+    try:
+        yield
+    finally:
+        _answers.flush()
+        sys.stdout, _answers = outer, None
+
+
+def answer(value: Any) -> None:
+    """Prints the answer of a command as JSON, in one line."""
+    answer_text(json.dumps(value))
+
+
+def answer_text(text: str) -> None:
+    """Prints the answer of a command, as it is."""
+    click.echo(text, file=_answers)
+
+
+def silence() -> None:
+    """Keeps the interpreter from complaining, while it ends, about an output that nobody reads any more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), (_answers or sys.stdout).fileno())
+
+
+def _moved(stdout: TextIO) -> TextIO:
+    """Returns stdout on a descriptor of its own; what writes to the usual one writes to stderr from now on."""
+    try:
+        if stdout.fileno() != 1:
+            return stdout
+    except OSError:  # it is no file: nothing that C writes can get there
+        return stdout
+    stdout.flush()
+    ours = os.dup(1)
+    os.dup2(2, 1)
+    return os.fdopen(ours, "w", encoding=stdout.encoding, errors=stdout.errors, buffering=1)

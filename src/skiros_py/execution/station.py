@@ -1,0 +1,148 @@
+"""A station: a world and a cell's devices under one control cycle, with skill managers and a watchdog."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from skiros_py.errors import UsageError
+from skiros_py.execution.configuration import check_configuration
+from skiros_py.execution.cycle import ControlCycle, Task
+from skiros_py.execution.managers import Managers
+from skiros_py.execution.monitor import Monitor
+from skiros_py.execution.running import RunningModule
+from skiros_py.execution.watchdog import Watchdog
+from skiros_py.robot.cell import CellSpec
+from skiros_py.robot.devices import DeviceBoard
+from skiros_py.robot.driver import CellDriver
+from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.questions import Questions
+from skiros_py.skills.sensing import BoardSensors
+from skiros_py.skills.skill import Skill
+from skiros_py.world.world import World
+
+__all__ = ["Station", "StationOptions"]
+
+
+@dataclass(frozen=True, slots=True)
+class StationOptions:
+    """How to set a station up.
+
+    Attributes:
+        kind: Kind of cell driver whose implementations of skills are used; the driver's own where left out.
+        seed: Seed of every random choice.
+        pace: Simulated seconds per wall second; None for lockstep, as fast as possible.
+        libraries: Motion and perception.
+        config: Values of configuration parameters by "module.key".
+        overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
+    """
+
+    kind: str | None = None
+    seed: int | Sequence[int] = 0
+    pace: float | None = None
+    libraries: Libraries = field(default_factory=Libraries)
+    config: Mapping[str, Any] = field(default_factory=dict)
+    overrun: float | None = None
+
+
+class Station:
+    """Everything that runs modules on a cell. It is watched while it is used in a ``with``.
+
+    Args:
+        world: The live world model.
+        spec: The cell as described in it.
+        driver: The cell as brought up; whoever did that closes it.
+        skills: All skills found.
+        primitives: All primitives found, by name.
+        options: How to set it up.
+
+    Attributes:
+        world: The live world model.
+        cycle: The control cycle.
+        context: What modules may reach.
+        managers: The skill managers by the id of their subsystem.
+        monitor: Module events.
+        questions: What the robots ask a person.
+        watchdog: Interrupts what holds the control cycle.
+
+    Raises:
+        UsageError: The configuration is for modules or parameters that do not exist, or cannot be read.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        spec: CellSpec,
+        driver: CellDriver,
+        skills: Sequence[Skill],
+        primitives: Mapping[str, type[Primitive[Any]]],
+        options: StationOptions = StationOptions(),
+    ) -> None:
+        check_configuration(options.config, primitives, world)
+        board = DeviceBoard(driver)
+        world.clock = lambda: board.snapshot.time
+        world.sensors = BoardSensors(board)
+        self.world = world
+        self.monitor = Monitor()
+        self.questions = Questions()
+        self.cycle = ControlCycle(board, options.pace)
+        self.context = RunContext(
+            world=world,
+            board=board,
+            libraries=options.libraries,
+            cell=spec,
+            rng=np.random.default_rng(options.seed),
+            lockstep=options.pace is None,
+            report=lambda _module, _code, _text: None,
+            clock=board,
+            questions=self.questions,
+            waiting=self.cycle.pulse.waiting,
+        )
+        kind = driver.kind if options.kind is None else options.kind
+        self.managers = Managers(
+            skills, primitives, self.context, self.cycle, self.monitor, driver=kind, config=options.config
+        )
+        self.managers.open_all([robot.id for robot in spec.robots])
+        self.watchdog = Watchdog(self.cycle, options.overrun)
+        self.watchdog.on_lost(self.managers.lose)
+
+    def finish(self, work: Task[Any] | RunningModule, leave: Callable[[], bool] = lambda: False) -> bool:
+        """Runs cycles until a task or module is done.
+
+        When everything is halted meanwhile, it waits for standstill as well; nothing starts again before a reset.
+
+        Args:
+            work: What is waited for.
+            leave: Asked in each cycle whether to wait no longer.
+
+        Returns:
+            True when the work ended by itself.
+        """
+        while not (work.done or leave() or self.cycle.halted):
+            self.cycle.step()
+        if self.cycle.halted:
+            self.cycle.stop_all(self.cycle.halted)
+        return work.done and not self.cycle.halted
+
+    def require_ready(self) -> None:
+        """Sees that modules may be started.
+
+        Raises:
+            UsageError: Everything was halted, and nobody has reset it since.
+        """
+        if self.cycle.halted:
+            raise UsageError(f"nothing can start: everything was halted ({self.cycle.halted}); look, then reset()")
+
+    def __enter__(self) -> Self:
+        self.watchdog.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.watchdog.close()

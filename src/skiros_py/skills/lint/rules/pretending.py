@@ -1,0 +1,27 @@
+"""Only fakes pretend: elsewhere an effect is written by whoever sensed it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from skiros_py.skills.composition import AssertEffects, walk
+from skiros_py.skills.lint.finding import Problem, Severity
+from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.subject import Known, Subject
+from skiros_py.skills.skill import Skill
+
+__all__ = ["PRETENDS"]
+
+
+def _pretended(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
+    if not isinstance(subject, Skill) or subject.driver == "fake":
+        return
+    if any(isinstance(node, AssertEffects) for root in subject.nodes for node in walk(root)):
+        said = "every driver" if subject.driver is None else f"driver '{subject.driver}'"
+        yield Problem(
+            f"it is for {said} and asserts effects that nobody sensed: only skills for driver 'fake' may; let the "
+            "primitive that senses an effect call self.happened(…)"
+        )
+
+
+PRETENDS = Rule("pretends", Severity.ERROR, "A skill for a real robot asserts what nobody sensed.", _pretended, True)

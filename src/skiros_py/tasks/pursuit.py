@@ -1,0 +1,39 @@
+"""Pursuing a goal from the outside: cycles are run until it is reached or given up, or everything stops."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+from skiros_py.execution.station import Station
+from skiros_py.skills.conditions import Condition, judge
+from skiros_py.tasks.report import ConditionReport, GoalReport
+from skiros_py.tasks.task_manager import TaskManager
+
+__all__ = ["pursue"]
+
+
+def pursue(
+    station: Station, tasks: TaskManager, goal: Sequence[Condition], leave: Callable[[], bool] = lambda: False
+) -> GoalReport:
+    """Pursues a goal to its end.
+
+    Args:
+        station: Runs everything.
+        tasks: The task manager.
+        goal: Conditions that shall hold together.
+        leave: Asked in each cycle whether somebody wants it to stop; then everything is still as it was in that cycle.
+
+    Raises:
+        UsageError: Everything was halted before, and not reset.
+        PlanningError: The planner broke before anything was done.
+    """
+    station.require_ready()
+    started = time.perf_counter(), station.context.board.now
+    task = station.cycle.start(tasks.pursue(goal), "the task manager")
+    if station.finish(task, leave):
+        return task.result
+    why = station.cycle.halted
+    conditions = tuple(ConditionReport(str(c), bool(judge(c, station.world)), None, 0, why or "stopped") for c in goal)
+    used = station.context.board.now - started[1], time.perf_counter() - started[0]
+    return GoalReport(conditions, tuple(tasks.steps), *used, stopped=not why)
