@@ -24,7 +24,6 @@ Expected outcomes ("no plan", "part not found", "condition does not hold") are v
 from __future__ import annotations
 
 import difflib
-import signal
 import string
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -36,7 +35,6 @@ __all__ = [
     "DeviceError",
     "FileError",
     "GoalSyntaxError",
-    "Interruption",
     "Locked",
     "MissingSystemLibrary",
     "ModuleError",
@@ -45,9 +43,7 @@ __all__ = [
     "StaleVersion",
     "UnknownName",
     "UsageError",
-    "UserStop",
     "WorldError",
-    "by_user",
 ]
 
 
@@ -63,21 +59,6 @@ def _restored(kind: type[SkirosError], args: tuple[object, ...], fields: dict[st
     error = kind.__new__(kind, *args)
     error.__dict__.update(fields)
     return error
-
-
-class Interruption(BaseException):
-    """The platform breaks off what runs, such as code that holds the control cycle: not for authors to catch."""
-
-
-class UserStop(KeyboardInterrupt):
-    """The user asks the command to end: what its handlers of signals raise."""
-
-
-def by_user(error: BaseException) -> bool:
-    """Tells whether an exception is the user's wish to end; where nobody handles Ctrl-C, each interrupt may be."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        return isinstance(error, KeyboardInterrupt)
-    return isinstance(error, UserStop)
 
 
 class UsageError(SkirosError):

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 from skiros_py.catalogue.callers import called_by, callers_of_broken
 from skiros_py.catalogue.catalogue import Catalogue
-from skiros_py.errors import PlanningError, by_user
+from skiros_py.errors import PlanningError
+from skiros_py.interruptions import by_user
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.planning.model import Action
 from skiros_py.plugins import LazyPlugins, PluginFault

@@ -16,7 +16,8 @@ from skiros_py.cli.output import answer, answers_alone, silence
 from skiros_py.cli.stops import ignore_stops, unwind_on_stops
 from skiros_py.cli.text import brief
 from skiros_py.cli.warnings import warnings_on_stderr
-from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName, by_user
+from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName
+from skiros_py.interruptions import by_user
 
 __all__ = ["cli", "main"]
 

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from skiros_py.errors import UserStop
+from skiros_py.interruptions import UserStop
 
 __all__ = ["STOPS", "heard_at_once", "ignore_stops", "raise_interrupt", "unwind_on_stops"]
 

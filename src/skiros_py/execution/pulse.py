@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Protocol
 
-from skiros_py.errors import Interruption
+from skiros_py.interruptions import Interruption
 
 __all__ = ["Chore", "CycleOverrun", "Overrun", "Pulse", "Watched"]
 

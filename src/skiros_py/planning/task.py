@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
-from skiros_py.errors import Interruption, PlanningError, SkirosError
+from skiros_py.errors import PlanningError, SkirosError
+from skiros_py.interruptions import Interruption
 from skiros_py.planning.actions import actions_of, maintain_emptiness
 from skiros_py.planning.classes import IS, common_class, primary_line, with_class_predicates
 from skiros_py.planning.goals import compile_goal

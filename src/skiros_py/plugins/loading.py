@@ -9,7 +9,7 @@ from contextlib import redirect_stdout
 from importlib.metadata import EntryPoint
 from typing import TypeVar
 
-from skiros_py.errors import by_user
+from skiros_py.interruptions import by_user
 from skiros_py.plugins.fits import misfit
 from skiros_py.plugins.installation import installation
 from skiros_py.plugins.origin import locate, origin_of

@@ -7,12 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from typing import Self
 
-from skiros_py.errors import Interruption, PlanningError, SkirosError
+from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.execution.contained import words
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import Transport
 from skiros_py.execution.station import Station
+from skiros_py.interruptions import Interruption
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.planner import Planner
 from skiros_py.planning.service import Planned, PlanningService

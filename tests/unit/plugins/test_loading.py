@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -54,11 +56,29 @@ def test_a_plugin_that_fails_to_load_is_reported_and_hurts_nobody(site: Any, tex
     assert fault.origin == str(site.folder / f"{module}.py")
 
 
-def test_a_person_who_stops_the_program_while_a_plugin_is_imported_stops_it(site: Any) -> None:
+@pytest.fixture
+def handled(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Ctrl-C, handled as the test says; earlier tests may have left it otherwise."""
+    before = signal.signal(signal.SIGINT, request.param)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("handled", [signal.default_int_handler], indirect=True)
+def test_a_person_who_stops_the_program_while_a_plugin_is_imported_stops_it(site: Any, handled: None) -> None:
     site.install("plug-c", {"testing_only": {"c": "plug_c:X"}}, {"plug_c.py": "raise KeyboardInterrupt"})
 
     with pytest.raises(KeyboardInterrupt):
         load_plugins(GROUP)
+
+
+@pytest.mark.parametrize("handled", [lambda _number, _frame: None], indirect=True)
+def test_an_interrupt_that_is_not_the_users_is_the_plugins_fault(site: Any, handled: None) -> None:
+    site.install("plug-d", {"testing_only": {"d": "plug_d:X"}}, {"plug_d.py": "raise KeyboardInterrupt"})
+
+    _, faults = load_plugins(GROUP)
+
+    assert ["KeyboardInterrupt" in fault.reason for fault in faults] == [True]
 
 
 def test_what_a_plugin_prints_while_it_is_imported_does_not_mix_with_an_answer(

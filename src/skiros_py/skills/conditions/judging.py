@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 
-from skiros_py.errors import Interruption
+from skiros_py.interruptions import Interruption
 from skiros_py.skills.conditions.condition import Condition
 from skiros_py.skills.conditions.pattern import Binding
 from skiros_py.skills.conditions.verdict import Verdict
