@@ -63,6 +63,13 @@ class FastDownward:
     """
 
     name = "fast-downward"
+    supports = frozenset(
+        {
+            ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions",
+            ":existential-preconditions", ":universal-preconditions", ":quantified-preconditions",
+            ":conditional-effects", ":adl", ":derived-predicates", ":action-costs",
+        }
+    )  # fmt: skip
 
     def __init__(self, options: tuple[str, ...] = ("--alias", "lama-first"), time_limit: float = 120.0) -> None:
         self._options = options

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-__all__ = ["Action", "Atom", "Domain", "Problem", "Variable"]
+__all__ = ["Action", "Atom", "Domain", "NoneSuch", "Problem", "Variable"]
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -29,8 +29,20 @@ class Variable:
 
 
 @dataclass(frozen=True, slots=True)
+class NoneSuch:
+    """The precondition that there are no such things: no values of the variables make all the atoms true at once."""
+
+    variables: tuple[Variable, ...]
+    atoms: tuple[Atom, ...]
+
+    def bind(self, binding: Mapping[str, str]) -> NoneSuch:
+        """Replaces the variables of the action, not its own."""
+        return NoneSuch(self.variables, tuple(atom.bind(binding) for atom in self.atoms))
+
+
+@dataclass(frozen=True, slots=True)
 class Action:
-    """A STRIPS action.
+    """An action: STRIPS, besides :attr:`none` where an author's condition cannot be said without.
 
     Attributes:
         name: Unique name; a skill's variants are numbered ("place/2").
@@ -39,6 +51,8 @@ class Action:
         pre, add, delete: Positive atoms over the parameters; deletes happen before adds.
         notes: What was added to what the author wrote, and why.
         constants: Elements that the skill always means, with the class it takes them for; its atoms name them.
+        none: What there must not be; empty where typed STRIPS says all.
+        duration: How long it takes [s]; None where nobody knows, and for bookkeeping.
     """
 
     name: str
@@ -49,6 +63,8 @@ class Action:
     delete: tuple[Atom, ...]
     notes: tuple[str, ...] = ()
     constants: tuple[Variable, ...] = ()
+    none: tuple[NoneSuch, ...] = ()
+    duration: float | None = None
 
     @property
     def types(self) -> dict[str, str]:

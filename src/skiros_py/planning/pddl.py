@@ -17,12 +17,20 @@ __all__ = ["PddlTexts", "write_pddl"]
 
 @dataclass(frozen=True, slots=True)
 class PddlTexts:
-    """A domain, a problem, and the way back from PDDL names."""
+    """A domain, a problem, and the way back from PDDL names.
+
+    Attributes:
+        domain, problem: The texts.
+        objects: PDDL names of the elements.
+        actions: Actions by PDDL name.
+        requirements: What the texts use, in PDDL's keywords: ":strips", ":typing", ….
+    """
 
     domain: str
     problem: str
     objects: NameMap = field(repr=False)
     actions: Mapping[str, Action] = field(repr=False)
+    requirements: tuple[str, ...] = (":strips", ":typing")
 
 
 class _Writer:

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.pddl import PddlTexts
+from skiros_py.planning.reasons import Cause, Repair
 
 __all__ = ["NoPlan", "Plan", "Step", "read_plan"]
 
@@ -35,10 +36,20 @@ class Plan:
     Attributes:
         steps: The skills to run.
         pddl: The plan of the PDDL task, one action a line, as planners write it and validators read it.
+        after: For each step the indices of the steps that must have ended before it starts; empty where they run
+            strictly one after the other.
+        starts: When each step shall start, from the start of the plan [s]; empty where nobody knows.
     """
 
     steps: tuple[Step, ...]
     pddl: tuple[str, ...] = field(default=(), compare=False)
+    after: tuple[frozenset[int], ...] = ()
+    starts: tuple[float, ...] = field(default=(), compare=False)
+
+    @property
+    def order(self) -> tuple[frozenset[int], ...]:
+        """For each step the indices of the steps that must have ended before it starts."""
+        return self.after or tuple(frozenset({i - 1} if i else ()) for i in range(len(self.steps)))
 
     def __str__(self) -> str:
         return "\n".join(f"{i:2}. {step}" for i, step in enumerate(self.steps, start=1))
@@ -46,9 +57,17 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class NoPlan:
-    """There is no plan; the reasons are in the operator's words, one for each condition that cannot be reached."""
+    """There is no plan.
+
+    Attributes:
+        reasons: Why, in the operator's words: one for each condition that cannot be reached.
+        causes: The same as data.
+        repairs: Smallest changes after which there is a plan, tried out.
+    """
 
     reasons: tuple[str, ...]
+    causes: tuple[Cause, ...] = field(default=(), compare=False)
+    repairs: tuple[Repair, ...] = field(default=(), compare=False)
 
 
 def read_plan(

@@ -12,14 +12,30 @@ __all__ = ["Answer", "Planner", "Solved", "Unsolvable"]
 
 @dataclass(frozen=True, slots=True)
 class Solved:
-    """A plan as the planner wrote it: for each step the action and its objects, in PDDL names."""
+    """A plan as the planner wrote it.
+
+    Attributes:
+        steps: For each step the action and its objects, in PDDL names, in the order in which they start.
+        starts: When each step starts [s]; empty where the planner knows no time.
+        durations: How long each takes [s]; empty where the planner knows no time.
+    """
 
     steps: tuple[tuple[str, ...], ...]
+    starts: tuple[float, ...] = ()
+    durations: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Unsolvable:
-    """The planner says that no plan exists."""
+    """The planner says that no plan exists.
+
+    Attributes:
+        reason: What it says of why, if anything.
+        proven: False where it gave up searching without a proof.
+    """
+
+    reason: str = ""
+    proven: bool = True
 
 
 Answer = Solved | Unsolvable
@@ -31,6 +47,11 @@ class Planner(Protocol):
     @property
     def name(self) -> str:
         """What people call it."""
+        ...
+
+    @property
+    def supports(self) -> frozenset[str]:
+        """The PDDL requirements it can take: ":strips", ":typing", ":durative-actions", …."""
         ...
 
     def solve(self, domain: str, problem: str) -> Pending[Answer]:
