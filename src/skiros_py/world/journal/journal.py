@@ -9,15 +9,16 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from skiros_py.database import Database
 from skiros_py.errors import FileError, UsageError, WorldError
 from skiros_py.world.change import Change
 from skiros_py.world.garbage import collection_paused
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
 from skiros_py.world.journal.content import Content
-from skiros_py.world.journal.database import Database
 from skiros_py.world.journal.recent import Recent
 from skiros_py.world.journal.records import Entry, delete_from, delete_until, insert, select, select_after
+from skiros_py.world.journal.schema import SCHEMA
 from skiros_py.world.journal.snapshot import read_piece, snapshot_pieces
 from skiros_py.world.past import Past
 
@@ -44,7 +45,7 @@ class Journal:
         """
         self._path = path
         self._process = os.getpid()
-        self._database = Database(path)
+        self._database = Database(path, SCHEMA)
         try:
             self._snapshot_version = self._stored_snapshot_version()
             ((first, last),) = self._database.rows("SELECT min(number), max(number) FROM changes")

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from skiros_py.database import Database
 from skiros_py.errors import FileError
 from skiros_py.world.change import Change, ElementEdit
 from skiros_py.world.journal.codec import decode_change, encode_change
-from skiros_py.world.journal.database import Database
 from skiros_py.world.past import subjects_of
 
 __all__ = ["Entry", "delete_from", "delete_until", "insert", "select", "select_after"]

@@ -1,17 +1,10 @@
-"""The tables of a journal file: each version of them is what the one before was, and one step more."""
+"""The tables of a journal file."""
 
 from __future__ import annotations
 
-import sqlite3
-from collections.abc import Sequence
-from pathlib import Path
+from skiros_py.database import Schema
 
-from skiros_py.errors import FileError
-
-__all__ = ["APPLICATION", "MIGRATIONS", "check", "upgrade"]
-
-APPLICATION = 0x736B696A
-"""Marks a file as a journal, among all the files that SQLite writes: "skij"."""
+__all__ = ["SCHEMA"]
 
 _CHANGES = """
 CREATE TABLE changes (
@@ -58,49 +51,5 @@ INSERT OR IGNORE INTO marks SELECT '', number FROM edits WHERE json_extract(edit
 DROP VIEW edits;
 """
 
-MIGRATIONS: Sequence[str] = (_CHANGES, _MARKS)
-"""SQL that leads from one version of the tables to the next; the first makes version 1."""
-
-
-def check(connection: sqlite3.Connection, path: Path) -> None:
-    """Reads what a file is, and changes nothing.
-
-    Raises:
-        FileError: It is no journal, or a later version of this program wrote it.
-        sqlite3.Error: The file is damaged or cannot be read.
-    """
-    if _number(connection, "application_id") != APPLICATION:
-        raise FileError(path, "is the file of another program, not the journal of a world: choose another folder")
-    version = _number(connection, "user_version")
-    if version > len(MIGRATIONS):
-        raise FileError(
-            path,
-            f"has tables of version {version}, and this program knows those up to {len(MIGRATIONS)}:"
-            " open it with the program that wrote it, or a later one",
-        )
-
-
-def upgrade(connection: sqlite3.Connection) -> None:
-    """Brings a file, empty or old, to the present version of the tables; each step is done whole or not at all.
-
-    Raises:
-        sqlite3.Error: The file is damaged or cannot be written.
-    """
-    for number in range(_number(connection, "user_version"), len(MIGRATIONS)):
-        _run(connection, number)
-
-
-def _run(connection: sqlite3.Connection, number: int) -> None:
-    steps = MIGRATIONS[number]
-    mark = f"PRAGMA application_id = {APPLICATION}; PRAGMA user_version = {number + 1};"
-    try:
-        connection.executescript(f"BEGIN IMMEDIATE; {steps} {mark} COMMIT;")
-    except BaseException:
-        if connection.in_transaction:
-            connection.execute("ROLLBACK")
-        raise
-
-
-def _number(connection: sqlite3.Connection, pragma: str) -> int:
-    ((value,),) = connection.execute(f"PRAGMA {pragma}").fetchall()
-    return int(value)
+SCHEMA = Schema("journal", "the journal of a world", 0x736B696A, (_CHANGES, _MARKS))
+"""Such a file is marked "skij"."""

@@ -18,7 +18,7 @@ from skiros_py.world.change import Change, ElementEdit, GoalsEdit, PropertyEdit,
 from skiros_py.world.index import Index
 from skiros_py.world.journal import DataDirectory, Journal, codec, recent, records
 from skiros_py.world.journal.codec import encode_change
-from skiros_py.world.journal.schema import APPLICATION, MIGRATIONS
+from skiros_py.world.journal.schema import SCHEMA
 from skiros_py.world.past import GOALS, MemoryLog
 
 Open = Callable[[], DataDirectory]
@@ -327,7 +327,7 @@ def test_a_file_of_version_one_is_brought_up_to_date_with_its_content(
     assert facts(past.index) == facts(world.snapshot())
     assert past.ids.used("ball_1")
     with closing(sqlite3.connect(old)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (len(MIGRATIONS),)
+        assert connection.execute("PRAGMA user_version").fetchone() == (len(SCHEMA.migrations),)
         marked = set(connection.execute("SELECT * FROM marks"))
     fresh = tmp_path / "fresh.db"
     with closing(Journal(fresh)) as journal:
@@ -363,8 +363,8 @@ def test_a_file_of_a_later_version_is_refused(tmp_path: Path) -> None:
 def old_file(path: Path, changes: Sequence[Change]) -> Path:
     """Writes a file as the first version of this program did."""
     with closing(sqlite3.connect(path)) as connection:
-        connection.executescript(MIGRATIONS[0])
-        connection.executescript(f"PRAGMA application_id = {APPLICATION}; PRAGMA user_version = 1;")
+        connection.executescript(SCHEMA.migrations[0])
+        connection.executescript(f"PRAGMA application_id = {SCHEMA.application}; PRAGMA user_version = 1;")
         for one in changes:
             text, *more = encode_change(one)
             row = (one.number, 1.5e9, one.writer.value, one.undoes, len(more), text)

@@ -6,13 +6,13 @@ import sqlite3
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from skiros_py.errors import FileError, WorldError
-from skiros_py.world.journal.schema import check, upgrade
 
-__all__ = ["Database"]
+__all__ = ["Database", "Schema"]
 
 _PAGES_BETWEEN_CHECKPOINTS = 4000
 """How long the write-ahead log grows before it is worked into the file (16 MB)."""
@@ -20,13 +20,11 @@ _PAGES_BETWEEN_CHECKPOINTS = 4000
 _LEAST_SIZE = 512
 """Bytes of the smallest page that a file of SQLite consists of."""
 
-_DAMAGED = "the file is damaged, or no journal: put a copy of it in its place, or begin in another folder"
-
 _WORDS = (
     ("SQLITE_FULL", "there is no room left for it on the disk: nothing was changed"),
     ("SQLITE_IOERR", "the disk does not take it (is it full, or gone?): nothing was changed"),
-    ("SQLITE_CORRUPT", _DAMAGED),
-    ("SQLITE_NOTADB", _DAMAGED),
+    ("SQLITE_CORRUPT", ""),
+    ("SQLITE_NOTADB", ""),
     ("SQLITE_BUSY", "another program has the file open: close that first"),
     ("SQLITE_READONLY", "the file cannot be written: mind the rights of file and folder"),
     ("SQLITE_CANTOPEN", "the file cannot be opened: mind the rights of file and folder"),
@@ -34,37 +32,102 @@ _WORDS = (
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """The tables of a kind of file: each version of them is what the one before was, and one step more.
+
+    Attributes:
+        kind: What such a file is, in one word: "journal".
+        what: The same with what it is of: "the journal of a world".
+        application: Marks such a file among all the files that SQLite writes.
+        migrations: SQL that leads from one version of the tables to the next; the first makes version 1.
+    """
+
+    kind: str
+    what: str
+    application: int
+    migrations: Sequence[str]
+
+    def check(self, connection: sqlite3.Connection, path: Path) -> None:
+        """Reads what a file is, and changes nothing.
+
+        Raises:
+            FileError: It is of another kind, or a later version of this program wrote it.
+            sqlite3.Error: The file is damaged or cannot be read.
+        """
+        if _number(connection, "application_id") != self.application:
+            raise FileError(path, f"is the file of another program, not {self.what}: choose another folder")
+        version = _number(connection, "user_version")
+        if version > len(self.migrations):
+            raise FileError(
+                path,
+                f"has tables of version {version}, and this program knows those up to {len(self.migrations)}:"
+                " open it with the program that wrote it, or a later one",
+            )
+
+    def upgrade(self, connection: sqlite3.Connection) -> None:
+        """Brings a file, empty or old, to the present version of the tables; each step is done whole or not at all.
+
+        Raises:
+            sqlite3.Error: The file is damaged or cannot be written.
+        """
+        for number in range(_number(connection, "user_version"), len(self.migrations)):
+            self._run(connection, number)
+
+    def _run(self, connection: sqlite3.Connection, number: int) -> None:
+        steps = self.migrations[number]
+        mark = f"PRAGMA application_id = {self.application}; PRAGMA user_version = {number + 1};"
+        try:
+            connection.executescript(f"BEGIN IMMEDIATE; {steps} {mark} COMMIT;")
+        except BaseException:
+            if connection.in_transaction:
+                connection.execute("ROLLBACK")
+            raise
+
+    @property
+    def damaged(self) -> str:
+        """What is said of a file that cannot be made out."""
+        return f"the file is damaged, or no {self.kind}: put a copy of it in its place, or begin in another folder"
+
+
 class Database:
     """An open file; made where it is missing, brought up to date where it is old.
 
-    What is committed outlives the process, however that ends; a power cut may take the last second.
+    What is committed outlives the process, however that ends; a power cut may take the last second of what is not
+    durable.
 
     Attributes:
         path: The file.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, schema: Schema, *, durable: bool = False) -> None:
         """Opens the file.
+
+        Args:
+            path: The file.
+            schema: Its tables.
+            durable: True where what is committed has to outlive a power cut as well; each commit waits for the disk.
 
         Raises:
             FileError: It cannot be opened or made, is damaged or another program's, or younger than this program.
         """
         self.path = path
+        self._schema = schema
         self._guard = threading.RLock()
         self._connection: sqlite3.Connection | None = None
         with self._faults():
             if not path.exists():
-                _make(path)
+                _make(path, schema)
             elif path.stat().st_size < _LEAST_SIZE:  # which SQLite would take for a new one
-                raise FileError(path, _DAMAGED)
+                raise FileError(path, schema.damaged)
             self._connection = _connect(path)
             try:
                 _run(self._connection, "locking_mode = EXCLUSIVE")
-                check(self._connection, path)
+                schema.check(self._connection, path)
                 _run(self._connection, "journal_mode = WAL")
-                _run(self._connection, "synchronous = NORMAL")
+                _run(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
                 _run(self._connection, f"wal_autocheckpoint = {_PAGES_BETWEEN_CHECKPOINTS}")
-                upgrade(self._connection)
+                schema.upgrade(self._connection)
             except BaseException:
                 self.close()
                 raise
@@ -132,12 +195,12 @@ class Database:
         try:
             yield
         except sqlite3.Error as error:
-            raise FileError(self.path, _words(error)) from error
+            raise FileError(self.path, _words(error, self._schema)) from error
         except OSError as error:
             raise FileError(self.path, f"cannot be opened: {error.strerror or error}") from error
 
 
-def _make(path: Path) -> None:
+def _make(path: Path, schema: Schema) -> None:
     """Makes the file under another name, so that there never is a half-made one."""
     log = path.with_name(f"{path.name}-wal")
     if log.exists():
@@ -146,7 +209,7 @@ def _make(path: Path) -> None:
     for left in (new, new.with_name(f"{new.name}-journal")):
         left.unlink(missing_ok=True)
     with closing(_connect(new)) as connection:
-        upgrade(connection)
+        schema.upgrade(connection)
     new.replace(path)
 
 
@@ -159,7 +222,12 @@ def _run(connection: sqlite3.Connection, pragma: str) -> None:
     connection.execute(f"PRAGMA {pragma}").fetchall()
 
 
-def _words(error: sqlite3.Error) -> str:
+def _number(connection: sqlite3.Connection, pragma: str) -> int:
+    ((value,),) = connection.execute(f"PRAGMA {pragma}").fetchall()
+    return int(value)
+
+
+def _words(error: sqlite3.Error, schema: Schema) -> str:
     name = getattr(error, "sqlite_errorname", "")
     said = next((words for begin, words in _WORDS if name.startswith(begin)), "it cannot be used")
-    return f"{said} ({error})"
+    return f"{said or schema.damaged} ({error})"
