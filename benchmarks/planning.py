@@ -1,64 +1,196 @@
-"""From world model to validated plan, against the bare planner on the same files.
+"""From world model to validated plan: against the bare planner on the same files, and in worlds that grow.
 
     uv run python benchmarks/planning.py
 
-Both are timed in turn in the same run; the ratio of the medians decides.
+What is compared is timed in turn in the same run; the ratio of the medians decides.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
+import importlib.util
 import os
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
+from planning_replan import replanning_times
+from planning_worlds import PART_CLASSES, able, crowded, kitting_world
 from table import Figure, finish
 
 from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.plan import NoPlan
-from skiros_py.runtime import Options, Session
+from skiros_py.planning.kairos import Kairos
+from skiros_py.planning.pddl import write_pddl
+from skiros_py.planning.plan import Plan
+from skiros_py.planning.planner import Planner
+from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.task import build_task
+from skiros_py.skills.conditions import Condition
+from skiros_py.testing.agreement import disagreement
+from skiros_py.testing.random_tasks import random_task
+from skiros_py.world.element import Placement
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import IN
+from skiros_skills.conditions import OBJECT_AT_LOCATION
+
+THREE = tuple(
+    OBJECT_AT_LOCATION(class_, compartment)
+    for class_, compartment in zip(PART_CLASSES, ("kit_1_a", "kit_1_b", "kit_1_c"), strict=False)
+)
+"""The goal of the scene ``kitting``."""
 
 
 def main() -> int:
     """Measures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--pairs", type=int, default=15, help="how often each is timed")
-    pairs = parser.parse_args().pairs
-    ours, bare = [], []
-    with Session("kitting", Options(fake=True)) as session, tempfile.TemporaryDirectory() as folder:
-        planned = session.plan()
-        if isinstance(planned.outcome, NoPlan) or planned.texts is None:
-            raise SystemExit(f"no plan: {planned.outcome}")
+    parser.add_argument("--problems", type=int, default=500, help="random problems that are planned both ways")
+    options = parser.parse_args()
+    figures = [
+        *_against_bare(options.pairs),
+        *_many_robots(),
+        *_crowded(options.pairs),
+        *_written(options.pairs),
+        *_replanned(),
+        *_agreeing(options.problems),
+        *_threads(),
+    ]
+    return finish("planning", figures)
+
+
+# ------------------------------------------------------------------ figures
+
+
+def _against_bare(pairs: int) -> list[Figure]:
+    """Three parts, one robot: with Fast Downward against the bare program, and with Kairos."""
+    world = kitting_world()
+    ours, bare, quick = [], [], []
+    planners: tuple[Planner, Planner] = (FastDownward(), Kairos())
+    with tempfile.TemporaryDirectory() as folder:
+        planned = _planned(planners[0], world, THREE)
+        if planned.texts is None:
+            raise SystemExit("no planner was asked")
         for name, text in (("domain.pddl", planned.texts.domain), ("problem.pddl", planned.texts.problem)):
             (Path(folder) / name).write_text(text, encoding="utf-8")
         for _ in range(pairs):
-            started = time.perf_counter()
-            session.plan()
-            ours.append(time.perf_counter() - started)
-            bare.append(_bare(folder))
-    ratio = statistics.median(ours) / statistics.median(bare)
-    return finish("planning", _figures(ours, bare, ratio, len(planned.outcome.steps)))
-
-
-def _figures(ours: list[float], bare: list[float], ratio: float, steps: int) -> list[Figure]:
-    own, raw = statistics.median(ours) * 1e3, statistics.median(bare) * 1e3
+            ours.append(_timed(lambda: _planned(planners[0], world, THREE)))
+            bare.append(_timed(lambda: _run_bare(folder)))
+            quick.append(_timed(lambda: _planned(planners[1], world, THREE)))
+    for planner in planners:
+        planner.close()
+    own, raw, fast = map(statistics.median, (ours, bare, quick))
     return [
-        Figure("bare fast-downward.py, median", f"{raw:.0f} ms"),
-        Figure("world model to validated plan, median", f"{own:.0f} ms, best {min(ours) * 1e3:.0f} ms, {steps} steps"),
-        Figure("ratio", f"{ratio:.2f}", "<= 1.5", ratio <= 1.5, "bare fast-downward.py on the same files"),
+        Figure("bare fast-downward.py", _ms(raw)),
+        Figure("3 parts, world to validated plan", f"{_ms(own)}, best {_ms(min(ours))}"),
+        Figure("as a ratio", f"{own / raw:.2f}", "<= 1.2", own / raw <= 1.2, "bare fast-downward.py, same files"),
+        Figure("the same with Kairos", f"{_ms(fast)}, best {_ms(min(quick))}", "<= 40 ms", fast <= 0.04),
     ]
 
 
-def _bare(folder: str) -> float:
-    """Runs the planner alone, as it would be typed, and returns the wall time [s]."""
+def _many_robots() -> list[Figure]:
+    """Ten of a hundred parts out of sixty places, four robots."""
+    world = crowded(parts=100, boxes=60, kits=3, robots=4)
+    goal = [OBJECT_AT_LOCATION(PART_CLASSES[i % 4], f"kit_{2 + i // 4}_{'abcd'[i % 4]}") for i in range(10)]
+    planner = FastDownward()
+    taken = statistics.median(_timed(lambda: _planned(planner, world, goal)) for _ in range(5))
+    planner.close()
+    return [Figure("100 parts, 60 places, 4 robots, 10 wanted", _ms(taken), "<= 1500 ms", taken <= 1.5)]
+
+
+def _crowded(pairs: int) -> list[Figure]:
+    """The goal of three parts in a small world and in one a thousand times as large, each written to in between."""
+    small, large = crowded(parts=40, boxes=10, others=30), crowded(parts=50_000, boxes=10_000, others=40_000)
+    planner = FastDownward()
+    times: dict[int, list[float]] = {id(small): [], id(large): []}
+    for turn in range(pairs + 1):
+        for world in (small, large):
+            with world.transaction("benchmark", "something new") as tx:
+                tx.add(PART_CLASSES[turn % 4], placement=Placement(IN, "pallet_a"))
+            times[id(world)].append(_timed(partial(_planned, planner, world, THREE)))
+    planner.close()
+    few, many = (statistics.median(times[id(world)][1:]) for world in (small, large))
+    return [
+        Figure("3 parts in a world of 100", _ms(few)),
+        Figure("3 parts in a world of 100,000", _ms(many)),
+        Figure("as a ratio", f"{many / few:.2f}", "<= 1.3", many / few <= 1.3, "the world of 100"),
+    ]
+
+
+def _written(times: int) -> list[Figure]:
+    """The complete problem of 500 parts in 50 boxes; whole: with everything in it, needed or not."""
+    world = crowded(parts=500, boxes=50)
+    found = []
+    for whole in (False, True):
+        taken = statistics.median(_timed(partial(_write, world, whole=whole)) for _ in range(times))
+        what = "every part in it" if whole else "interchangeable parts merged"
+        found.append(Figure(f"500 parts, 50 boxes as PDDL, {what}", _ms(taken), "<= 100 ms", taken <= 0.1))
+    return found
+
+
+def _replanned() -> list[Figure]:
+    taken = statistics.median(replanning_times(5))
+    return [Figure("from a failed pick to the next step", _ms(taken), "<= 300 ms", taken <= 0.3)]
+
+
+def _agreeing(problems: int) -> list[Figure]:
+    """Random problems: the relevant part has a plan just where the whole has, and every plan is replayed."""
+    planner = Kairos()
+    wrong = [text for seed in range(problems) if (text := disagreement(random_task(seed), planner))]
+    planner.close()
+    for text in wrong[:5]:
+        print(text)
+    return [Figure(f"{problems} random problems, reduced unlike whole", str(len(wrong)), "0", not wrong)]
+
+
+def _threads() -> list[Figure]:
+    """A thousand goals from eight threads, where that benchmark is there."""
+    if importlib.util.find_spec("planning_threads") is None:
+        return []
+    figures: list[Figure] = importlib.import_module("planning_threads").figures()
+    return figures
+
+
+# ------------------------------------------------------------------ what is timed
+
+
+def _planned(planner: Planner, world: WorldView, goal: Sequence[Condition]) -> Planned:
+    planning = PlanningService(planner).plan(world, able(world), goal)
+    try:
+        while True:
+            next(planning)
+    except StopIteration as end:
+        planned: Planned = end.value
+    if not isinstance(planned.outcome, Plan):
+        raise SystemExit(f"no plan: {planned.outcome}")
+    return planned
+
+
+def _write(world: WorldView, *, whole: bool) -> None:
+    task = build_task(world, able(world), THREE, whole=whole)
+    write_pddl(task.domain, task.problem, name="large")
+
+
+def _run_bare(folder: str) -> None:
+    """Runs the planner alone, as it would be typed."""
     command = FastDownward().command("domain.pddl", "problem.pddl")
-    started = time.perf_counter()
     subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=True, env=dict(os.environ))
+
+
+def _timed(work: Callable[[], object]) -> float:
+    """Returns the wall time that something takes [s]."""
+    started = time.perf_counter()
+    work()
     return time.perf_counter() - started
+
+
+def _ms(seconds: float) -> str:
+    return f"{seconds * 1e3:.0f} ms"
 
 
 if __name__ == "__main__":

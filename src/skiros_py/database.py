@@ -100,13 +100,14 @@ class Database:
         path: The file.
     """
 
-    def __init__(self, path: Path, schema: Schema, *, durable: bool = False) -> None:
+    def __init__(self, path: Path, schema: Schema, *, durable: bool = False, shared: bool = False) -> None:
         """Opens the file.
 
         Args:
             path: The file.
             schema: Its tables.
             durable: True where what is committed has to outlive a power cut as well; each commit waits for the disk.
+            shared: True where other processes may read what is committed meanwhile.
 
         Raises:
             FileError: It cannot be opened or made, is damaged or another program's, or younger than this program.
@@ -122,7 +123,8 @@ class Database:
                 raise FileError(path, schema.damaged)
             self._connection = _connect(path)
             try:
-                _run(self._connection, "locking_mode = EXCLUSIVE")
+                if not shared:
+                    _run(self._connection, "locking_mode = EXCLUSIVE")
                 schema.check(self._connection, path)
                 _run(self._connection, "journal_mode = WAL")
                 _run(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.robot.cell import CellSpec
@@ -23,6 +23,9 @@ from skiros_py.world.vocabulary import (
     LOCATION,
     MANIPULATABLE,
     ON,
+    POSE,
+    POSE_FRAME,
+    STATION,
 )
 
 __all__ = ["judge"]
@@ -85,10 +88,19 @@ def _location(view: WorldView, truth: Truth, base: str) -> str:
     bodies = truth.poses()
     at = truth.base_pose(base)
     for location in view.instances(LOCATION):
-        driving = view.value(location, DRIVING_POSE)
-        if isinstance(driving, Pose) and location in bodies:
-            wanted = bodies[location] @ driving
+        driving, place = view.value(location, DRIVING_POSE), _pose(view, bodies, location)
+        if isinstance(driving, Pose) and place is not None:
+            wanted = place @ driving
             off = ((at.position[0] - wanted.position[0]) ** 2 + (at.position[1] - wanted.position[1]) ** 2) ** 0.5
             if off <= _THERE[0] and abs(wrap_angle(at.yaw - wanted.yaw)) <= _THERE[1]:
                 return location
     return _floor(view)
+
+
+def _pose(view: WorldView, bodies: Mapping[str, Pose], element: str) -> Pose | None:
+    """Returns where something really is: a body, or a spot that is fixed to one or to the map."""
+    if element in bodies or not view.ontology.is_a(view.element(element).type, STATION):
+        return bodies.get(element)
+    pose, frames = view.value(element, POSE), view.objects(element, POSE_FRAME)
+    frame = _pose(view, bodies, frames[0]) if frames else Pose()
+    return frame @ pose if frame is not None and isinstance(pose, Pose) else None

@@ -7,16 +7,20 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.config import find_scene, ontology_paths
-from skiros_py.errors import DescriptionError, FileError, UnknownName, UsageError
+from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.station import Station, StationOptions
+from skiros_py.planning.choosing import Planners
+from skiros_py.planning.command import EVERYTHING, CommandPlanner
 from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
 from skiros_py.robot.driver import CellDriver
@@ -38,13 +42,13 @@ from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.cell import PyBulletCell
+    from skiros_py.tasks.jobs import JobManager
     from skiros_py.world.journal import DataDirectory
 
 __all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
 
 _log = logging.getLogger(__name__)
 
-_PLANNER = "fast-downward"
 _STREAM = 1
 """Random numbers of modules are a stream of their own beside those of the simulation."""
 _HASH_EVERY = 20
@@ -64,6 +68,11 @@ class Options:
         goal: Goal text or texts; empty for the goal that goes with the scene.
         driver: Name of a cell driver that a plug-in brings; None for the simulation (or the fake).
         config: Values of configuration parameters by "module.key".
+        planner: Name of the planner; None for the first that takes what a task uses.
+        planner_command: Command line of a planner, with ``{domain}``, ``{problem}`` and perhaps ``{plan}``; instead of
+            a name.
+        data: A data directory, in which world and jobs outlive the session; the scene is the first content of a new
+            one. None for a session that leaves nothing behind.
     """
 
     seed: int = 0
@@ -74,12 +83,17 @@ class Options:
     goal: str | tuple[str, ...] = ()
     driver: str | None = None
     config: Mapping[str, Any] = field(default_factory=dict)
+    planner: str | None = None
+    planner_command: str | None = None
+    data: Path | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise UsageError(f"seed: a whole number from 0, not {self.seed!r}")
         if self.pace is not None and not 0.0 < self.pace < float("inf"):
             raise UsageError(f"pace: a positive factor, or None for as fast as possible, not {self.pace!r}")
+        if self.planner is not None and self.planner_command is not None:
+            raise UsageError("planner: give its name or its command line, not both")
 
 
 class Session:
@@ -116,7 +130,7 @@ class Session:
             raise
 
     def _open(self, scene: str) -> None:
-        self.world, faults = _opened(scene)
+        self.world, faults = self._open_world(scene)
         # They are known already where the catalogue is that of the installation.
         self.catalogue = replace(self.catalogue, early=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
         fake = None if self.options.driver else self.options.fake  # what a driver is for is known when it is there
@@ -130,8 +144,20 @@ class Session:
         self.world.subscribe(self._digest.add_change)
         self._set_up(libraries)
         self._watch()
-        planner = self._stack.enter_context(closing(self.catalogue.planner(_PLANNER)))
-        self.tasks = TaskManager.of(self.station, planner, scene_title(scene), on_plan=self._tell_plan)
+        planners = self._stack.enter_context(closing(self._planners()))
+        title = scene_title(scene)
+        self.tasks = TaskManager.of(self.station, planners, title, on_plan=self._tell_plan, leaving=self._is_stopping)
+
+    def _open_world(self, scene: str) -> tuple[World, tuple[PluginFault, ...]]:
+        if self.options.data is None:
+            return _opened(scene)
+        from skiros_py.world.journal import DataDirectory  # most runs keep nothing
+
+        ontology, reasoners, faults = _installed()
+        directory = DataDirectory.open(
+            self.options.data, ontology, reasoners, find_scene(scene), imports=ontology_paths()
+        )
+        return self._stack.enter_context(directory).world, faults
 
     def _own_goal(self) -> tuple[Condition, ...]:
         """Reads the goal of the options, else the one that goes with the scene."""
@@ -155,16 +181,18 @@ class Session:
         return (by_name[wanted],)
 
     def _start_libraries(self) -> Libraries:
-        """Starts the worker processes first: their imports take seconds and run side by side."""
-        from skiros_py.motion.arm_planner import WorkerArmPlanner
+        """Starts the worker processes first: their imports take seconds and run side by side.
+
+        Each robot plans its arms' motions in a process of its own; base paths and perception are shared, and answer in
+        the order of asking.
+        """
+        from skiros_py.motion.arm_planner import ArmPlanners
         from skiros_py.motion.base_paths import ShapelyBasePlanner
         from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
 
         check_system_libraries()
-        if len(self.spec.robots) != 1:
-            raise DescriptionError("a physical run takes one robot so far: choose it with --robot")
         perception = self._stack.enter_context(closing(start_perception()))
-        arm_planner = self._stack.enter_context(closing(WorkerArmPlanner(self.spec.robots[0])))
+        arm_planner = self._stack.enter_context(closing(ArmPlanners(self.spec.robots)))
         base_planner = self._stack.enter_context(closing(ShapelyBasePlanner()))
         return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
 
@@ -179,6 +207,11 @@ class Session:
         from skiros_py.simulation.pybullet.cell import PyBulletCell
 
         return self._stack.enter_context(closing(PyBulletCell(self.spec, seed=self.options.seed, gui=self.options.gui)))
+
+    def _planners(self) -> Planners:
+        if self.options.planner_command is not None:
+            return Planners.only(CommandPlanner("command", self.options.planner_command, supports=EVERYTHING))
+        return self.catalogue.choice_of_planners(self.options.planner)
 
     def _set_up(self, libraries: Libraries) -> None:
         """Brings control cycle, skill managers and watchdog up."""
@@ -261,6 +294,25 @@ class Session:
         self.station.finish(running, self._is_stopping)
         self._obey_stop()
         return running.result
+
+    @cached_property
+    def jobs(self) -> JobManager:
+        """The queue of jobs; kept in the data directory, where there is one.
+
+        Raises:
+            FileError: The file with the jobs cannot be used.
+        """
+        from skiros_py.tasks.jobs import JobManager, JobStore  # most sessions have none
+
+        folder = self.options.data or Path(self._stack.enter_context(TemporaryDirectory(prefix="skiros-jobs-")))
+        store = self._stack.enter_context(closing(JobStore(folder / "jobs.db")))
+        return JobManager(self.tasks, self.station, store, self.parse)
+
+    def run_jobs(self) -> None:
+        """Lets jobs run until none is under way and none may start now, or until :meth:`stop`."""
+        while not (self.jobs.idle or self._is_stopping() or self.cycle.halted):
+            self.cycle.step()
+        self._obey_stop()
 
     def reset(self) -> None:
         """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.

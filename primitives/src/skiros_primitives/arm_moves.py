@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from skiros_primitives.fingers import firm_force, move_fingers
+from skiros_primitives.other_robots import bodies
 from skiros_primitives.playback import Playback
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
@@ -68,7 +69,7 @@ class ArmPrimitive(Primitive[Any]):
 
     def around(self, without: frozenset[str] = frozenset()) -> tuple[Obstacle, ...]:
         """Everything not to touch."""
-        return obstacles(self.context, parts=True, without=without)
+        return (*obstacles(self.context, parts=True, without=without), *bodies(self.context, self.robot.id))
 
     def open_wide(self, gripper: Gripper) -> Execution[GripperState]:
         """Opens the fingers as far as they go."""

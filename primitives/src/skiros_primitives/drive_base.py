@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from skiros_primitives import other_robots
+from skiros_primitives.other_robots import reach
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.robot.cell import BaseSpec
 from skiros_py.robot.devices import Base
-from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion
+from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
 from skiros_py.robot.values import BaseTwist
+from skiros_py.skills.floor import Outline, Way
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -27,6 +31,12 @@ _ASIDE = 0.06
 """Greatest distance from the line of a leg [m]; the paths keep more than this from everything."""
 _PATIENCE = 60.0
 """Longest time for one leg [s]."""
+_COURTESY = 120.0
+"""Longest time for which other robots are waited for [s]."""
+_LOOK_AGAIN = 5.0
+"""Longest time between two plans while another robot stands in the way [s]."""
+_APART = 0.02
+"""Distance between two robots where both are as far from their path as they may be [m]."""
 
 
 class DriveBase(Primitive["DriveBase.Params"]):
@@ -42,21 +52,35 @@ class DriveBase(Primitive["DriveBase.Params"]):
         robot: str = param(ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
         location: str = param(LOCATION, "Where to go; it has a driving pose.")
 
+    _waits_for = ""
+
     def execute(self) -> Execution[Outcome]:
-        """Plans, drives, and says where the robot is when it stands."""
+        """Plans, waits until the way is free, drives, and says where the robot is when it stands."""
         goal = self._goal()
         if isinstance(goal, Failure):
             return goal
         base = Base(self.context.board, self.params.base)
-        path = yield from self._plan(base, goal)
-        if isinstance(path, NoMotion):
-            return Failure(f"no way to {self.params.location}: {path.reason}")
+        outline = yield from self._outline()
+        deadline = self.context.now + _COURTESY
+        while True:
+            path = yield from self._plan(base, goal, outline)
+            if isinstance(path, NoMotion):
+                return Failure(f"no way to {self.params.location}: {path.reason}")
+            if path is not None:
+                with self.context.floor.ask(self.params.robot, outline, base.state.pose, path) as way:
+                    if (yield from self._is_free(way, deadline)):
+                        return (yield from self._follow(base, path, way, goal))
+            if self.context.now >= deadline:
+                return Failure(f"no way to {self.params.location}: waited {_COURTESY:g} s for {self._waits_for}")
+            yield from self._pause(deadline)
+
+    def _follow(self, base: Base, path: BasePath, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:
             self._leave()
-        for number, leg in enumerate(path.legs, start=1):
-            self.progress(number, f"leg {number} of {len(path.legs)}")
-            if not (yield from self._drive(base, leg)):
-                return Failure(f"stuck on leg {number} of {len(path.legs)} to {self.params.location}")
+        for number, leg in enumerate(path.legs):
+            self.progress(number + 1, f"leg {number + 1} of {len(path.legs)}")
+            if not (yield from self._drive(base, leg, way, number)):
+                return Failure(f"stuck on leg {number + 1} of {len(path.legs)} to {self.params.location}")
         if not (yield from self._turn(base, path.heading)):
             return Failure(f"stuck while turning at {self.params.location}")
         yield from self._stand(base)
@@ -69,14 +93,60 @@ class DriveBase(Primitive["DriveBase.Params"]):
             return Failure(f"{location} has no driving pose: nobody taught how to stand there")
         return place @ driving
 
-    def _plan(self, base: Base, goal: Pose) -> Execution[BasePath | NoMotion]:
+    def _plan(self, base: Base, goal: Pose, outline: Outline) -> Execution[BasePath | NoMotion | None]:
+        """Plans around everything that stands; None where there is a way, but for another robot that stands there."""
+        margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
+        standing = yield from other_robots.standing(self, self.params.robot, margin=margin)
+        path = yield from self._path(base, goal, standing)
+        if not isinstance(path, NoMotion) or not standing:
+            return path
+        alone = yield from self._path(base, goal, ())
+        if isinstance(alone, NoMotion):
+            return alone
+        self._tell(o.id for o in standing)
+        return None
+
+    def _path(self, base: Base, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[BasePath | NoMotion]:
         planner = self.context.libraries.base_planner
         if planner is None:
             raise DeviceError("drive_base needs a base planner")
         carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self._rides(o.id))
         around = obstacles(self.context, parts=False, without=carried)
-        request = BasePathRequest(base.state.pose, goal, self._spec().footprint, around)
+        request = BasePathRequest(base.state.pose, goal, self._spec().footprint, (*around, *robots))
         return (yield from self.wait(planner.plan(request)))
+
+    def _outline(self) -> Execution[Outline]:
+        """What the robot covers while it drives; alone in its cell it need not know."""
+        if len(self.context.cell.robots) == 1:
+            return self._spec().footprint
+        robot = next(r for r in self.context.cell.robots if r.base.id == self.params.base)
+        return (yield from other_robots.outline(self, robot))
+
+    def _is_free(self, way: Way, deadline: float) -> Execution[bool]:
+        """Waits for those who are in the way; not for one who stands there, nor for ever."""
+        while not way.free:
+            self._tell(way.waits_for())
+            if way.blocked or self.context.now >= deadline:
+                return False
+            yield
+        return True
+
+    def _tell(self, robots: Iterable[str]) -> None:
+        waits_for = " and ".join(dict.fromkeys(robots))
+        if waits_for != self._waits_for:
+            self._waits_for = waits_for
+            self.progress(1, f"waits for {waits_for} to clear the way")
+
+    def _pause(self, deadline: float) -> Execution[None]:
+        """Waits until another robot drives off or has arrived; some have only moved an arm."""
+        end = min(deadline, self.context.now + _LOOK_AGAIN)
+        before = self._driving()
+        while self.context.now < end and self._driving() == before:
+            yield
+
+    def _driving(self) -> list[str]:
+        others = other_robots.others(self.context, self.params.robot)
+        return [other.id for other in others if self.context.floor.is_driving(other.id)]
 
     def _rides(self, element: str) -> bool:
         frames = self.world.objects(element, POSE_FRAME)
@@ -93,12 +163,12 @@ class DriveBase(Primitive["DriveBase.Params"]):
             with self.world.transaction(author=self.name, reason="drives off") as tx:
                 tx.place(self.params.robot, AT, floors[0])
 
-    def _drive(self, base: Base, leg: BaseLeg) -> Execution[bool]:
+    def _drive(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
         pose = base.state.pose
         heading = math.atan2(leg.y - pose.position[1], leg.x - pose.position[0])
         if not (yield from self._turn(base, heading + (math.pi if leg.backwards else 0.0))):
             return False
-        return (yield from self._straight(base, leg))
+        return (yield from self._straight(base, leg, way, driven))
 
     def _turn(self, base: Base, heading: float) -> Execution[bool]:
         spec, deadline = self._spec(), self.context.now + _PATIENCE
@@ -111,7 +181,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
             yield
         return False
 
-    def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
+    def _straight(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
         """Follows the line from here to the leg's end; steers by heading and by distance from the line."""
         spec, deadline = self._spec(), self.context.now + _PATIENCE
         x0, y0, _ = base.state.pose.position
@@ -123,6 +193,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
         while self.context.now < deadline:
             x, y, _ = base.state.pose.position
             left = length - ((x - x0) * ux + (y - y0) * uy)
+            way.passed(driven + 1.0 - left / length)
             if left < 0.002:
                 return True
             aside = -(x - x0) * uy + (y - y0) * ux

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from skiros_py.skills.conditions import (
     AllOf,
+    AnyOf,
     Computed,
     ConditionType,
     Exists,
@@ -28,12 +29,14 @@ from skiros_py.world.vocabulary import (
     ON,
     ROBOT,
     SPATIAL_THING,
+    STATION,
 )
 from skiros_skills import kitting
 
 __all__ = [
     "CAN_BE_WORKED_AT",
     "CARRYING",
+    "DOCKED_AT",
     "EMPTY_HANDED",
     "FITS_IN",
     "GRASPABLE",
@@ -41,6 +44,7 @@ __all__ = [
     "HOLDING",
     "IN_KIT",
     "LOCATION_EMPTY",
+    "LOCATION_FREE",
     "OBJECT_AT_LOCATION",
     "ROBOT_AT_LOCATION",
 ]
@@ -56,6 +60,23 @@ ROBOT_AT_LOCATION = ConditionType(
     (Role("robot", ROBOT), Role("location", LOCATION)),
     Related(AT, "robot", "location"),
     "The robot stands where it can work at the location.",
+)
+DOCKED_AT = ConditionType(
+    "DockedAt",
+    (Role("robot", ROBOT), Role("location", LOCATION)),
+    AnyOf(
+        (
+            Related(AT, "robot", "location"),
+            Exists("dock", STATION, AllOf((Related(HAS_A, "location", "dock"), Related(AT, "robot", "dock")))),
+        )
+    ),
+    "The robot stands at the location or at one of the docking places that the location has.",
+)
+LOCATION_FREE = ConditionType(
+    "LocationFree",
+    (Role("location", LOCATION),),
+    Nothing(AT, "location"),
+    "No robot stands at the location.",
 )
 CAN_BE_WORKED_AT = ConditionType(
     "CanBeWorkedAt",

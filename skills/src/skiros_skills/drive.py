@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.skills.conditions import any_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.vocabulary import BASE, LOCATION, ROBOT
-from skiros_skills.conditions import CAN_BE_WORKED_AT, HAS_PART, ROBOT_AT_LOCATION
+from skiros_skills.conditions import CAN_BE_WORKED_AT, HAS_PART, LOCATION_FREE, ROBOT_AT_LOCATION
 
 __all__ = ["DESCRIPTION", "DRIVE", "DRIVE_FAKE"]
 
@@ -20,8 +21,13 @@ DESCRIPTION = SkillDescription(
         Param("Robot", ROBOT, "The robot it carries.", Kind.PLANNING),
         Param("Location", LOCATION, "Where to go."),
     ),
-    pre=(HAS_PART("Robot", "Base"), CAN_BE_WORKED_AT("Location")),
+    pre=(
+        HAS_PART("Robot", "Base"),
+        CAN_BE_WORKED_AT("Location"),
+        any_of(ROBOT_AT_LOCATION("Robot", "Location"), LOCATION_FREE("Location")),  # one place takes one robot
+    ),
     post=(ROBOT_AT_LOCATION("Robot", "Location"),),
+    duration=20.0,
 )
 
 DRIVE = Skill(

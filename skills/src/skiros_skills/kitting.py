@@ -12,8 +12,10 @@ __all__ = [
     "BOX",
     "COMPARTMENT",
     "COMPRESSOR",
+    "DOCKING_PLACE",
     "KIT",
     "PALLET",
+    "PARKING_PLACE",
     "PART",
     "RACK",
     "RELAY_BOX",
@@ -38,10 +40,14 @@ COMPARTMENT: Final = ClassName("kitting:Compartment")
 """One hollow of a kit; its solid is the inner volume, standing on the hollow's floor."""
 COMPRESSOR: Final = ClassName("kitting:Compressor")
 """An air-conditioning compressor, its head on top of the +x end."""
+DOCKING_PLACE: Final = ClassName("kitting:DockingPlace")
+"""One of several places beside a thing (that has it as a piece) from which a robot can work at it."""
 KIT: Final = ClassName("kitting:Kit")
 """A fixed tray of 2 x 2 compartments with walls 0.006 m thick and 0.033 m high on a floor of 0.006 m."""
 PALLET: Final = ClassName("kitting:Pallet")
 """A raised pallet; parts lie on its top at 0.45 m."""
+PARKING_PLACE: Final = ClassName("kitting:ParkingPlace")
+"""Where a robot stands in nobody's way."""
 PART: Final = ClassName("kitting:Part")
 """Something that belongs into a kit."""
 RACK: Final = ClassName("kitting:Rack")

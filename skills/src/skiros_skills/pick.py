@@ -34,6 +34,7 @@ DESCRIPTION = SkillDescription(
         EMPTY_HANDED("Gripper"),
     ),
     post=(HOLDING("Gripper", "Object"), ~EMPTY_HANDED("Gripper")),
+    duration=6.0,
 )
 
 PICK = Skill(

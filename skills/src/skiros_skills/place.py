@@ -10,13 +10,13 @@ from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, MANIPULATABLE, ROBO
 from skiros_skills import kitting
 from skiros_skills.conditions import (
     CARRYING,
+    DOCKED_AT,
     EMPTY_HANDED,
     FITS_IN,
     HAS_PART,
     HOLDING,
     LOCATION_EMPTY,
     OBJECT_AT_LOCATION,
-    ROBOT_AT_LOCATION,
 )
 
 __all__ = ["DESCRIPTION", "PLACE", "PLACE_FAKE"]
@@ -40,12 +40,13 @@ DESCRIPTION = SkillDescription(
         HAS_PART("Arm", "Gripper"),
         HAS_PART("Arm", "Camera"),
         HAS_PART("Kit", "Compartment"),
-        any_of(ROBOT_AT_LOCATION("Robot", "Kit"), CARRYING("Robot", "Kit")),
+        any_of(DOCKED_AT("Robot", "Kit"), CARRYING("Robot", "Kit")),
         HOLDING("Gripper", "Object"),
         LOCATION_EMPTY("Compartment"),
         FITS_IN("Object", "Compartment"),
     ),
     post=(OBJECT_AT_LOCATION("Object", "Compartment"), EMPTY_HANDED("Gripper")),
+    duration=6.0,
 )
 
 PLACE = Skill(
@@ -56,5 +57,6 @@ PLACE = Skill(
         Do.of("verify_place", arm=P("Arm"), camera=P("Camera"), part=P("Object"), compartment=P("Compartment")),
     ),
     finish=Do.of("move_arm", arm=P("Arm")),
+    takes=("Kit",),  # one arm at a time over a kit, whichever side its robot stands at
 )
 PLACE_FAKE = Skill(DESCRIPTION, AssertEffects(seconds=5.0), driver="fake")

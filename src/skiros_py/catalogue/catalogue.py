@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName, UsageError
+from skiros_py.planning.choosing import Planners
 from skiros_py.plugins import LazyPlugins, PluginFault
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.primitive import Primitive
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from skiros_py.robot.driver import CellDriver
 
 __all__ = ["Catalogue"]
+
+_OF_PLANNERS = ("name", "supports", "solve", "close")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,17 +66,35 @@ class Catalogue:
 
         Raises:
             UnknownName: There is none of that name.
-            UsageError: It cannot be loaded; the text says why, and where it is from.
+            UsageError: It cannot be loaded, or is no planner; the text says why, and where it is from.
             PlanningError: It breaks when it is made.
         """
+        source = self.sources.get(f"planners/{name}", "this catalogue")
         try:
             planner: Planner = self._factory("planner", name, self.planners)()
+            missing = [attribute for attribute in _OF_PLANNERS if not hasattr(planner, attribute)]
         except SkirosError:
             raise
         except Exception as error:
-            source = self.sources.get(f"planners/{name}", "this catalogue")
             raise PlanningError(f"planner '{name}' of {source} breaks: {type(error).__name__}: {error}") from error
+        if missing:
+            raise UsageError(f"planner '{name}' of {source} is no Planner: it has no {', '.join(missing)}")
         return planner
+
+    def choice_of_planners(self, wanted: str | None = None) -> Planners:
+        """Returns the planners to choose from, by what each takes; close it.
+
+        Args:
+            wanted: The only one that shall plan; None for whichever fits.
+
+        Raises:
+            UnknownName: There is none of that name.
+            UsageError: The one that is wanted cannot be loaded; the text says why, and where it is from.
+        """
+        if wanted is not None:
+            self._factory("planner", wanted, self.planners)
+        names = self.planners.names if isinstance(self.planners, LazyPlugins) else tuple(self.planners)
+        return Planners(names, self.planner, wanted)
 
     def driver(self, name: str, *arguments: Any, **options: Any) -> CellDriver:
         """Makes a cell driver; close it.

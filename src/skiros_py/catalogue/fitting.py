@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from skiros_py.catalogue.callers import called_by, callers_of_broken
 from skiros_py.catalogue.catalogue import Catalogue
 from skiros_py.errors import PlanningError
 from skiros_py.interruptions import by_user
-from skiros_py.planning.actions import actions_of, maintain_emptiness
-from skiros_py.planning.model import Action
+from skiros_py.planning.actions import actions_of
 from skiros_py.plugins import LazyPlugins, PluginFault
 from skiros_py.skills.lint import problems_of
 from skiros_py.skills.skill import Skill
@@ -27,7 +26,7 @@ def fitting(
     """Leaves out skills that cannot be used here; they are reported and hurt nobody else.
 
     A skill must use words that the ontology declares, relations that a reasoner computes and modules that exist and can
-    themselves be used, and it must be possible to plan with it beside those before it.
+    themselves be used, and it must be possible to plan with it.
 
     Args:
         catalogue: What was found.
@@ -38,21 +37,19 @@ def fitting(
     """
     wanted = {n: s for n, s in catalogue.skills.items() if fake is None or fake == _is_fake(s)}
     sides = {side: {n: s for n, s in wanted.items() if _is_fake(s) is side} for side in (True, False)}
-    actions: dict[str, tuple[Action, ...]] = {}
     faults: dict[str, PluginFault] = {}
     for name, skill in wanted.items():
         try:
             if problems := _problems(catalogue, skill, sides[_is_fake(skill)].values(), ontology, reasoners):
                 faults[name] = _fault(catalogue, name, "; ".join(problems))
             else:
-                actions[name] = tuple(actions_of(skill.description.under([skill.when]), ontology))
+                actions_of(skill.description.under([skill.when]), ontology)
         except PlanningError as error:
             faults[name] = _fault(catalogue, name, str(error))
         except BaseException as error:
             if by_user(error):
                 raise
             faults[name] = _fault(catalogue, name, f"{type(error).__name__}: {error}", traceback.format_exc())
-    faults |= {name: _fault(catalogue, name, reason) for name, reason in _unplannable(actions, ontology).items()}
     reasons = {name: fault.reason for name, fault in faults.items()}
     for side in sides.values():  # those for fakes and the others never meet in one run, so they cannot call each other
         faults |= {name: _fault(catalogue, name, reason) for name, reason in callers_of_broken(side, reasons).items()}
@@ -87,27 +84,3 @@ def _broken_calls(catalogue: Catalogue, skill: Skill) -> Iterator[str]:
             yield f"it calls '{name}': {reason}"
         elif name in unloaded and name not in there and name not in primitives:
             yield f"it calls '{name}': {unloaded[name]}"
-
-
-def _unplannable(actions: Mapping[str, Sequence[Action]], ontology: Ontology) -> dict[str, str]:
-    """Returns the skills that one cannot plan with beside those before them, each with the reason."""
-    if _conflict(actions.values(), ontology) is None:  # nearly always, and quick for hundreds
-        return {}
-    reasons: dict[str, str] = {}
-    good: list[Sequence[Action]] = []
-    for name, own in actions.items():
-        reason = _conflict([*good, own], ontology)
-        if reason is None:
-            good.append(own)
-        else:
-            reasons[name] = reason
-    return reasons
-
-
-def _conflict(actions: Iterable[Sequence[Action]], ontology: Ontology) -> str | None:
-    different = dict.fromkeys(action for own in actions for action in own)
-    try:
-        maintain_emptiness(different, ontology)
-    except PlanningError as error:
-        return str(error)
-    return None

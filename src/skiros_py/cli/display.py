@@ -11,29 +11,18 @@ from rich.table import Table
 from rich.text import Text
 
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.planning.plan import NoPlan, Step
+from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.service import Planned
-from skiros_py.skills.parameters import Kind
-from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.wording import short_step
 
 if TYPE_CHECKING:
     from skiros_py.runtime import Session
 
-__all__ = ["RunDisplay", "short_step"]
+__all__ = ["RunDisplay"]
 
 _FILE_WIDTH = 200
 """Columns of the table where it is not shown on a terminal."""
-
-
-def short_step(step: Step, skill: SkillDescription) -> str:
-    """Returns a step as people say it: the skill and what people specify of it, without devices and what follows."""
-    said = [
-        step.arguments[p.key]
-        for p in skill.params
-        if p.key in step.arguments and p.kind not in (Kind.HARDWARE, Kind.PLANNING)
-    ]
-    return f"{step.skill} {' '.join(said)}"
 
 
 class RunDisplay:
@@ -78,9 +67,13 @@ class RunDisplay:
 
     def _on_plan(self, planned: Planned) -> None:
         self._plans += 1
+        for note in planned.notes:
+            self.say(f"warning {note}")
         if isinstance(planned.outcome, NoPlan):
             for reason in planned.outcome.reasons:
                 self.say(f"no plan {reason}")
+            for repair in planned.outcome.repairs:
+                self.say(f"        to make it work: {repair.text}")
             return
         self.say(f"plan    {'made' if self._plans == 1 else 'made anew'} in {planned.wall * 1e3:.0f} ms")
         skills = {c.skill.name: c.skill for c in self._session.tasks.capabilities}

@@ -15,7 +15,7 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
-__all__ = ["AUTHOR", "CONFIG", "DATA", "JSON", "PACE", "Seconds", "data_option", "open_existing"]
+__all__ = ["AUTHOR", "CONFIG", "DATA", "JSON", "PACE", "Seconds", "data_option", "open_existing", "planner_options"]
 
 _SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])
@@ -105,5 +105,18 @@ CONFIG = click.option(
     "--config", multiple=True, metavar="MODULE.KEY=VALUE", callback=_configuration, help="A configuration parameter."
 )
 """What holds for every run of a module."""
+_PLANNER = click.option("--planner", metavar="NAME", help="Planner to use.  [default: the first that fits the task]")
+_PLANNER_COMMAND = click.option(
+    "--planner-command",
+    metavar="TEMPLATE",
+    help="Any PDDL planner, such as 'pyperplan -s gbf {domain} {problem}'; {plan} where the plan shall go.",
+)
+
+
+def planner_options(command: _Command) -> _Command:
+    """Adds the options that choose a planner: ``planner`` and ``planner_command``."""
+    return _PLANNER(_PLANNER_COMMAND(command))
+
+
 AUTHOR = click.option("--author", default=_login, metavar="NAME", help="Who does it.  [default: your login]")
 """Who an edit is by."""

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from skiros_py.cli.exit_status import NO_PLAN, REACHED
+from skiros_py.cli.options import planner_options
 from skiros_py.cli.output import answer
 from skiros_py.errors import UsageError
+
+if TYPE_CHECKING:
+    from skiros_py.planning.account import SkillAccount
+    from skiros_py.planning.pddl import PddlTexts
+    from skiros_py.skills.skill import SkillDescription
 
 __all__ = ["command"]
 
@@ -24,35 +32,85 @@ __all__ = ["command"]
     metavar="DIR",
     help="Write domain.pddl, problem.pddl and plan into DIR.",
 )
+@click.option("--explain-domain", "explain", is_flag=True, help="What was added to what the skills say, and why.")
+@planner_options
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
-def command(scene: str, goals: tuple[str, ...], robot: str | None, folder: Path | None, as_json: bool) -> int:
+def command(
+    scene: str,
+    goals: tuple[str, ...],
+    robot: str | None,
+    folder: Path | None,
+    explain: bool,
+    planner: str | None,
+    planner_command: str | None,
+    as_json: bool,
+) -> int:
     """Shows domain, problem and plan for the goal of SCENE; nothing moves."""
     from skiros_py.planning.plan import NoPlan
     from skiros_py.runtime import Options, Session
 
-    with Session(scene, Options(robot=robot, fake=True, goal=goals)) as session:
+    options = Options(robot=robot, fake=True, goal=goals, planner=planner, planner_command=planner_command)
+    with Session(scene, options) as session:
         planned = session.plan()
+        skills = [skill.description for _, skill in sorted(session.catalogue.skills.items())]
     outcome, texts = planned.outcome, planned.texts
     assert texts is not None  # every element of a goal just read is there
     steps = [] if isinstance(outcome, NoPlan) else [str(step) for step in outcome.steps]
     reasons = list(outcome.reasons) if isinstance(outcome, NoPlan) else []
+    causes = outcome.causes if isinstance(outcome, NoPlan) else ()
+    repairs = outcome.repairs if isinstance(outcome, NoPlan) else ()
     files = {"domain.pddl": texts.domain, "problem.pddl": texts.problem}
     if not isinstance(outcome, NoPlan):
         files["plan"] = "".join(f"{line}\n" for line in outcome.pddl)
+    account = _account(skills, texts) if explain else None
     if folder is not None:
         _write(folder, files)
     if as_json:
-        found = {
+        found: dict[str, Any] = {
             "steps": steps,
             "reasons": reasons,
+            "causes": [cause.as_json() for cause in causes],
+            "repairs": [repair.as_json() for repair in repairs],
             "domain": files["domain.pddl"],
             "problem": files["problem.pddl"],
             "plan": files.get("plan", "").splitlines(),
         }
+        if account is not None:
+            found["skills"] = [told.as_json() for told in account]
         answer(found)
+    elif account is not None:
+        _print_account(account)
     else:
-        _print(files, steps, reasons)
+        _print(files, steps, reasons, [repair.text for repair in repairs])
     return NO_PLAN if reasons else REACHED
+
+
+def _account(skills: Sequence[SkillDescription], texts: PddlTexts) -> tuple[SkillAccount, ...]:
+    from skiros_py.planning.account import account_of
+
+    by_name = {skill.name: skill for skill in skills}
+    return account_of(by_name.values(), list(texts.actions.items()))
+
+
+def _print_account(account: Sequence[SkillAccount]) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.tree import Tree
+
+    console = Console(highlight=False)
+    for told in account:
+        tree = Tree(f"[bold]{escape(told.skill)}[/]" if told.skill else "[bold]bookkeeping of the goal[/]")
+        written = tree.add("written") if told.skill else tree
+        for title, conditions in (("pre", told.pre), ("hold", told.hold), ("post", told.post)):
+            for condition in conditions:
+                written.add(f"[dim]{title:4}[/] {escape(condition)}")
+        for action in told.actions:
+            made = tree.add(f"action [cyan]{escape(action.name)}[/]({escape(', '.join(action.parameters))})")
+            for note in action.notes:
+                made.add(escape(note))
+        if not told.actions:
+            tree.add("no action: this goal cannot need it")
+        console.print(tree)
 
 
 def _write(folder: Path, files: dict[str, str]) -> None:
@@ -66,13 +124,15 @@ def _write(folder: Path, files: dict[str, str]) -> None:
     click.echo(f"wrote {', '.join(files)} to {folder}", err=True)
 
 
-def _print(files: dict[str, str], steps: list[str], reasons: list[str]) -> None:
+def _print(files: dict[str, str], steps: list[str], reasons: list[str], repairs: list[str]) -> None:
     click.echo(files["domain.pddl"])
     click.echo(files["problem.pddl"])
     if reasons:
         click.echo("; no plan")
         for reason in reasons:
             click.echo(f";   {reason}")
+        for repair in repairs:
+            click.echo(f";   to make it work: {repair}")
     elif not steps:
         click.echo("; the goal already holds: nothing to do")
     for number, step in enumerate(steps, start=1):

@@ -16,7 +16,7 @@ import click
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.ending import end_unless
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import CONFIG, PACE
+from skiros_py.cli.options import CONFIG, PACE, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.errors import UsageError
@@ -31,7 +31,14 @@ __all__ = ["command", "stopping"]
 @click.command("run", epilog="Example: skiros run kitting --seed 3 --goal 'InKit(Starter, kit_1)' --record run.png")
 @click.argument("scene")
 @click.option("--seed", type=click.IntRange(0), default=0, help="Seed of every random choice.  [default: 0]")
-@click.option("--goal", "goals", multiple=True, metavar="TEXT", help="Goal instead of the scene's; may be repeated.")
+@click.option(
+    "--goal",
+    "goals",
+    multiple=True,
+    metavar="TEXT",
+    help="Goal instead of the scene's, as text such as 'InKit(Starter, kit_1) and not (A(x) or B(x))', 'for all k: Kit "
+    "(InKit(Starter, k))', 'exists k: Kit (…)', or as PDDL, '(in_kit starter kit_1)'; may be repeated.",
+)
 @click.option("--robot", metavar="NAME", help="Robot to use; needed where the scene has several.")
 @PACE
 @click.option("--gui", is_flag=True, help="Open PyBullet's window.")
@@ -44,6 +51,7 @@ __all__ = ["command", "stopping"]
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
 @click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
 @CONFIG
+@planner_options
 @ask_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def command(
@@ -57,6 +65,8 @@ def command(
     fake: bool,
     driver: str | None,
     config: dict[str, str],
+    planner: str | None,
+    planner_command: str | None,
     ask: bool | None,
     as_json: bool,
 ) -> int:
@@ -70,7 +80,18 @@ def command(
         check_display(os.environ.get("DISPLAY"))
     from skiros_py.runtime import Options, Session
 
-    options = Options(seed=seed, robot=robot, fake=fake, pace=pace, gui=gui, goal=goals, driver=driver, config=config)
+    options = Options(
+        seed=seed,
+        robot=robot,
+        fake=fake,
+        pace=pace,
+        gui=gui,
+        goal=goals,
+        driver=driver,
+        config=config,
+        planner=planner,
+        planner_command=planner_command,
+    )
     with Session(scene, options) as session:
         status = _run(session, record, ask=ask, as_json=as_json)
         ignore_stops()  # closing is quick and must not be torn apart

@@ -10,17 +10,18 @@ from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import DEVICE, HAS_A
+from skiros_py.world.vocabulary import DEVICE, HAS_A, LOCATION
 
 __all__ = ["complete", "devices_of", "pieces", "standstill"]
 
 
 def devices_of(view: WorldView, params: Iterable[Param], takes: Sequence[str], values: Mapping[str, Any]) -> set[str]:
-    """Returns the devices that a call takes: its hardware, and all devices of what it takes as a whole."""
+    """Returns what a call takes: its hardware, and of what it takes as a whole all devices, and any place itself."""
     devices = {values[p.key] for p in params if p.kind is Kind.HARDWARE and isinstance(values.get(p.key), str)}
     for key in takes:
         if isinstance(values.get(key), str):
             devices |= {e for e in pieces(view, values[key]) if view.ontology.is_a(view.element(e).type, DEVICE)}
+            devices |= {values[key]} if view.ontology.is_a(view.element(values[key]).type, LOCATION) else set()
     return devices
 
 

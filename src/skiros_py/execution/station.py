@@ -12,6 +12,7 @@ import numpy as np
 from skiros_py.errors import UsageError
 from skiros_py.execution.configuration import check_configuration
 from skiros_py.execution.cycle import ControlCycle, Task
+from skiros_py.execution.floor import FloorAreas
 from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.running import RunningModule
@@ -101,6 +102,7 @@ class Station:
             report=lambda _module, _code, _text: None,
             clock=board,
             questions=self.questions,
+            floor=FloorAreas(board, spec.robots),
             waiting=self.cycle.pulse.waiting,
         )
         kind = driver.kind if options.kind is None else options.kind

@@ -1,18 +1,14 @@
-"""Skills as actions (paper §6.2): ``can_<skill>``, variants, implicit deletes over the placement family.
-
-Written for relations in general: which relations move something, and which end moves, is said by the ontology.
-"""
+"""Skills as actions (paper §6.2): ``can_<skill>``, a variant for each way in which the preconditions can hold."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count, product
 
 from skiros_py.errors import DescriptionError, PlanningError
 from skiros_py.planning.literals import (
     CAN,
-    NOTHING,
     Asked,
     Conjunction,
     allows_value,
@@ -20,14 +16,17 @@ from skiros_py.planning.literals import (
     expand,
     property_of,
 )
-from skiros_py.planning.model import Action, Atom, Variable
+from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.needs import needs_of, required_elements, sensed_holds_of, with_defaults
+from skiros_py.planning.placing import shown, with_implicit_deletes
+from skiros_py.planning.variants import numbered
 from skiros_py.skills.conditions import Assign, Condition, Effect, Not, Relate, Unrelate, effects_of
 from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.vocabulary import PLACEMENT
 
-__all__ = ["actions_of", "emptiness_classes", "maintain_emptiness", "moved_and_place"]
+__all__ = ["actions_of"]
 
 
 def actions_of(
@@ -48,12 +47,24 @@ def actions_of(
     fresh = count(1)
     needed = _said(skill, needs_of(skill))
     choices = [expand(c.pattern, f"{where}, precondition {c}", ontology, fresh) for c in needed]
-    variants = list(product(*choices))
     if asked is None:
-        asked = asked_literals(c.pattern for c in needed)
+        asked = asked_literals((c.pattern for c in needed), ontology)
     effects = _Effects(skill, ontology, asked)
-    names = [skill.name] if len(variants) == 1 else [f"{skill.name}/{i + 1}" for i in range(len(variants))]
-    return tuple(_action(n, skill, variant, effects, ontology) for n, variant in zip(names, variants, strict=True))
+    variants = [_action(skill, variant, effects, _chosen(needed, choices, variant)) for variant in product(*choices)]
+    complete = (action for variant in variants for action in with_implicit_deletes(variant, ontology))
+    return numbered(map(_with_question_marks, complete))
+
+
+def _chosen(
+    conditions: Sequence[Condition], choices: Sequence[Sequence[Conjunction]], variant: Sequence[Conjunction]
+) -> tuple[str, ...]:
+    """Says which way of a condition that can hold in several ways a variant stands for."""
+    several = (
+        (condition, ways.index(way) + 1, way)
+        for condition, ways, way in zip(conditions, choices, variant, strict=True)
+        if len(ways) > 1
+    )
+    return tuple(f"variant: way {n} of {c}: {', '.join(map(shown, way.atoms))}" for c, n, way in several)
 
 
 def _said(skill: SkillDescription, conditions: Iterable[Condition]) -> tuple[Condition, ...]:
@@ -68,18 +79,24 @@ def _constants(skill: SkillDescription) -> tuple[Variable, ...]:
     return tuple(Variable(element, skill.param(key).element_class) for key, element in defaults)
 
 
-def _action(
-    name: str, skill: SkillDescription, pre: Sequence[Conjunction], effects: _Effects, ontology: Ontology
-) -> Action:
+def _action(skill: SkillDescription, pre: Sequence[Conjunction], effects: _Effects, notes: tuple[str, ...]) -> Action:
     own = tuple(Variable(param.key, param.element_class) for param in required_elements(skill))
     extra = tuple(dict.fromkeys(variable for part in pre for variable in part.variables))
-    atoms = [Atom(CAN + skill.name, (skill.agent,)), *(atom for part in pre for atom in part.atoms)]
-    notes = tuple(f"hold condition {c}: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill))
-    needed = tuple(dict.fromkeys(atoms))
-    spoken = {argument for atom in (*needed, *effects.add, *effects.delete) for argument in atom.arguments}
+    able = Atom(CAN + skill.name, (skill.agent,))
+    needed = tuple(dict.fromkeys([able, *(atom for part in pre for atom in part.atoms)]))
+    none = tuple(dict.fromkeys(none for part in pre for none in part.none))
+    of_one = [c for c in skill.needs if c not in skill.described and c not in skill.pre]
+    spoken = {a for atom in (*needed, *effects.add, *effects.delete) for a in atom.arguments}
+    spoken |= {a for such in none for atom in such.atoms for a in atom.arguments}
+    said = (
+        f"precondition {shown(able)}: who has the skill",
+        *(f"precondition {c}: its devices are of one robot" for c in of_one),
+        *(f"precondition {c}: what its parameter is described as" for c in skill.described),
+        *notes,
+        *(f"hold condition {c} left out: sensed while it runs, unknown to plans" for c in sensed_holds_of(skill)),
+    )
     constants = tuple(constant for constant in _constants(skill) if constant.name in spoken)
-    draft = Action(name, skill.name, own + extra, needed, effects.add, effects.delete, notes, constants)
-    return _with_question_marks(_with_implicit_deletes(draft, ontology))
+    return Action(skill.name, skill.name, own + extra, needed, effects.add, effects.delete, said, constants, none)
 
 
 class _Effects:
@@ -106,15 +123,25 @@ class _Effects:
     def _atoms(self, effect: Effect) -> tuple[list[Atom], list[Atom]]:
         match effect:
             case Relate(relation, subject, object_):
+                self._check_storable(relation)
                 return [Atom(relation, (subject, object_))], []
             case Unrelate(relation, subject, object_):
-                return [], [Atom(relation, (subject, object_))]
+                below = self._ontology.sub_relations(relation)
+                return [], [Atom(r, (subject, object_)) for r in below if r != PLACEMENT]
             case Assign(property_, subject, value):
                 self._check_no_fallback(effect)
                 about = {p: literal for p, literal in self._asked.items() if property_of(literal) == property_}
                 true = {p for p, literal in about.items() if allows_value(literal, value)}
                 atoms = {p: Atom(p, (subject,)) for p in about}
                 return [atoms[p] for p in about if p in true], [atoms[p] for p in about if p not in true]
+
+    def _check_storable(self, relation: str) -> None:
+        if relation == PLACEMENT:
+            below = ", ".join(r for r in self._ontology.sub_relations(relation) if r != relation)
+            raise PlanningError(
+                f"skill '{self._skill.name}' has a postcondition of {relation}, which says that something is somewhere "
+                f"but not how: use one of {below}"
+            )
 
     def _check_no_fallback(self, effect: Assign) -> None:
         """Refuses to take a value away where that of the class would then count: it differs from class to class."""
@@ -132,123 +159,17 @@ class _Effects:
             )
 
 
-def moved_and_place(atom: Atom, ontology: Ontology) -> tuple[str, str]:
-    """Returns the argument that moves and the one that is its place, of an atom of the placement family."""
-    subject, object_ = atom.arguments
-    at_object = ontology.relations[atom.predicate].place_end == "object"
-    return (subject, object_) if at_object else (object_, subject)
-
-
-def _is_placement(atom: Atom, ontology: Ontology) -> bool:
-    return atom.predicate in ontology.relations and ontology.is_placement(atom.predicate)
-
-
-def _with_implicit_deletes(action: Action, ontology: Ontology) -> Action:
-    """Whatever gets a new place loses its old one: named by a precondition, else by a further parameter."""
-    for added in action.add:
-        if not _is_placement(added, ontology):
-            continue
-        moved, _ = moved_and_place(added, ontology)
-        old = [a for a in action.pre if _is_placement(a, ontology) and moved_and_place(a, ontology)[0] == moved]
-        if not old:
-            action, fact = _with_old_place(action, added, moved, ontology)
-            old = [fact]
-        missing = tuple(atom for atom in old if atom not in action.delete)
-        note = f"deletes {', '.join(map(_show, missing))}: {moved} has one place only"
-        action = replace(action, delete=action.delete + missing, notes=(*action.notes, note))
-    return action
-
-
-def _with_old_place(action: Action, added: Atom, moved: str, ontology: Ontology) -> tuple[Action, Atom]:
-    relation = ontology.relations[added.predicate]
-    at_object = relation.place_end == "object"
-    variable = Variable(f"{moved}_from", (relation.range if at_object else relation.domain) or "")
-    arguments = (moved, variable.name) if at_object else (variable.name, moved)
-    fact = Atom(added.predicate, arguments)
-    note = f"parameter {variable.name} and precondition {_show(fact)}: the place that {moved} leaves"
-    parameters = (*action.parameters, variable)
-    return replace(action, parameters=parameters, pre=(*action.pre, fact), notes=(*action.notes, note)), fact
-
-
-def _show(atom: Atom) -> str:
-    return f"{atom.predicate.partition(':')[2] or atom.predicate}({', '.join(atom.arguments)})"
-
-
 def _with_question_marks(action: Action) -> Action:
-    names = {v.name: "?" + v.name for v in action.parameters}
+    names = {v.name: "?" + v.name for v in action.variables}
     return replace(
         action,
-        parameters=tuple(Variable(names[v.name], v.type) for v in action.parameters),
+        parameters=_renamed(action.parameters, names),
         pre=tuple(a.bind(names) for a in action.pre),
         add=tuple(a.bind(names) for a in action.add),
         delete=tuple(a.bind(names) for a in action.delete),
+        none=tuple(NoneSuch(_renamed(n.variables, names), tuple(a.bind(names) for a in n.atoms)) for n in action.none),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Emptiness:
-    """The wish of some precondition that nothing has a relation to a place of this class."""
-
-    relation: str
-    class_: str
-
-    @property
-    def predicate(self) -> str:
-        return NOTHING + self.relation
-
-
-def emptiness_classes(actions: Iterable[Action]) -> dict[str, str]:
-    """Returns the class of place that each "nothing …" precondition asks about.
-
-    Raises:
-        PlanningError: Two preconditions ask about different classes.
-    """
-    classes: dict[str, str] = {}
-    for action in actions:
-        for atom in action.pre:
-            if atom.predicate.startswith(NOTHING):
-                class_ = action.types[atom.arguments[0]]
-                if classes.setdefault(atom.predicate, class_) != class_:
-                    both = f"{classes[atom.predicate]} and {class_}"
-                    raise PlanningError(f"'{atom.predicate}' is asked of {both}; use one class of place")
-    return classes
-
-
-def maintain_emptiness(actions: Iterable[Action], ontology: Ontology) -> tuple[Action, ...]:
-    """Adds what skills do to "nothing is there": filling ends it, taking the only thing restores it.
-
-    This is sound because every action that fills such a place asks that it be empty before.
-
-    Raises:
-        PlanningError: An action fills such a place without asking that it be empty.
-    """
-    drafts = tuple(actions)
-    asked = [_Emptiness(p.removeprefix(NOTHING), c) for p, c in emptiness_classes(drafts).items()]
-    for emptiness in asked:
-        drafts = tuple(_maintain(action, emptiness, ontology) for action in drafts)
-    return drafts
-
-
-def _maintain(action: Action, emptiness: _Emptiness, ontology: Ontology) -> Action:
-    types = action.types
-    filled = [a.arguments[1] for a in action.add if a.predicate == emptiness.relation]
-    freed = [a.arguments[1] for a in action.delete if a.predicate == emptiness.relation]
-    ends = tuple(Atom(emptiness.predicate, (p,)) for p in filled if _overlap(types[p], emptiness.class_, ontology))
-    unasked = [atom for atom in ends if atom not in action.pre]
-    if unasked:
-        raise PlanningError(
-            f"skill '{action.skill}' puts something to {unasked[0].arguments[0].lstrip('?')}, which others want empty: "
-            f"give it a precondition that nothing is there"
-        )
-    starts = tuple(Atom(emptiness.predicate, (p,)) for p in freed if ontology.is_a(types[p], emptiness.class_))
-    for place in freed:
-        if not ontology.is_a(types[place], emptiness.class_) and ontology.is_a(emptiness.class_, types[place]):
-            raise PlanningError(
-                f"skill '{action.skill}' takes things from any {types[place]}, some of which ({emptiness.class_}) are "
-                "asked to be empty: give its parameter a narrower class"
-            )
-    return replace(action, add=action.add + starts, delete=action.delete + ends)
-
-
-def _overlap(one: str, other: str, ontology: Ontology) -> bool:
-    return ontology.is_a(one, other) or ontology.is_a(other, one)
+def _renamed(variables: Iterable[Variable], names: Mapping[str, str]) -> tuple[Variable, ...]:
+    return tuple(Variable(names[v.name], v.type) for v in variables)

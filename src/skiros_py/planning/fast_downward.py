@@ -1,27 +1,30 @@
-"""Fast Downward as a program: a private directory per call, limits, and its whole process group killed on cancel.
+"""Fast Downward as a program.
 
 The planner is GPL-licensed and comes with the ``up-fast-downward`` package; it is started, never imported.
 """
 
 from __future__ import annotations
 
-import contextlib
-import os
-import signal
-import subprocess
 import sys
-import tempfile
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.planner import Answer, Solved, Unsolvable
+from skiros_py.planning.plan_files import read_plan_file
+from skiros_py.planning.planner import Answer, Unsolvable
+from skiros_py.planning.program_planner import ProgramPlanner
+from skiros_py.planning.programs import Ended, Limits
 
 __all__ = ["FastDownward", "driver_path"]
 
 _PLAN_FOUND = 0
-_UNSOLVABLE = {10, 11, 12}  # translate unsolvable, search unsolvable, search unsolvable but incomplete
+_PROVED_UNSOLVABLE = {10, 11}
+"""By the translator, by the search."""
+_SEARCHED_IN_VAIN = 12
+"""The search came to its end, but it may have left out what leads to a plan."""
+_OUT_OF_MEMORY = {20, 22}
+_OUT_OF_TIME = {21, 23}
 
 
 def driver_path() -> Path:
@@ -36,33 +39,17 @@ def driver_path() -> Path:
     return Path(spec.origin).parent / "downward" / "fast-downward.py"
 
 
-class _Solving:
-    """One call under way."""
-
-    latency = 0.0
-
-    def __init__(self, future: Future[Answer]) -> None:
-        self._future = future
-
-    def done(self) -> bool:
-        return self._future.done()
-
-    def result(self) -> Answer:
-        try:
-            return self._future.result()
-        except CancelledError as error:
-            raise PlanningError("Fast Downward was stopped") from error
-
-
-class FastDownward:
+class FastDownward(ProgramPlanner):
     """Runs Fast Downward, by default its lama-first configuration, which stops by itself at the first plan.
 
     Args:
         options: Arguments before the files, such as ``("--alias", "lama-first")``.
         time_limit: Wall time after which a call is given up [s]; a guard, not a means of control.
+        memory: Address space of each of its processes [bytes].
     """
 
     name = "fast-downward"
+    title = "Fast Downward"
     supports = frozenset(
         {
             ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions",
@@ -71,79 +58,36 @@ class FastDownward:
         }
     )  # fmt: skip
 
-    def __init__(self, options: tuple[str, ...] = ("--alias", "lama-first"), time_limit: float = 120.0) -> None:
+    def __init__(
+        self,
+        options: tuple[str, ...] = ("--alias", "lama-first"),
+        time_limit: float = 120.0,
+        memory: int = 4 << 30,
+    ) -> None:
+        super().__init__(Limits(time_limit, memory))
         self._options = options
-        self._time_limit = time_limit
-        self._threads = ThreadPoolExecutor(thread_name_prefix="fast-downward")
-        self._running: set[subprocess.Popen[str]] = set()
-        self._closed = False
 
-    def command(self, domain: str, problem: str) -> list[str]:
-        """Returns the command line for two files, as it would be typed."""
-        return [sys.executable, str(driver_path()), "--plan-file", "plan", *self._options, domain, problem]
+    def command(self, domain: str, problem: str) -> Sequence[str]:
+        """Returns the command line for two files.
 
-    def solve(self, domain: str, problem: str) -> _Solving:
-        """Starts solving; several calls may be under way at once."""
-        if self._closed:
-            raise PlanningError("Fast Downward was stopped")
-        return _Solving(self._threads.submit(self._solve, domain, problem))
+        Its driver needs the standard library only: without ``-S`` Python takes longer to look for more than to drive.
+        """
+        return [sys.executable, "-S", str(driver_path()), "--plan-file", "plan", *self._options, domain, problem]
 
-    def close(self) -> None:
-        """Kills what still runs and waits for it."""
-        self._closed = True
-        for process in list(self._running):
-            _kill(process)
-        self._threads.shutdown(wait=True, cancel_futures=True)
-
-    def _solve(self, domain: str, problem: str) -> Answer:
-        with tempfile.TemporaryDirectory(prefix="skiros-plan-") as name:
-            folder = Path(name)
-            (folder / "domain.pddl").write_text(domain, encoding="utf-8")
-            (folder / "problem.pddl").write_text(problem, encoding="utf-8")
-            code, output = self._run(folder)
-            if code in _UNSOLVABLE:
-                return Unsolvable()
-            if code != _PLAN_FOUND:
-                raise PlanningError(f"Fast Downward ended with code {code}:\n{_tail(output)}")
-            return Solved(_read_steps((folder / "plan").read_text(encoding="utf-8")))
-
-    def _run(self, folder: Path) -> tuple[int, str]:
-        with subprocess.Popen(
-            self.command("domain.pddl", "problem.pddl"),
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-        ) as process:
-            self._running.add(process)
-            if self._closed:  # closed between the request and now: nobody would kill it any more
-                _kill(process)
-            try:
-                output, _ = process.communicate(timeout=self._time_limit)
-            except subprocess.TimeoutExpired as error:
-                raise PlanningError(f"Fast Downward found no answer in {self._time_limit:g} s") from error
-            finally:
-                _kill(process)
-                self._running.discard(process)
-        if self._closed:
-            raise PlanningError("Fast Downward was stopped")
-        return process.returncode, output
+    def read(self, ended: Ended, folder: Path) -> Answer:
+        """Reads the answer."""
+        if ended.code in _PROVED_UNSOLVABLE:
+            return Unsolvable()
+        if ended.code == _SEARCHED_IN_VAIN:
+            return Unsolvable("its search came to an end without a plan", proven=False)
+        if ended.code in _OUT_OF_MEMORY:
+            raise PlanningError(f"{self.title} ran out of memory (it may take {_gibibytes(self.limits.memory)})")
+        if ended.code in _OUT_OF_TIME:
+            raise PlanningError(f"{self.title} found no answer in {self.limits.time:g} s")
+        if ended.code != _PLAN_FOUND:
+            raise PlanningError(f"{self.title} {ended.words}")
+        return read_plan_file(self.title, folder / "plan")
 
 
-def _kill(process: subprocess.Popen[str]) -> None:
-    """Kills the process group (driver, translator, search) and waits for the leader."""
-    if process.poll() is None:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-
-
-def _tail(output: str) -> str:
-    return "\n".join(output.strip().splitlines()[-8:])
-
-
-def _read_steps(text: str) -> tuple[tuple[str, ...], ...]:
-    lines = (line.strip() for line in text.splitlines())
-    return tuple(tuple(line.strip("()").split()) for line in lines if line and not line.startswith(";"))
+def _gibibytes(memory: int | None) -> str:
+    return "any" if memory is None else f"{memory / (1 << 30):.2g} GiB"

@@ -1,4 +1,4 @@
-"""Patterns as conjunctions of literals, with the variables that existentials bring along."""
+"""Patterns as conjunctions of literals, with the variables that quantifiers bring along."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import cast
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.classes import IS
-from skiros_py.planning.model import Atom, Variable
+from skiros_py.planning.model import Atom, NoneSuch, Variable
+from skiros_py.planning.normal import is_stored, normal
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,
@@ -24,7 +25,6 @@ from skiros_py.skills.conditions import (
     Nothing,
     Pattern,
     Related,
-    Sensor,
 )
 from skiros_py.skills.conditions.comparison import Comparison, Operator
 from skiros_py.world.element import Value
@@ -45,6 +45,7 @@ __all__ = [
     "atom_of",
     "compared",
     "expand",
+    "negated",
     "property_of",
 ]
 
@@ -56,7 +57,7 @@ VALUE = "value "
 BY_CLASS = "class "
 """Prefix of the predicate that says that classes are related."""
 NOT = "not "
-"""Prefix of the predicate that says that something is not so that is evaluated at the start."""
+"""Prefix of the predicate that says that something is not so."""
 
 Asked = Has | Compare | IsA | ClassRelated | Computed
 """A literal that is evaluated at the start, or whose negation is; the others are stored."""
@@ -64,13 +65,14 @@ Asked = Has | Compare | IsA | ClassRelated | Computed
 
 @dataclass(frozen=True, slots=True)
 class Conjunction:
-    """Positive atoms that hold together, over the pattern's variables and these further ones."""
+    """Atoms that hold together, over the pattern's variables and these further ones, where there are none of some."""
 
     atoms: tuple[Atom, ...] = ()
     variables: tuple[Variable, ...] = ()
+    none: tuple[NoneSuch, ...] = ()
 
 
-def atom_of(pattern: Related | Nothing | Asked | Not) -> Atom:
+def atom_of(pattern: Pattern) -> Atom:
     """Returns the atom of a pattern that is one literal; its arguments are the pattern's variables."""
     match pattern:
         case Related(relation, subject, object_) | Computed(relation, subject, object_, _):
@@ -85,11 +87,15 @@ def atom_of(pattern: Related | Nothing | Asked | Not) -> Atom:
             return Atom(IS + class_, (subject,))
         case ClassRelated(relation, subject, object_):
             return Atom(BY_CLASS + relation, (subject, object_))
-        case Not(Has() | Compare() | IsA() | ClassRelated() | Computed() as inner):
-            atom = atom_of(inner)
-            return Atom(NOT + atom.predicate, atom.arguments)
+        case Not(Related() | Has() | Compare() | IsA() | ClassRelated() | Computed() as inner):
+            return negated(atom_of(inner))
         case _:
             raise PlanningError(f"{pattern} is not one literal")
+
+
+def negated(atom: Atom) -> Atom:
+    """Returns the atom that says that another does not hold."""
+    return Atom(NOT + atom.predicate, atom.arguments)
 
 
 def compared(predicate: str) -> tuple[str, Comparison]:
@@ -99,76 +105,61 @@ def compared(predicate: str) -> tuple[str, Comparison]:
 
 
 def expand(pattern: Pattern, where: str, ontology: Ontology, fresh: Iterator[int]) -> tuple[Conjunction, ...]:
-    """Returns the pattern as a disjunction of conjunctions of positive literals.
+    """Returns the pattern as a disjunction of conjunctions of literals.
 
     Args:
         pattern: Any pattern; existentials become variables.
         where: For the message of a refusal ("precondition X of skill 'y'").
-        ontology: Gives the class of what a relation relates.
+        ontology: Gives the class of what a relation relates, and which relations are narrower than others.
         fresh: Numbers that keep the variables of different existentials apart.
 
     Raises:
-        PlanningError: It has a part that typed STRIPS cannot say; the message names it.
+        PlanningError: It has a part that a precondition cannot say; the message names it.
     """
+    return _expand(normal(pattern, where, ontology), where, fresh)
+
+
+def _expand(pattern: Pattern, where: str, fresh: Iterator[int]) -> tuple[Conjunction, ...]:
     match pattern:
-        case Related(relation, _, _) if len(ontology.sub_relations(relation)) > 1:
-            narrower = ", ".join(r for r in ontology.sub_relations(relation) if r != relation)
-            raise PlanningError(f"{where}: {relation} is too general to be planned with; name one of {narrower}")
-        case Sensor(device, quantity) | Not(Sensor(device, quantity)):
-            advice = "a hold condition or a guard may ask for it, a plan cannot"
-            raise PlanningError(f"{where}: the {quantity} of {device} can only be sensed; {advice}")
-        case Related() | Nothing() | Has() | Compare() | IsA() | ClassRelated() | Computed():
-            return (Conjunction((atom_of(pattern),)),)
-        case Not(Has() | Compare() | IsA() | ClassRelated() | Computed()):
-            return (Conjunction((atom_of(pattern),)),)
-        case Not(Nothing(relation, object_)):
-            other = f"{object_} holder #{next(fresh)}"
-            class_ = ontology.relations[relation].domain or ""
-            return (Conjunction((Atom(relation, (other, object_)),), (Variable(other, class_),)),)
-        case Not(Not(inner)):
-            return expand(inner, where, ontology, fresh)
-        case Not(AllOf(patterns)) if patterns:
-            return expand(AnyOf(tuple(Not(p) for p in patterns)), where, ontology, fresh)
-        case Not(AnyOf(patterns)):
-            return expand(AllOf(tuple(Not(p) for p in patterns)), where, ontology, fresh)
         case AllOf(patterns):
-            combinations = product(*(expand(p, where, ontology, fresh) for p in patterns))
+            combinations = product(*(_expand(p, where, fresh) for p in patterns))
             return tuple(_join(combination) for combination in combinations)
         case AnyOf(patterns):
-            return tuple(conjunction for p in patterns for conjunction in expand(p, where, ontology, fresh))
-        case Exists(variable, class_, inner):
-            name = f"{variable} #{next(fresh)}"
-            extra = (Variable(name, class_),)
-            inner_ways = expand(inner.rename({variable: name}), where, ontology, fresh)
-            return tuple(Conjunction(c.atoms, extra + c.variables) for c in inner_ways)
+            return tuple(conjunction for p in patterns for conjunction in _expand(p, where, fresh))
+        case Exists():
+            name = f"{pattern.variable} #{next(fresh)}"
+            ways = _expand(pattern.pattern.rename({pattern.variable: name}), where, fresh)
+            variable = Variable(name, pattern.class_)
+            return tuple(Conjunction(c.atoms, (variable, *c.variables), c.none) for c in ways)
+        case Not(Exists() as there):
+            return (Conjunction(none=_none_such(there, where, fresh)),)
         case _:
-            advice = "that something is not so cannot be planned for; say what should be so instead"
-            raise PlanningError(f"{where}: {_negated(pattern)}{advice}")
+            return (Conjunction((atom_of(pattern),)),)
 
 
-def _negated(pattern: Pattern) -> str:
-    match pattern:
-        case Not(Related(relation, subject, object_)):
-            return f"not {local_name(relation)}({subject}, {object_}): "
-        case Not(Exists(_, class_, _)):
-            return f"no {local_name(class_)} such that …: "
-        case _:
-            return ""
+def _none_such(pattern: Exists, where: str, fresh: Iterator[int]) -> tuple[NoneSuch, ...]:
+    """Says that there is no such thing: for none of the ways in which there could be one."""
+    ways = _expand(pattern, where, fresh)
+    if any(way.none for way in ways):
+        class_ = local_name(pattern.class_)
+        raise PlanningError(f"{where}: 'no {class_} of which there is no …' cannot be planned with; say what should be")
+    return tuple(NoneSuch(way.variables, way.atoms) for way in ways)
 
 
 def _join(parts: tuple[Conjunction, ...]) -> Conjunction:
     atoms = tuple(atom for part in parts for atom in part.atoms)
     variables = tuple(variable for part in parts for variable in part.variables)
-    return Conjunction(tuple(dict.fromkeys(atoms)), tuple(dict.fromkeys(variables)))
+    none = tuple(none for part in parts for none in part.none)
+    return Conjunction(tuple(dict.fromkeys(atoms)), tuple(dict.fromkeys(variables)), tuple(dict.fromkeys(none)))
 
 
-def asked_literals(patterns: Iterable[Pattern]) -> dict[str, Asked | Not]:
+def asked_literals(patterns: Iterable[Pattern], ontology: Ontology) -> dict[str, Asked | Not]:
     """Returns the literals of patterns that are evaluated at the start, by predicate, over variables "1" and "2"."""
-    found = (literal for pattern in patterns for literal in _asked(pattern, holds=True))
+    found = (literal for pattern in patterns for literal in _asked(pattern, ontology, holds=True))
     return {atom_of(literal).predicate: literal for literal in found}
 
 
-def _asked(pattern: Pattern, *, holds: bool) -> Iterator[Asked | Not]:
+def _asked(pattern: Pattern, ontology: Ontology, *, holds: bool) -> Iterator[Asked | Not]:
     match pattern:
         case Has() | Compare() | IsA():
             own: Asked = pattern.rename({pattern.subject: "1"})
@@ -177,13 +168,18 @@ def _asked(pattern: Pattern, *, holds: bool) -> Iterator[Asked | Not]:
             yield ClassRelated(relation, "1", "2") if holds else Not(ClassRelated(relation, "1", "2"))
         case Computed(relation, _, _, function):
             yield Computed(relation, "1", "2", function) if holds else Not(Computed(relation, "1", "2", function))
+        case Related(relation, subject, object_) if not is_stored(relation, ontology):
+            yield from _asked(Computed(relation, subject, object_), ontology, holds=holds)
         case AllOf(patterns) | AnyOf(patterns):
             for part in patterns:
-                yield from _asked(part, holds=holds)
+                yield from _asked(part, ontology, holds=holds)
+        case Not(Exists(_, _, inner)):  # a goal asks each element for the contrary, a precondition for none such
+            yield from _asked(inner, ontology, holds=holds)
+            yield from _asked(inner, ontology, holds=not holds)
         case Not(inner):
-            yield from _asked(inner, holds=not holds)
+            yield from _asked(inner, ontology, holds=not holds)
         case Exists(_, _, inner):
-            yield from _asked(inner, holds=holds)
+            yield from _asked(inner, ontology, holds=holds)
         case _:
             pass
 

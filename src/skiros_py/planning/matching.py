@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from skiros_py.planning.model import Atom
+from skiros_py.planning.model import Atom, NoneSuch
 
-__all__ = ["bindings"]
+__all__ = ["Fits", "are_none", "bindings"]
 
 Fits = Callable[[str, str], bool]
 """Tells whether an element is of a class."""
@@ -35,6 +35,24 @@ def bindings(
         matched = _match(atoms[0], fact, start, types, fits)
         if matched is not None:
             yield from bindings(atoms[1:], facts, matched, types, fits)
+
+
+def are_none(
+    none: Iterable[NoneSuch], facts: Mapping[str, Sequence[Atom]], binding: Mapping[str, str], fits: Fits
+) -> bool:
+    """Tells whether there are no such things among the facts.
+
+    Args:
+        none: What there must not be.
+        facts: Facts by predicate.
+        binding: What the variables around are bound to.
+        fits: Tells whether an element is of a class.
+    """
+    for such in none:
+        types = {variable.name: variable.type for variable in such.variables}
+        if next(bindings(such.bind(binding).atoms, facts, {}, types, fits), None) is not None:
+            return False
+    return True
 
 
 def _match(

@@ -67,9 +67,19 @@ class Action:
     duration: float | None = None
 
     @property
+    def variables(self) -> tuple[Variable, ...]:
+        """Its parameters, and what :attr:`none` speaks of."""
+        return (*self.parameters, *(variable for none in self.none for variable in none.variables))
+
+    @property
     def types(self) -> dict[str, str]:
         """Class of each argument of its atoms."""
-        return {v.name: v.type for v in (*self.parameters, *self.constants)}
+        return {v.name: v.type for v in (*self.variables, *self.constants)}
+
+    @property
+    def atoms(self) -> tuple[Atom, ...]:
+        """Every atom that it speaks of."""
+        return (*self.pre, *self.add, *self.delete, *(atom for none in self.none for atom in none.atoms))
 
 
 @dataclass(frozen=True, slots=True)

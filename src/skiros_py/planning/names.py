@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 __all__ = ["RESERVED", "NameMap"]
 
-RESERVED = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "object", "either", "define", "domain"})
+RESERVED = frozenset(
+    "and or not exists forall when imply object either define domain problem number total-cost total-time "
+    "increase decrease assign minimize maximize".split()
+)
 """Words of PDDL itself; a variable, with its question mark, may be called like one."""
 
 
@@ -46,6 +50,11 @@ class NameMap:
             self._to[name] = candidate
             self._from[candidate] = name
         return self._to[name]
+
+    @property
+    def known(self) -> Mapping[str, str]:
+        """PDDL names by name, of those that were asked for; a view that costs nothing."""
+        return MappingProxyType(self._to)
 
     def back(self, pddl_name: str) -> str:
         """Returns the name that a PDDL name stands for.

@@ -1,14 +1,14 @@
-"""Writes a planning task as standard PDDL (1.2: ``:strips :typing``), deterministic and readable."""
+"""Writes a planning task as standard PDDL, deterministic and readable: ``:strips :typing`` where that says it all."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from skiros_py.planning.classes import IS
 from skiros_py.planning.literals import BY_CLASS, HAS, NOT, NOTHING, VALUE, compared
-from skiros_py.planning.model import Action, Atom, Domain, Problem, Variable
+from skiros_py.planning.model import Action, Atom, Domain, NoneSuch, Problem, Variable
 from skiros_py.planning.names import NameMap
 from skiros_py.world.names import local_name
 
@@ -46,8 +46,7 @@ class _Writer:
             self.predicates.pddl(name, _predicate_words(name))
         actions = (action.name for action in domain.actions)
         self.actions = NameMap(actions, avoid=(self.objects, self.types, self.predicates))
-        atoms = (atom for action in domain.actions for atom in (*action.pre, *action.add, *action.delete))
-        named = {argument for atom in atoms for argument in atom.arguments}
+        named = {argument for action in domain.actions for atom in action.atoms for argument in atom.arguments}
         self.constants = sorted(named & set(problem.objects))
 
     def object(self, element: str) -> str:
@@ -57,12 +56,15 @@ class _Writer:
         arguments = [f"?{variables.pddl(a)}" if a.startswith("?") else self.objects.pddl(a) for a in atom.arguments]
         return f"({' '.join([self.predicates.pddl(atom.predicate), *arguments])})"
 
-    def conjunction(
-        self, atoms: Iterable[Atom], indent: str, *, deletes: Iterable[Atom] = (), variables: NameMap | None = None
-    ) -> str:
-        names = variables or NameMap()
-        lines = [self.atom(atom, names) for atom in atoms] + [f"(not {self.atom(atom, names)})" for atom in deletes]
-        return "(and" + "".join(f"\n{indent}{line}" for line in lines) + ")"
+    def ground(self, atom: Atom) -> str:
+        """Returns an atom over elements; each of them has its name by now."""
+        names = map(self.objects.known.__getitem__, atom.arguments)
+        return f"({' '.join([self.predicates.known[atom.predicate], *names])})"
+
+    def none(self, none: NoneSuch, variables: NameMap) -> str:
+        atoms = [self.atom(atom, variables) for atom in none.atoms]
+        inner = atoms[0] if len(atoms) == 1 else f"(and {' '.join(atoms)})"
+        return f"(not (exists ({self.typed(none.variables, variables)}) {inner}))"
 
     def type(self, class_: str) -> str:
         return "object" if class_ in ("", "object") else self.types.pddl(class_)
@@ -82,15 +84,27 @@ def write_pddl(domain: Domain, problem: Problem, *, name: str) -> PddlTexts:
     writer = _Writer(domain, problem)
     actions = {writer.actions.pddl(action.name): action for action in domain.actions}
     title = NameMap().pddl(name)
-    return PddlTexts(_domain_text(writer, title), _problem_text(writer, title), writer.objects, actions)
+    requirements = _requirements(domain)
+    domain_text = _domain_text(writer, title, requirements)
+    return PddlTexts(domain_text, _problem_text(writer, title), writer.objects, actions, requirements)
 
 
-def _domain_text(writer: _Writer, title: str) -> str:
+def _requirements(domain: Domain) -> tuple[str, ...]:
+    """Returns what is used: to deny more than one atom is "disjunctive", by the letter of the language."""
+    quantified = any(action.none for action in domain.actions)
+    return (":strips", ":typing", *((":disjunctive-preconditions", ":existential-preconditions") if quantified else ()))
+
+
+def _block(lines: Iterable[str], indent: str) -> str:
+    return "(and" + "".join(f"\n{indent}{line}" for line in lines) + ")"
+
+
+def _domain_text(writer: _Writer, title: str, requirements: Sequence[str]) -> str:
     domain = writer.domain
     types = [f"    {writer.type(t)} - {writer.type(domain.types[t])}" for t in sorted(domain.types)]
     predicates = [f"    {_predicate(writer, name, types_)}" for name, types_ in sorted(domain.predicates.items())]
     actions = [_action_text(writer, action) for action in domain.actions]
-    head = [f"(define (domain {title})", "  (:requirements :strips :typing)", "  (:types", *types, "  )"]
+    head = [f"(define (domain {title})", f"  (:requirements {' '.join(requirements)})", "  (:types", *types, "  )"]
     if writer.constants:  # elements that goals name, and defaults of skills
         head += ["  (:constants", *map(writer.object, writer.constants), "  )"]
     return "\n".join([*head, "  (:predicates", *predicates, "  )", *actions, ")"]) + "\n"
@@ -103,14 +117,16 @@ def _predicate(writer: _Writer, name: str, types: tuple[str, ...]) -> str:
 
 def _action_text(writer: _Writer, action: Action) -> str:
     indent = " " * 6
-    names = NameMap((v.name for v in action.parameters), reserved=frozenset())
-    deletes = _real_deletes(action)
+    names = NameMap((v.name for v in action.variables), reserved=frozenset())
+    needed = [*(writer.atom(atom, names) for atom in action.pre), *(writer.none(none, names) for none in action.none)]
+    effects = [writer.atom(atom, names) for atom in action.add]
+    effects += [f"(not {writer.atom(atom, names)})" for atom in _real_deletes(action)]
     return "\n".join(
         [
             f"  (:action {writer.actions.pddl(action.name)}",
             f"    :parameters ({writer.typed(action.parameters, names)})",
-            f"    :precondition {writer.conjunction(action.pre, indent, variables=names)}",
-            f"    :effect {writer.conjunction(action.add, indent, deletes=deletes, variables=names)})",
+            f"    :precondition {_block(needed, indent)}",
+            f"    :effect {_block(effects, indent)})",
         ]
     )
 
@@ -122,8 +138,8 @@ def _real_deletes(action: Action) -> list[Atom]:
 def _problem_text(writer: _Writer, title: str) -> str:
     problem = writer.problem
     objects = [writer.object(o) for o in sorted(problem.objects) if o not in writer.constants]
-    init = sorted(f"    {writer.atom(atom, NameMap())}" for atom in problem.init)
-    goal = writer.conjunction(problem.goal, " " * 4)
+    init = sorted(f"    {writer.ground(atom)}" for atom in problem.init)
+    goal = _block((writer.ground(atom) for atom in problem.goal), " " * 4)
     lines = [f"(define (problem {title})", f"  (:domain {title})", "  (:objects", *objects, "  )"]
     return "\n".join([*lines, "  (:init", *init, "  )", f"  (:goal {goal})", ")"]) + "\n"
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from skiros_py.robot.pending import Pending
 
-__all__ = ["Answer", "Planner", "Solved", "Unsolvable"]
+__all__ = ["Answer", "Planner", "Solved", "Unsolvable", "abandon"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +57,18 @@ class Planner(Protocol):
     def solve(self, domain: str, problem: str) -> Pending[Answer]:
         """Starts solving; several calls may be under way at once.
 
-        The pending answer's ``result`` raises PlanningError when the planner breaks.
+        The pending answer's ``result`` raises PlanningError when the planner breaks. It may have a method ``cancel()``,
+        which is called when nobody wants it any more: it kills what still runs for it.
         """
         ...
 
     def close(self) -> None:
         """Kills what still runs and waits for it."""
         ...
+
+
+def abandon(pending: Pending[Answer]) -> None:
+    """Says that nobody wants an answer any more; does nothing where it is there, or cannot be cancelled."""
+    cancel = getattr(pending, "cancel", None)
+    if cancel is not None:
+        cancel()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from skiros_py.skills.conditions import Condition
-from skiros_py.world.overlay import Overlay
+from skiros_py.world.change import Writer
+from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
 __all__ = ["Cause", "CauseKind", "Edit", "Repair"]
@@ -54,26 +55,36 @@ class Cause:
     precondition: str = ""
     elements: tuple[str, ...] = ()
 
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data."""
+        return {
+            "kind": str(self.kind),
+            "text": self.text,
+            "conditions": [str(condition) for condition in self.conditions],
+            "skill": self.skill,
+            "precondition": self.precondition,
+            "elements": list(self.elements),
+        }
+
 
 class Edit(Protocol):
-    """One change to scene, goal or robots."""
+    """One change to the scene."""
 
     def __str__(self) -> str:
-        """Says it as an instruction: "remove starter_2 from kit_3_a"."""
+        """Says it as an instruction: "put starter_2 in pallet_a"."""
         ...
 
-    def suppose(self, view: Overlay) -> None:
-        """Makes it in imagination."""
-        ...
-
-    def apply(self, world: World) -> None:
-        """Makes it for good, as one transaction."""
+    def write(self, tx: Transaction) -> None:
+        """Writes it into a transaction."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A smallest change after which there is a plan; it was tried out.
+    """A smallest change after which there is a plan.
+
+    What has edits or gives conditions up was tried out. What has neither cannot be done in the scene: it says what
+    somebody has to see to, such as a skill that a robot lacks.
 
     Attributes:
         text: What to do, in the operator's words.
@@ -84,3 +95,29 @@ class Repair:
     text: str
     edits: tuple[Edit, ...] = ()
     without: tuple[Condition, ...] = ()
+
+    def apply(self, world: World, author: str = "repair", writer: Writer = Writer.PERSON) -> None:
+        """Makes the changes to the world, as one transaction; the goal is the caller's.
+
+        Args:
+            world: The world.
+            author: Who decided it.
+            writer: What kind of author that is.
+
+        Raises:
+            WorldError: The world is no longer such that it can be done; nothing is changed then.
+            Locked: Somebody else has locked one of the elements.
+        """
+        if not self.edits:
+            return
+        with world.transaction(author, f"so that there is a plan: {self.text}", writer=writer) as tx:
+            for edit in self.edits:
+                edit.write(tx)
+
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data."""
+        return {
+            "text": self.text,
+            "edits": [str(edit) for edit in self.edits],
+            "without": [str(condition) for condition in self.without],
+        }

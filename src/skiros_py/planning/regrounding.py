@@ -6,16 +6,19 @@ longer hold.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from copy import copy
+from itertools import product
+from typing import NamedTuple
 
-from skiros_py.planning.matching import bindings
-from skiros_py.planning.model import Action, Atom
+from skiros_py.planning.matching import are_none, bindings
+from skiros_py.planning.model import Action, Atom, Variable
 from skiros_py.planning.pddl import PddlTexts
 from skiros_py.planning.plan import Step
 from skiros_py.planning.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["pddl_plan"]
+__all__ = ["Taken", "TaskState", "pddl_plan"]
 
 
 def pddl_plan(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontology: Ontology) -> tuple[str, ...]:
@@ -30,52 +33,120 @@ def pddl_plan(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontol
         steps: The skills to run, in order; they lead to the goal.
         ontology: Classes.
     """
-    run = _Run(task, ontology)
-    names = {action.name: word for word, action in texts.actions.items()}
-    taken = [run.take([a for a in task.domain.actions if a.skill == step.skill], step) for step in steps]
-    closing = [a for a in task.domain.actions if a.skill is None]
-    while None not in taken and not set(task.problem.goal) <= run.state:
-        taken.append(run.take([a for a in closing if not set(a.add) <= run.state], None))
-    if None in taken:
+    run = TaskState(task, ontology)
+    taken = [run.take(step) for step in steps]
+    closing = run.close([a for a in task.domain.actions if a.skill is None], task.problem.goal)
+    if None in taken or closing is None:
         return ()
-    objects = texts.objects.pddl
-    return tuple(f"({' '.join([names[action.name], *map(objects, ids)])})" for action, ids in filter(None, taken))
+    return tuple(one.line(texts) for one in (*filter(None, taken), *closing))
 
 
-class _Run:
+class Taken(NamedTuple):
+    """An action that was taken.
+
+    Attributes:
+        action: Which.
+        binding: Element by parameter.
+    """
+
+    action: Action
+    binding: Mapping[str, str]
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Its elements, in the order of its parameters."""
+        return tuple(self.binding[variable.name] for variable in self.action.parameters)
+
+    def line(self, texts: PddlTexts) -> str:
+        """Writes it as planners do."""
+        name = next(word for word, action in texts.actions.items() if action.name == self.action.name)
+        return f"({' '.join([name, *map(texts.objects.pddl, self.elements)])})"
+
+    def of(self, atoms: Iterable[Atom]) -> set[Atom]:
+        """Returns atoms of the action, about these elements."""
+        return {atom.bind(self.binding) for atom in atoms}
+
+
+class TaskState:
     """The state of the task while its actions are taken one after the other."""
 
     def __init__(self, task: PlanningTask, ontology: Ontology) -> None:
-        self.state = set(task.problem.init)
-        self._task = task
+        self._actions = task.domain.actions
+        self._objects = task.problem.objects
         self._ontology = ontology
+        self._facts: dict[str, dict[Atom, None]] = {}
+        self._become(sorted(task.problem.init))
 
-    def take(self, choices: Sequence[Action], step: Step | None) -> tuple[Action, tuple[str, ...]] | None:
-        """Takes the first of the actions that is possible now, with a step's arguments where one is given.
+    def copy(self) -> TaskState:
+        """Returns the same state, to go on from it in another way."""
+        return copy(self)
+
+    def __copy__(self) -> TaskState:
+        other = object.__new__(TaskState)
+        other.__dict__ |= self.__dict__ | {"_facts": {p: dict(atoms) for p, atoms in self._facts.items()}}
+        return other
+
+    def take(self, step: Step) -> Taken | None:
+        """Takes the first of the skill's actions that is possible now with a step's arguments; None when none is."""
+        choices = [action for action in self._actions if action.skill == step.skill]
+        given = {f"?{key}": value for key, value in step.arguments.items()}
+        possible = (one for action in choices for one in self._possible(action, given))
+        taken = next(possible, None)
+        if taken is not None:
+            self._apply(taken)
+        return taken
+
+    def close(self, closing: Sequence[Action], goal: Iterable[Atom]) -> list[Taken] | None:
+        """Takes actions of bookkeeping until the goal is reached.
 
         Returns:
-            The action and its objects, or None when none is possible.
+            Those that it needed, or None where it cannot be reached.
         """
-        facts: dict[str, list[Atom]] = {}
-        for atom in sorted(self.state):
-            facts.setdefault(atom.predicate, []).append(atom)
-        given = {f"?{key}": value for key, value in step.arguments.items()} if step else {}
-        for action in choices:
-            for found in bindings(action.pre, facts, given, action.types, self._fits):
-                binding = self._completed(action, found)
-                self.state -= {atom.bind(binding) for atom in action.delete}
-                self.state |= {atom.bind(binding) for atom in action.add}
-                return action, tuple(binding[v.name] for v in action.parameters)
-        return None
+        taken: list[Taken] = []
+        before = -1
+        while not all(map(self._holds, goal)) and len(taken) > before:
+            before = len(taken)
+            for one in (one for action in closing for one in list(self._possible(action, {}))):
+                if not all(map(self._holds, one.of(one.action.add))):
+                    self._apply(one)
+                    taken.append(one)
+        return _needed(taken, goal) if all(map(self._holds, goal)) else None
 
-    def _completed(self, action: Action, found: Mapping[str, str]) -> dict[str, str]:
-        """Takes any element for a parameter that no atom speaks of and the step leaves out: the skill will choose."""
-        objects = self._task.problem.objects
-        binding = dict(found)
-        for variable in action.parameters:
-            if variable.name not in binding:
-                binding[variable.name] = next(o for o in objects if self._fits(o, variable.type))
-        return binding
+    def _possible(self, action: Action, given: Mapping[str, str]) -> Iterator[Taken]:
+        """Yields the ways to take an action; for a parameter that no atom speaks of, any element will do."""
+        facts = {predicate: tuple(atoms) for predicate, atoms in self._facts.items()}
+        for found in bindings(action.pre, facts, given, action.types, self._fits):
+            if are_none(action.none, facts, found, self._fits):
+                free = [variable for variable in action.parameters if variable.name not in found]
+                for elements in product(*(self._fitting(variable) for variable in free)):
+                    names = (variable.name for variable in free)
+                    yield Taken(action, {**found, **dict(zip(names, elements, strict=True))})
+
+    def _apply(self, one: Taken) -> None:
+        for atom in one.of(one.action.delete):
+            self._facts.get(atom.predicate, {}).pop(atom, None)
+        self._become(sorted(one.of(one.action.add)))
+
+    def _become(self, atoms: Iterable[Atom]) -> None:
+        for atom in atoms:
+            self._facts.setdefault(atom.predicate, {})[atom] = None
+
+    def _holds(self, atom: Atom) -> bool:
+        return atom in self._facts.get(atom.predicate, ())
+
+    def _fitting(self, variable: Variable) -> list[str]:
+        return [element for element in self._objects if self._fits(element, variable.type)]
 
     def _fits(self, element: str, class_: str) -> bool:
-        return class_ in ("", "object") or self._ontology.is_a(self._task.problem.objects[element], class_)
+        return class_ in ("", "object") or self._ontology.is_a(self._objects[element], class_)
+
+
+def _needed(taken: Sequence[Taken], goal: Iterable[Atom]) -> list[Taken]:
+    """Leaves out what the goal does not need."""
+    wanted = set(goal)
+    kept: list[Taken] = []
+    for one in reversed(taken):
+        if not wanted.isdisjoint(one.of(one.action.add)):
+            wanted |= one.of(one.action.pre)
+            kept.append(one)
+    return kept[::-1]

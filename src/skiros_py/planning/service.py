@@ -5,21 +5,29 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from skiros_py.planning.explanation import explain
-from skiros_py.planning.needs import passed_keys
-from skiros_py.planning.pddl import PddlTexts, write_pddl
-from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
-from skiros_py.planning.planner import Answer, Planner, Unsolvable
-from skiros_py.planning.regrounding import pddl_plan
-from skiros_py.planning.task import Capability, PlanningTask, build_task
-from skiros_py.planning.validation import replay
+from skiros_py.errors import PlanningError
+from skiros_py.planning.attempts import Wanted, attempts
+from skiros_py.planning.choosing import Planners
+from skiros_py.planning.explanation import Trial, explain, explaining, find_causes
+from skiros_py.planning.ordering import order
+from skiros_py.planning.pddl import PddlTexts
+from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.planner import Answer, Planner, Unsolvable, abandon
+from skiros_py.planning.proving import Wrong, proved
+from skiros_py.planning.reasons import Cause, CauseKind
+from skiros_py.planning.rounds import arranged
+from skiros_py.planning.sequence import counts, without_numbers
+from skiros_py.planning.task import Capability, PlanningTask
+from skiros_py.planning.validation import out_of_sequence
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
 __all__ = ["Planned", "PlanningService"]
+
+_GLANCE = 0.0005
+"""Time between two looks for an answer while simulated time stands still [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,86 +38,187 @@ class Planned:
         outcome: The plan, or why there is none.
         texts: Domain and problem as given to the planner; None where none had to be asked.
         wall: Wall time from world model to replayed plan [s].
+        planner: Name of the planner that gave the answer; empty where none had to be asked.
+        notes: What went wrong with planners that were asked before it.
     """
 
     outcome: Plan | NoPlan
     texts: PddlTexts | None
     wall: float
+    planner: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class PlanningService:
-    """Plans with one planner; the world given is never changed.
+    """Plans; the world given is never changed.
 
     Args:
-        planner: What solves the PDDL.
+        planners: What solves the PDDL: one planner, or several to choose from. Whoever made them closes them.
         name: Name of domain and problem.
         lockstep: True when simulated time stands still while the planner works.
         waiting: Says, for as long as it is entered, that a long wait for the planner is no fault.
+        leaving: Tells whether somebody wants a stop: then simulated time goes on, for the stop to happen.
+        temporal: True to plan in time, with a planner that takes durative actions.
     """
 
     def __init__(
         self,
-        planner: Planner,
+        planners: Planner | Planners,
         name: str = "skiros",
         *,
         lockstep: bool = True,
         waiting: Callable[[], AbstractContextManager[None]] = nullcontext,
+        leaving: Callable[[], bool] = lambda: False,
+        temporal: bool = False,
     ) -> None:
-        self.planner = planner
+        self.planners = planners if isinstance(planners, Planners) else Planners.only(planners)
         self._name = name
         self._lockstep = lockstep
         self._waiting = waiting
+        self._leaving = leaving
+        self._temporal = temporal
 
     def plan(
-        self, view: WorldView, capabilities: Sequence[Capability], goal: Sequence[Condition]
+        self,
+        view: WorldView,
+        capabilities: Sequence[Capability],
+        goal: Sequence[Condition],
+        *,
+        reached: Mapping[str, int] | None = None,
     ) -> Generator[None, None, Planned]:
-        """Plans; yields while the planner works, unless in lockstep.
+        """Plans; yields while the planner works, unless in lockstep. Closed meanwhile, it kills the planner's call.
+
+        Args:
+            view: The world.
+            capabilities: What can be done.
+            goal: What shall hold, all of it.
+            reached: The highest sequence number that each robot has visited in this task.
 
         Raises:
-            PlanningError: The task cannot be written, the planner broke, or its answer is no plan.
+            PlanningError: The task cannot be written, no planner takes it, or all that do broke.
         """
         started = time.perf_counter()
         gone = sorted({a for c in goal for a in c.arguments if a not in view.ontology.classes and not view.has(a)})
         if gone:
             return Planned(NoPlan(tuple(f"there is no {name} any more" for name in gone)), None, 0.0)
-        task = build_task(view, capabilities, goal)
-        texts = write_pddl(task.domain, task.problem, name=self._name)
-        pending = self.planner.solve(texts.domain, texts.problem)
-        while not (self._lockstep or pending.done()):
-            yield
-        with self._waiting():
-            answer = pending.result()
-        outcome = self._outcome(view, task, texts, answer)
-        return Planned(outcome, texts, time.perf_counter() - started)
+        wanted = Wanted(view, tuple(capabilities), tuple(goal), reached or {}, self._temporal, self._name)
+        planned = yield from self._planned(wanted)
+        return replace(planned, wall=time.perf_counter() - started)
 
-    def _outcome(self, view: WorldView, task: PlanningTask, texts: PddlTexts, answer: Answer) -> Plan | NoPlan:
-        if isinstance(answer, Unsolvable):
-            reasons = explain(task, view)
-            return NoPlan(reasons or (_conflict(task.conditions),))
-        skills = {c.skill.name: c.skill for c in task.capabilities}
-        keys = {name: passed_keys(skill) for name, skill in skills.items()}
-        steps = read_plan(answer.steps, texts, keys)
-        flaw = replay(view, steps, task.conditions, skills)
-        if flaw is not None:
-            where = f"step {flaw.step + 1} ({steps[flaw.step]})" if flaw.step is not None else "the end"
-            return NoPlan((f"the plan of {self.planner.name} breaks at {where}: {flaw.verdict.text}",))
-        steps = _without_detours(view, steps, task, skills)
-        return Plan(steps, pddl_plan(task, texts, steps, view.ontology))
+    def _planned(self, wanted: Wanted) -> Generator[None, None, Planned]:
+        """Asks for a plan of the task in ever more complete forms; no plan is said of the complete one only."""
+        notes: list[str] = []
+        found: _Found | None = None
+        for task, texts in attempts(wanted):
+            if found is None or not found.is_about(texts):
+                found = yield from self._found(wanted, task, texts, notes)
+            if found.plan is not None:
+                plan = arranged(wanted.view, task, texts, found.plan, wanted.reached)
+                plan = order(wanted.view, task, texts, plan)
+                return Planned(plan, texts, 0.0, found.planner, tuple(dict.fromkeys(notes)))
+            if task.complete:
+                outcome = yield from self._explained(wanted, task, found)
+                return Planned(outcome, texts, 0.0, found.planner, tuple(dict.fromkeys(notes)))
+        raise AssertionError("the last attempt is complete")
+
+    def _found(
+        self, wanted: Wanted, task: PlanningTask, texts: PddlTexts, notes: list[str]
+    ) -> Generator[None, None, _Found]:
+        """Asks one planner after the other until one has a plan, or has proved that there is none.
+
+        Args:
+            wanted: What shall be planned.
+            task: The task.
+            texts: The same, as written.
+            notes: What went wrong is added to these.
+        """
+        doubts: list[str] = []
+        asked = ""
+        for planner in self.planners.fitting(texts.requirements):
+            asked = planner.name
+            try:
+                answer = yield from self._answer(planner, texts)
+                if isinstance(answer, Unsolvable):
+                    outcome: Plan | Wrong | Unsolvable = answer
+                else:
+                    outcome = proved(wanted.view, task, texts, answer, wanted.reached)
+            except PlanningError as error:
+                if self.planners.closed:
+                    raise
+                notes.append(str(error))
+                continue
+            if isinstance(outcome, Plan):
+                return _Found(texts, asked, outcome)
+            if isinstance(outcome, Unsolvable) and outcome.proven:
+                return _Found(texts, asked)
+            doubts.append(_doubt(asked, outcome))
+            notes.append(doubts[-1])
+        if not doubts:
+            raise PlanningError("; ".join(notes) if asked else self.planners.why_none(texts.requirements))
+        return _Found(texts, asked, doubts=tuple(doubts))
+
+    def _explained(self, wanted: Wanted, task: PlanningTask, found: _Found) -> Generator[None, None, Plan | NoPlan]:
+        """Says why there is no plan, and what would help."""
+        if counts(wanted.view):
+            return (yield from self._without_numbers(wanted))
+        if found.doubts:
+            causes = tuple(found.cause for found in find_causes(task, wanted.view))
+            return NoPlan(tuple(cause.text for cause in causes) or found.doubts, causes)
+        trial = Trial(self.planners, task.capabilities)
+        if self._lockstep:
+            with self._waiting():
+                explained = explain(task, wanted.view, trial)
+        else:
+            explained = yield from explaining(task, wanted.view, trial)
+        return NoPlan(explained.reasons, explained.causes, explained.repairs)
+
+    def _without_numbers(self, wanted: Wanted) -> Generator[None, None, Plan | NoPlan]:
+        """Says how the plan that there would be without sequence numbers breaks them; else why there is none anyway."""
+        free = yield from self._planned(replace(wanted, view=without_numbers(wanted.view)))
+        if isinstance(free.outcome, NoPlan):
+            return free.outcome
+        skills = {c.skill.name: c.skill for c in wanted.capabilities}
+        steps = free.outcome.steps
+        reason = out_of_sequence(wanted.view, steps, wanted.goal, skills, reached=wanted.reached)
+        return NoPlan((reason,), (Cause(CauseKind.CONFLICT, reason, wanted.goal),)) if reason else free.outcome
+
+    def _answer(self, planner: Planner, texts: PddlTexts) -> Generator[None, None, Answer]:
+        """Waits for a planner; whoever closes this meanwhile ends the call."""
+        pending = planner.solve(texts.domain, texts.problem)
+        try:
+            with self._waiting() if self._lockstep else nullcontext():
+                while self._lockstep and not (pending.done() or self._leaving()):
+                    time.sleep(_GLANCE)
+            while not pending.done():
+                yield
+            return pending.result()
+        finally:
+            abandon(pending)
 
 
-def _conflict(goal: Sequence[Condition]) -> str:
-    """Says why there is no plan although nothing is lacking that skills could not bring about."""
-    if len(goal) > 1:
-        return "each condition could be reached alone, but not all of them together"
-    return f"{goal[0]} cannot be reached: whatever is done for it undoes something else that it needs"
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What planners say of one task.
+
+    Attributes:
+        texts: The task as written.
+        planner: Name of the last that was asked.
+        plan: The plan; None where there is none.
+        doubts: Why that is not proved, where it is not.
+    """
+
+    texts: PddlTexts
+    planner: str
+    plan: Plan | None = None
+    doubts: tuple[str, ...] = ()
+
+    def is_about(self, texts: PddlTexts) -> bool:
+        """Tells whether it is what planners would say of these texts, too."""
+        return (self.texts.domain, self.texts.problem) == (texts.domain, texts.problem)
 
 
-def _without_detours(
-    view: WorldView, steps: tuple[Step, ...], task: PlanningTask, skills: Mapping[str, SkillDescription]
-) -> tuple[Step, ...]:
-    """Leaves out steps without which the plan still survives the replay (a satisficing planner may wander)."""
-    for index in reversed(range(len(steps))):
-        shorter = steps[:index] + steps[index + 1 :]
-        if replay(view, shorter, task.conditions, skills) is None:
-            steps = shorter
-    return steps
+def _doubt(planner: str, outcome: Wrong | Unsolvable) -> str:
+    if isinstance(outcome, Wrong):
+        return f"the plan of {planner} {outcome}"
+    said = f": {outcome.reason}" if outcome.reason else ""
+    return f"{planner} found no plan, and no proof that there is none{said}"

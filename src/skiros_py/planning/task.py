@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 
-from skiros_py.errors import PlanningError, SkirosError
-from skiros_py.interruptions import Interruption
-from skiros_py.planning.actions import actions_of, maintain_emptiness
-from skiros_py.planning.classes import IS, common_class, primary_line, with_class_predicates
-from skiros_py.planning.goals import compile_goal
-from skiros_py.planning.literals import CAN, NOTHING, Asked, asked_literals
+from skiros_py.planning.actions import actions_of
+from skiros_py.planning.classes import common_class, primary_line, with_class_predicates
+from skiros_py.planning.complements import complement_facts, with_complements
+from skiros_py.planning.emptiness import maintain_emptiness
+from skiros_py.planning.facts import Facts
+from skiros_py.planning.goals import CompiledGoal, compile_goal
+from skiros_py.planning.lifted import Lifted
+from skiros_py.planning.literals import CAN, Asked, asked_literals
+from skiros_py.planning.living import living, supported
 from skiros_py.planning.model import Action, Atom, Domain, Problem
 from skiros_py.planning.needs import needs_of
-from skiros_py.skills.conditions import Computed, Condition, Not
+from skiros_py.planning.relevance import Relevant, relevant
+from skiros_py.planning.symmetry import superfluous
+from skiros_py.planning.variants import possible_variants
+from skiros_py.skills.conditions import Condition, Not
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
@@ -40,6 +44,7 @@ class PlanningTask:
         goal: Each condition with the atoms that stand for it.
         capabilities: The skills that are there.
         asked: By predicate, what was evaluated to find its facts, over the variables "1" and "2".
+        complete: True when it has a plan wherever there is one; False where candidates were left out.
     """
 
     domain: Domain
@@ -47,6 +52,7 @@ class PlanningTask:
     goal: tuple[tuple[Condition, tuple[Atom, ...]], ...]
     capabilities: tuple[Capability, ...]
     asked: Mapping[str, Asked | Not] = field(default_factory=dict)
+    complete: bool = True
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -54,66 +60,120 @@ class PlanningTask:
         return tuple(condition for condition, _ in self.goal)
 
 
-def build_task(view: WorldView, capabilities: Sequence[Capability], goal: Sequence[Condition]) -> PlanningTask:
-    """Translates world, skills and goal.
+def build_task(
+    view: WorldView,
+    capabilities: Sequence[Capability],
+    goal: Sequence[Condition],
+    *,
+    width: int | None = None,
+    whole: bool = False,
+) -> PlanningTask:
+    """Translates world, skills and goal, leaving out what the goal cannot need.
+
+    Args:
+        view: The world.
+        capabilities: What can be done.
+        goal: What shall hold, all of it.
+        width: How many candidates are tried where there is a choice: a quick guess. None gives the complete problem:
+            only if that has no plan, there is none.
+        whole: True to keep every skill, and every element that some parameter could be, needed or not: to look at.
 
     Raises:
-        PlanningError: Something in them cannot be said in typed STRIPS; the message names it.
+        PlanningError: Something in them cannot be said in PDDL; the message names it.
     """
-    ontology = view.ontology
-    skills = [c.skill for c in capabilities]
-    asked = asked_literals(
-        (*(c.pattern for s in skills for c in needs_of(s)), *(c.closed_pattern(ontology) for c in goal))
-    )
-    possible = (a for s in skills for a in actions_of(s, ontology, asked) if all(view.has(c.name) for c in a.constants))
-    actions = maintain_emptiness(possible, ontology)
-    compiled = compile_goal(goal, actions, view)
-    atoms = tuple(atom for own in compiled.atoms for atom in own)
-    constants = [c.name for action in actions for c in action.constants]
-    objects = _objects(view, compiled.actions, [*constants, *(a for c in goal for a in c.arguments)])
-    typed = with_class_predicates(compiled.actions, objects, ontology)
-
-    def facts_of(name: str, types: tuple[str, ...]) -> Iterable[Atom]:
-        try:
-            return _facts(view, name, types, objects, asked)
-        except (SkirosError, KeyboardInterrupt, Interruption):
-            raise
-        except BaseException as error:
-            words = (*(c for s in skills for c in needs_of(s)), *goal)
-            who = ", ".join(dict.fromkeys(str(c) for c in words if name in asked_literals((c.pattern,))))
-            raise PlanningError(f"{who or name} cannot be worked out: {type(error).__name__}: {error}") from error
-
-    def predicates_and_facts(actions: Sequence[Action]) -> tuple[dict[str, tuple[str, ...]], set[Atom]]:
-        predicates = _predicates(actions, atoms, objects, ontology)
-        facts = {atom for name, types in predicates.items() for atom in facts_of(name, types)}
-        able = {Atom(CAN + c.skill.name, (agent,)) for c in capabilities for agent in c.agents}
-        return predicates, facts | {atom for atom in able if atom.predicate in predicates} | compiled.init
-
-    typed = _supported(typed, predicates_and_facts(typed)[1])
-    predicates, init = predicates_and_facts(typed)
-    domain = Domain(_types(objects, typed, predicates, ontology), predicates, typed)
-    problem = Problem(objects, frozenset(init), atoms)
-    by_condition = tuple(zip(goal, compiled.atoms, strict=True))
-    return PlanningTask(domain, problem, by_condition, tuple(capabilities), asked)
+    return _Building(view, capabilities, goal).task(width, whole=whole)
 
 
-def _supported(actions: Sequence[Action], init: set[Atom]) -> tuple[Action, ...]:
-    """Leaves out variants that nothing in this scene can ever make possible (no kit is carried, ...).
+class _Building:
+    """One task being built."""
 
-    A skill's last variant stays, so that an explanation can say what it lacks.
-    """
-    there = {atom.predicate for atom in init} | {atom.predicate for action in actions for atom in action.add}
-    good = [a for a in actions if all(atom.predicate in there for atom in a.pre)]
-    kept = Counter(action.skill for action in good)
-    left = (a for a in actions if a in good or a.skill is None or a.skill not in kept)
-    return tuple(replace(a, name=a.skill) if a.skill is not None and kept[a.skill] == 1 else a for a in left)
+    def __init__(self, view: WorldView, capabilities: Sequence[Capability], goal: Sequence[Condition]) -> None:
+        self._view = view
+        self._ontology = view.ontology
+        self._capabilities = tuple(capabilities)
+        self._agents = {CAN + c.skill.name: c.agents for c in capabilities}
+        self._goal = tuple(goal)
+        self._named = {a for c in goal for a in c.arguments if view.has(a)}
+        needed = (c.pattern for skill in self._skills for c in needs_of(skill))
+        self._asked = asked_literals((*needed, *(c.closed_pattern(self._ontology) for c in goal)), self._ontology)
+
+    @property
+    def _skills(self) -> list[SkillDescription]:
+        return [capability.skill for capability in self._capabilities]
+
+    def task(self, width: int | None, *, whole: bool) -> PlanningTask:
+        """Returns the task."""
+        compiled = self._compiled()
+        atoms = tuple(atom for own in compiled.atoms for atom in own)
+        if whole:
+            found = _everything(self._view, compiled.actions)
+        else:
+            found = relevant(self._view, compiled.actions, atoms, self._agents, self._asked, width)
+        objects = {name: self._view.element(name).type for name in sorted(found.elements | self._named)}
+        actions = with_class_predicates(found.actions, objects, self._ontology)
+        actions, predicates, init = self._stated(actions, atoms, objects, compiled.init)
+        if width is None and not whole:
+            objects, init = self._merged(objects, init, actions)
+        types = _types(objects, actions, predicates, self._ontology)
+        return PlanningTask(
+            Domain(types, predicates, actions),
+            Problem(objects, frozenset(init), atoms),
+            tuple(zip(self._goal, compiled.atoms, strict=True)),
+            self._capabilities,
+            self._asked,
+            width is None,
+        )
+
+    def _compiled(self) -> CompiledGoal:
+        """Returns the goal and all actions there are."""
+        skills = (action for skill in self._skills for action in actions_of(skill, self._ontology, self._asked))
+        possible = (action for action in skills if all(self._view.has(c.name) for c in action.constants))
+        variants = possible_variants(living(possible, self._view), self._view)
+        compiled = compile_goal(self._goal, maintain_emptiness(variants, self._ontology), self._view)
+        atoms = (atom for own in compiled.atoms for atom in own)
+        return replace(compiled, actions=with_complements(compiled.actions, atoms, self._ontology))
+
+    def _stated(
+        self, actions: Sequence[Action], goal: Sequence[Atom], objects: Mapping[str, str], given: Iterable[Atom]
+    ) -> tuple[tuple[Action, ...], dict[str, tuple[str, ...]], set[Atom]]:
+        """Returns the actions that something here can make possible, their predicates, and what holds at the start."""
+        facts = Facts(self._view, objects, self._asked, self._who_asks)
+        able = {Atom(can, (agent,)) for can, agents in self._agents.items() for agent in agents}
+        known = {atom for atom in (*given, *able) if all(argument in objects for argument in atom.arguments)}
+        predicates = _predicates(actions, goal, objects, self._ontology)
+        start = known | facts.of(predicates) | self._denied(actions, goal, objects)
+        possible = supported(actions, start, objects, self._ontology)
+        predicates = _predicates(possible, goal, objects, self._ontology)
+        init = {atom for atom in known if atom.predicate in predicates}
+        return possible, predicates, init | facts.of(predicates) | self._denied(possible, goal, objects)
+
+    def _denied(self, actions: Iterable[Action], goal: Iterable[Atom], objects: Mapping[str, str]) -> frozenset[Atom]:
+        said: list[tuple[Atom, Mapping[str, str]]] = [(a, action.types) for action in actions for a in action.pre]
+        said += [(atom, {}) for atom in goal]
+        stored = [(atom, types) for atom, types in said if atom.predicate not in self._asked]
+        return complement_facts(stored, objects, self._view)
+
+    def _who_asks(self, predicate: str) -> str:
+        words = (*(c for s in self._skills for c in needs_of(s)), *self._goal)
+        asking = (c for c in words if predicate in asked_literals((c.pattern,), self._ontology))
+        return ", ".join(dict.fromkeys(map(str, asking)))
+
+    def _merged(
+        self, objects: Mapping[str, str], init: Iterable[Atom], actions: Sequence[Action]
+    ) -> tuple[dict[str, str], set[Atom]]:
+        """Leaves out what is there in plenty."""
+        spoken = {argument for action in actions for atom in action.atoms for argument in atom.arguments}
+        lifted = Lifted(actions, self._ontology, self._asked)
+        gone = superfluous(objects, init, actions, lifted, spoken | self._named)
+        left = {name: type_ for name, type_ in objects.items() if name not in gone}
+        return left, {atom for atom in init if gone.isdisjoint(atom.arguments)}
 
 
-def _objects(view: WorldView, actions: Iterable[Action], named: Iterable[str]) -> dict[str, str]:
-    """Returns every element that some parameter could be, under its most specific class."""
-    wanted = dict.fromkeys(v.type for action in actions for v in action.parameters if v.type)
-    ids = {i for class_ in wanted for i in view.instances(class_)} | {n for n in named if view.has(n)}
-    return {i: view.element(i).type for i in sorted(ids)}
+def _everything(view: WorldView, actions: Sequence[Action]) -> Relevant:
+    """Takes all actions, and every element that some parameter could be."""
+    classes = dict.fromkeys(v.type for action in actions for v in action.parameters if v.type)
+    constants = {c.name for action in actions for c in action.constants}
+    return Relevant(tuple(actions), frozenset(constants.union(*(view.instances(class_) for class_ in classes))))
 
 
 def _predicates(
@@ -123,56 +183,17 @@ def _predicates(
     found: dict[str, tuple[str, ...]] = {}
 
     def meet(atom: Atom, types: Mapping[str, str]) -> None:
-        new = tuple(types.get(argument, "") for argument in atom.arguments)
+        new = tuple(types.get(argument, objects.get(argument, "")) for argument in atom.arguments)
         old = found.get(atom.predicate, new)
         found[atom.predicate] = tuple(common_class(a, b, ontology) for a, b in zip(old, new, strict=True))
 
     for action in actions:
-        types = action.types | dict(objects)
-        for atom in (*action.pre, *action.add, *action.delete):
+        types = action.types | {name: objects[name] for name in action.types if name in objects}
+        for atom in action.atoms:
             meet(atom, types)
     for atom in goal:
         meet(atom, objects)
     return found
-
-
-def _facts(
-    view: WorldView,
-    name: str,
-    types: tuple[str, ...],
-    objects: Mapping[str, str],
-    asked: Mapping[str, Asked | Not],
-) -> Iterable[Atom]:
-    fitting = [_fitting(objects, type_, view.ontology) for type_ in types]
-    if name in asked:
-        return [Atom(name, ids) for ids in _holding(view, asked[name], fitting)]
-    if name.startswith(NOTHING):
-        relation = name.removeprefix(NOTHING)
-        return [Atom(name, (place,)) for place in fitting[0] if not view.subjects(relation, place)]
-    if name.startswith(IS):
-        return [Atom(name, (o,)) for o in fitting[0] if view.ontology.is_a(objects[o], name.removeprefix(IS))]
-    if name not in view.ontology.relations:
-        return []
-    targets = set(fitting[1])
-    return [Atom(name, (s, o)) for s in fitting[0] for o in view.objects(s, name) if o in targets]
-
-
-def _fitting(objects: Mapping[str, str], class_: str, ontology: Ontology) -> list[str]:
-    if class_ in ("", "object"):
-        return list(objects)
-    below = {type_ for type_ in set(objects.values()) if ontology.is_a(type_, class_)}
-    return [o for o, type_ in objects.items() if type_ in below]
-
-
-def _holding(view: WorldView, literal: Asked | Not, fitting: Sequence[Sequence[str]]) -> Iterable[tuple[str, ...]]:
-    """Returns what a literal holds of, among what fits its arguments."""
-    if isinstance(literal, Computed):
-        return literal.pairs(view, fitting[0], fitting[1])
-    tuples = product(*fitting)
-    if isinstance(literal, Not) and isinstance(literal.pattern, Computed):
-        there = set(literal.pattern.pairs(view, fitting[0], fitting[1]))
-        return (ids for ids in tuples if ids not in there)
-    return (ids for ids in tuples if literal.evaluate(view, dict(zip(("1", "2"), ids, strict=False))))
 
 
 def _types(
@@ -182,6 +203,6 @@ def _types(
     ontology: Ontology,
 ) -> dict[str, str]:
     """Returns the class tree over the classes in use, along primary parents."""
-    asked = {v.type for a in actions for v in a.parameters} | {t for types in predicates.values() for t in types}
+    asked = {v.type for a in actions for v in a.variables} | {t for types in predicates.values() for t in types}
     used = (asked | set(objects.values())) - {"", "object"}
     return {c: next((a for a in primary_line(ontology, c) if a in used), "object") for c in sorted(used)}

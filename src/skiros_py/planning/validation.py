@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 from skiros_py.planning.needs import needs_of, with_defaults
 from skiros_py.planning.plan import Step
+from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition, Verdict, effects_of, judge, suppose_effects
 from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
-__all__ = ["Flaw", "apply_effects", "replay", "replay_rest"]
+__all__ = ["Flaw", "apply_effects", "out_of_sequence", "replay", "replay_rest"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,15 +31,27 @@ class Flaw:
 
 
 def replay(
-    view: WorldView, steps: Sequence[Step], goal: Sequence[Condition], skills: Mapping[str, SkillDescription]
+    view: WorldView,
+    steps: Sequence[Step],
+    goal: Sequence[Condition],
+    skills: Mapping[str, SkillDescription],
+    *,
+    reached: Mapping[str, int] | None = None,
 ) -> Flaw | None:
     """Runs a plan in imagination; the given view is not changed.
 
+    Args:
+        view: The world.
+        steps: The plan.
+        goal: What it is for.
+        skills: What is known of the skills, by name.
+        reached: The highest sequence number that each robot has visited in this task.
+
     Returns:
-        The first flaw, or None when every precondition holds in its turn, every postcondition follows, and the goal is
-        reached at the end.
+        The first flaw, or None when every precondition holds in its turn, every postcondition follows, the scene's
+        sequence numbers are kept to, and the goal is reached at the end.
     """
-    return _replay(Overlay(view), steps, goal, skills)
+    return _replay(Overlay(view), steps, goal, skills, Round(view, goal, reached))
 
 
 def replay_rest(
@@ -47,22 +60,49 @@ def replay_rest(
     rest: Sequence[Step],
     goal: Sequence[Condition],
     skills: Mapping[str, SkillDescription],
+    *,
+    reached: Mapping[str, int] | None = None,
 ) -> Flaw | None:
     """Tells whether the rest of a plan still leads to the goal, given that the current step will succeed."""
-    overlay = Overlay(view)
+    overlay, round_ = Overlay(view), Round(view, goal, reached)
     if current is not None:
         skill = skills[current.skill]
-        apply_effects(overlay, skill.post, with_defaults(skill, current.arguments))
-    return _replay(overlay, rest, goal, skills)
+        values = with_defaults(skill, current.arguments)
+        round_.take(overlay, skill, values)
+        apply_effects(overlay, skill.post, values)
+    return _replay(overlay, rest, goal, skills, round_)
+
+
+def out_of_sequence(
+    view: WorldView,
+    steps: Sequence[Step],
+    goal: Sequence[Condition],
+    skills: Mapping[str, SkillDescription],
+    *,
+    reached: Mapping[str, int] | None = None,
+) -> str:
+    """Says how a plan that is right but for sequence and work numbers breaks these; empty where it does not.
+
+    To be asked where a task has no plan with the numbers (:func:`~skiros_py.planning.sequencing.in_sequence`) and this
+    one without them: then they are why.
+    """
+    flaw = replay(view, steps, goal, skills, reached=reached)
+    return "" if flaw is None else f"no plan keeps to the sequence numbers of this scene: {flaw.verdict.text}"
 
 
 def _replay(
-    overlay: Overlay, steps: Sequence[Step], goal: Sequence[Condition], skills: Mapping[str, SkillDescription]
+    overlay: Overlay,
+    steps: Sequence[Step],
+    goal: Sequence[Condition],
+    skills: Mapping[str, SkillDescription],
+    round_: Round,
 ) -> Flaw | None:
     for index, step in enumerate(steps):
         skill = skills[step.skill]
         values = with_defaults(skill, step.arguments)
         broken = _first_broken(overlay, needs_of(skill), values)
+        if broken is None:
+            broken = round_.take(overlay, skill, values)
         if broken is None:
             apply_effects(overlay, skill.post, values)
             broken = _first_broken(overlay, skill.post, values)

@@ -31,11 +31,11 @@ _CARRIERS = frozenset({"base_link"})
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A robot touches a body.
+    """A robot touches a body or another robot.
 
     Attributes:
         link: Name of the robot's link.
-        body: Id of the body, or "floor".
+        body: Id of the body or of the other robot, or "floor".
         depth: How deep the two are in each other [m]; 0 when they only touch.
     """
 
@@ -88,6 +88,8 @@ class Truth:
     def contacts(self) -> tuple[Contact, ...]:
         """Returns what the robots touch now, except the floor under their base and what stands on it."""
         bodies = {body.index: body for body in self._scene.bodies.values()}
+        names = {robot.body: robot.spec.id for robot in self._scene.robots} | {self._scene.floor: FLOOR}
+        names |= {body.index: body.spec.id for body in bodies.values()}
         found: dict[tuple[str, str], Contact] = {}
         for robot in self._scene.robots:
             for point in self._scene.client.getContactPoints(robot.body):
@@ -95,10 +97,8 @@ class Truth:
                 bolted = body is not None and body.constraint is not None
                 if point[2] == robot.body or (bolted and robot.joints.link_name(point[3]) in _CARRIERS):
                     continue
-                contact = Contact(
-                    robot.joints.link_name(point[3]), FLOOR if body is None else body.spec.id, max(0.0, -point[8])
-                )
-                _keep_deeper(found, contact)
+                link = robot.joints.link_name(point[3])
+                _keep_deeper(found, Contact(link, names[point[2]], max(0.0, -point[8])))
         return tuple(found.values())
 
     def watch(self) -> None:

@@ -14,6 +14,7 @@ from skiros_py.robot.devices import DeviceBoard
 from skiros_py.robot.motion import ArmPlanner, BasePlanner
 from skiros_py.robot.perception import PartDetector, Registrar
 from skiros_py.skills.effects import Effects
+from skiros_py.skills.floor import Floor, OpenFloor
 from skiros_py.skills.questions import Questions
 from skiros_py.world.world import World
 
@@ -71,6 +72,7 @@ class RunContext:
         questions: Where a person is asked.
         call: Runs another module.
         effects: The effects of the skill that this module is part of; None for a module that runs on its own.
+        floor: Who may drive where.
         waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
     """
 
@@ -85,6 +87,7 @@ class RunContext:
     questions: Questions = field(default_factory=Questions)
     call: Caller = _nobody
     effects: Effects | None = None
+    floor: Floor = field(default_factory=OpenFloor)
     waiting: Callable[[], AbstractContextManager[None]] = nullcontext
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.composition import Node, check_node
@@ -30,6 +31,8 @@ class SkillDescription:
         post: Hold after it; asserted by whoever sensed them, then checked.
         target: Key of the parameter it is done to or for; when the skill keeps failing, this element is left out of
             further plans.
+        duration: How long it takes as a rule [s]; what robots learn from their runs counts before it. None where the
+            author does not know.
     """
 
     name: str
@@ -40,6 +43,7 @@ class SkillDescription:
     pre: tuple[Condition, ...] = ()
     hold: tuple[Condition, ...] = ()
     post: tuple[Condition, ...] = ()
+    duration: float | None = None
 
     def __post_init__(self) -> None:
         if not self.name or ":" in self.name:
@@ -50,6 +54,8 @@ class SkillDescription:
         self._check_elements((self.agent, self.target), f"as agent or target of skill '{self.name}'")
         if not self.post:
             raise DescriptionError(f"skill '{self.name}' has no postcondition: nobody could ever want it")
+        if self.duration is not None and not 0.0 < self.duration < inf:
+            raise DescriptionError(f"duration of skill '{self.name}': {self.duration:g}; it must be some seconds")
 
     def _check_elements(self, keys: Iterable[str], where: str) -> None:
         params = {param.key: param for param in self.params}
@@ -136,7 +142,7 @@ class Skill:
         when: Further conditions, over the parameters, under which this implementation can be used.
         order: Implementations are tried by this number, then by label.
         takes: Keys of further parameters, besides those of kind HARDWARE, whose element is taken with all devices it
-            has: nobody else commands them meanwhile.
+            has: nobody else commands them meanwhile. A location (a kit) is taken itself: one at a time works there.
     """
 
     description: SkillDescription

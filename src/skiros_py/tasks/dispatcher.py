@@ -1,115 +1,285 @@
-"""Hands the steps of a plan to the skill managers, and breaks off when the plan no longer leads to the goal."""
+"""Hands the steps of a plan to the skill managers: those that wait for nothing run together."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
-from skiros_py.errors import UnknownName, UsageError
-from skiros_py.execution.contained import contained
-from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
+from skiros_py.errors import UsageError
 from skiros_py.execution.running import Running
-from skiros_py.execution.skill_manager import Transport
-from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.validation import Flaw, replay_rest
-from skiros_py.skills.conditions import Condition, Verdict
+from skiros_py.planning.plan import Step
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.agenda import Agenda
+from skiros_py.tasks.control import Mode
 from skiros_py.tasks.history import History
-from skiros_py.world.world import World
+from skiros_py.tasks.reservations import robot_of, used_by
+from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.telling import Telling
+from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.undertaking import StepRun, Undertaking
 
-__all__ = ["Dispatcher"]
+__all__ = ["Active", "Dispatcher"]
+
+
+@dataclass(slots=True, eq=False)
+class Active:
+    """A step that runs.
+
+    Attributes:
+        index: Its index in the present agenda.
+        run: The step, its number and who does it.
+        robot: Id of the robot of that.
+        running: What runs.
+        leaving: Why it was broken off; empty while it is wanted.
+    """
+
+    index: int
+    run: StepRun
+    robot: str
+    running: Running
+    leaving: str = ""
+
+    @property
+    def step(self) -> Step:
+        """The skill with its arguments."""
+        return self.run.step
 
 
 class Dispatcher:
-    """Runs plans for one goal.
+    """Runs the steps of one task's plans.
 
     Args:
-        world: The live world model.
-        managers: Skill managers by agent id.
-        skills: What they offer, by name.
-        cycle: Gives the time.
+        undertaking: The task: what people want of it, and its trace.
+        setting: What it is done with.
         history: Takes every step that ran.
-        monitor: Hears of what has to wait; None where nobody listens.
+        skills: The skills there are, by name; filled in as managers come.
+
+    Attributes:
+        agenda: What is to be done of the present plan.
+        telling: Tells what happens.
     """
 
     def __init__(
-        self,
-        world: World,
-        managers: Mapping[str, Transport],
-        skills: Mapping[str, SkillDescription],
-        cycle: ControlCycle,
-        history: History,
-        monitor: Monitor | None = None,
+        self, undertaking: Undertaking, setting: Setting, history: History, skills: Mapping[str, SkillDescription]
     ) -> None:
-        self._world = world
-        self._managers = managers
-        self._skills = skills
-        self._cycle = cycle
+        self.agenda = Agenda((), ())
+        self._undertaking = undertaking
+        self._setting = setting
         self._history = history
-        self._monitor = monitor
+        self._skills = skills
+        self.telling = Telling(undertaking.trace, setting, skills)
+        self._active: list[Active] = []
+        self._started = 0
+        self._mode = Mode.RUN
+        self._round_began = False
+        self._granted = True
 
-    def run(self, plan: Plan, goal: Sequence[Condition]) -> Execution[None]:
-        """Runs a plan until it is done or something is not as planned."""
-        for index, step in enumerate(plan.steps):
-            rest = plan.steps[index + 1 :]
-            outcome = yield from self._run_step(step, rest, goal)
-            if isinstance(outcome, Failure) or self._flaw(None, rest, goal):
-                return
-
-    def _run_step(self, step: Step, rest: Sequence[Step], goal: Sequence[Condition]) -> Execution[Outcome]:
-        skill = self._skills[step.skill]
-        start = self._now
-        try:
-            running = yield from self._started(step, rest, goal)
-        except UsageError as refusal:
-            failure = Failure(str(refusal), BROKEN_OFF)  # not the target's fault
-            self._history.record(step, skill, start, self._now, failure)
-            return failure
-        seen = self._world.version
-        try:
-            while not running.done:
-                if self._world.version != seen:
-                    seen = self._world.version
-                    flaw = self._flaw(step, rest, goal)
-                    if flaw is not None:
-                        running.break_off(f"the plan no longer leads to the goal: {flaw.verdict.text}")
-                yield
-        finally:
-            running.stop()
-        self._history.record(step, skill, start, self._now, running.result)
-        return running.result
-
-    def _started(self, step: Step, rest: Sequence[Step], goal: Sequence[Condition]) -> Execution[Running]:
-        """Hands a step to who shall do it, when whatever else of that name runs there has ended.
-
-        Raises:
-            UsageError: It cannot be started there, or the plan leads to the goal no longer.
-        """
-        agent, seen = step.arguments[self._skills[step.skill].agent], -1
-        while agent in self._managers and step.skill in self._managers[agent].running:
-            if seen < 0:
-                self._tell(step, agent, f"waits: {step.skill} of {agent} is running already")
-            if self._world.version != seen:
-                seen = self._world.version
-                flaw = self._flaw(None, (step, *rest), goal)
-                if flaw is not None:
-                    raise UsageError(f"the plan no longer leads to the goal: {flaw.verdict.text}")
-            yield
-        if agent not in self._managers:
-            raise UnknownName("skill manager", agent, self._managers)
-        return self._managers[agent].start(step.skill, step.arguments)
-
-    def _tell(self, step: Step, agent: str, text: str) -> None:
-        if self._monitor is not None:
-            self._monitor.publish(ModuleEvent(self._now, "skill", step.skill, Status.RUNNING, 0, text, agent=agent))
-
-    def _flaw(self, current: Step | None, rest: Sequence[Step], goal: Sequence[Condition]) -> Flaw | None:
-        """Looks whether the rest still leads to the goal; when nobody can tell, it does not."""
-        found = contained("the replay", lambda: replay_rest(self._world, current, rest, goal, self._skills))
-        return Flaw(None, Verdict(False, found.reason)) if isinstance(found, Failure) else found
+    # ------------------------------------------------------------------ the agenda
 
     @property
-    def _now(self) -> float:
-        return self._cycle.board.snapshot.time
+    def active(self) -> tuple[Active, ...]:
+        """What runs now."""
+        return tuple(self._active)
+
+    @property
+    def rest(self) -> tuple[Step, ...]:
+        """The steps that have not started, in order."""
+        return tuple(self.agenda.steps[index] for index in self.agenda.waiting)
+
+    def adopt(self, agenda: Agenda, kept: Mapping[int, Active]) -> None:
+        """Goes on with another plan; what runs of the old one and is not part of it runs on before it.
+
+        Args:
+            agenda: What is to be done now.
+            kept: What runs already of it, by index.
+        """
+        before = [one for one in self._active if one not in kept.values()]
+        later = [index for index in agenda.waiting if index not in kept]
+        shared = {(n, i) for n, one in enumerate(before) for i in later if self._meet(one, agenda.steps[i])}
+        self.agenda = agenda.with_running([one.step for one in before], shared)
+        for index, one in enumerate(before):
+            one.index = index
+        for index, one in kept.items():
+            one.index = index + len(before)
+            self.agenda.start(one.index)
+        self.telling.forget_waits()
+        self._reserve()
+
+    def break_off(self, one: Active, reason: str) -> None:
+        """Ends a step that leads nowhere any more; it still does what must follow, such as stowing the arm."""
+        if not one.leaving:
+            one.leaving = reason
+            one.running.break_off(reason)
+
+    # ------------------------------------------------------------------ each cycle
+
+    def attend(self) -> list[tuple[Step, Failure]]:
+        """Obeys what people want, and looks what has ended.
+
+        Returns:
+            The steps that failed; they are to be done once more.
+        """
+        self._obey()
+        failed: list[tuple[Step, Failure]] = []
+        for one in self.active:
+            if not one.running.done and not self._setting.offers(one.run.agent, one.step.skill):
+                one.running.stop()
+            if one.running.done:
+                outcome = self._end(one)
+                if isinstance(outcome, Failure) and not one.leaving:
+                    failed.append((one.step, outcome))
+        self._granted = self._has_its_robots()
+        return failed
+
+    def start_ready(self) -> list[tuple[Step, Failure]]:
+        """Starts what waits for nothing.
+
+        Returns:
+            The steps that could not be started.
+        """
+        if self._mode is Mode.PAUSE or (self._mode is Mode.SINGLE and self._round_began):
+            return []
+        if not self._granted:
+            return []
+        refused: list[tuple[Step, Failure]] = []
+        for index in self.agenda.ready:
+            if self._may_start(index):
+                refused += self._start(index)
+        return refused
+
+    def halt(self, reason: str) -> Execution[None]:
+        """Stops everything that runs, and waits until it stands."""
+        for one in self._active:
+            one.leaving = one.leaving or reason
+            one.running.stop()
+        while self._active:
+            for one in self.active:
+                if one.running.done:
+                    self._end(one)
+            if self._active:
+                yield
+
+    def leave(self) -> None:
+        """Stops everything that runs at once, and gives back what was reserved."""
+        for one in self._active:
+            one.running.stop()
+        self._setting.reservations.release(self._undertaking.name)
+
+    @property
+    def idle(self) -> bool:
+        """True when nothing may happen now: it is paused, or waits for what other tasks use and nothing runs."""
+        return self.paused or not (self._granted or self._active)
+
+    @property
+    def paused(self) -> bool:
+        """True when nothing may start and what runs stands, or comes to a standstill."""
+        return self._mode is Mode.PAUSE
+
+    def _obey(self) -> None:
+        wanted = self._undertaking.control.mode
+        if wanted is Mode.SINGLE and self._mode is Mode.SINGLE and self._round_began and not self._active:
+            wanted = self._undertaking.control.mode = Mode.PAUSE
+        if wanted is self._mode:
+            return
+        before, self._mode = self._mode, wanted
+        self._round_began = bool(self._active)
+        if wanted is Mode.PAUSE:
+            self._each(lambda one: one.running.pause())
+            self.telling.tell(Happening.PAUSED, "pauses: everything comes to a standstill where it is")
+        elif before is Mode.PAUSE:
+            self._each(lambda one: one.running.resume())
+            self.telling.tell(Happening.RESUMED, "goes on" if wanted is Mode.RUN else "goes on by one step")
+
+    def _each(self, action: Callable[[Active], None]) -> None:
+        for one in self._active:
+            action(one)
+
+    # ------------------------------------------------------------------ one step
+
+    def _may_start(self, index: int) -> bool:
+        step = self.agenda.steps[index]
+        agent = self.telling.agent(step)
+        if any(one.run.agent == agent for one in self._active):
+            return False
+        managers = self._setting.managers
+        if agent in managers and step.skill in managers[agent].running:
+            self.telling.waits(step, f"{step.skill} of {agent} is running already")
+            return False
+        return True
+
+    def _start(self, index: int) -> list[tuple[Step, Failure]]:
+        step = self.agenda.steps[index]
+        self._started += 1
+        run = StepRun(self._started, step, self.telling.agent(step), self._setting.now)
+        self._undertaking.starts(run)
+        self._round_began = True
+        self.agenda.start(index)
+        try:
+            running = self._begin(run)
+        except UsageError as refusal:
+            failure = Failure(str(refusal), BROKEN_OFF)  # not the target's fault
+            self.agenda.again(index)
+            self._note_end(run, failure)
+            return [(step, failure)]
+        self._active.append(Active(index, run, robot_of(self._setting.world, run.agent), running))
+        self.telling.tell_of(Happening.STARTED, f"{self.telling.said(step)} starts", run)
+        return []
+
+    def _begin(self, run: StepRun) -> Running:
+        managers = self._setting.managers
+        if run.agent not in managers:
+            raise UsageError(f"the skill manager of {run.agent} is gone")
+        return managers[run.agent].start(run.step.skill, run.step.arguments)
+
+    def _end(self, one: Active) -> Outcome:
+        outcome = one.running.result
+        self._active.remove(one)
+        if isinstance(outcome, Failure) and one.leaving:
+            outcome = Failure(outcome.reason, BROKEN_OFF)
+        if isinstance(outcome, Failure) and not one.leaving:
+            self.agenda.again(one.index)
+        else:
+            self.agenda.end(one.index)
+        self._note_end(one.run, outcome)
+        self._reserve()
+        return outcome
+
+    def _note_end(self, run: StepRun, outcome: Outcome) -> None:
+        now = self._setting.now
+        self._history.record(run.step, self._skills[run.step.skill], run.start, now, outcome)
+        said, data = self.telling.said(run.step), {"start": run.start, "seconds": now - run.start}
+        if isinstance(outcome, Failure):
+            what = Happening.BROKEN_OFF if outcome.code == BROKEN_OFF else Happening.FAILED
+            verb = "is broken off" if outcome.code == BROKEN_OFF else "failed"
+            more = {"reason": outcome.reason, "code": outcome.code}
+            self.telling.tell_of(what, f"{said} {verb}: {outcome.reason}", run, data | more)
+        else:
+            self.telling.tell_of(Happening.ENDED, f"{said} is done", run, data | {"message": outcome.message})
+        self._undertaking.ended(run, outcome)
+
+    # ------------------------------------------------------------------ what others use
+
+    def _reserve(self) -> None:
+        """Asks for what the rest uses; what it uses no more is free for others."""
+        steps = (*(one.step for one in self._active), *self.rest)
+        self._setting.reservations.request(self._undertaking.name, used_by(steps, self._skills, self._setting.world))
+
+    def _has_its_robots(self) -> bool:
+        """Tells whether no other task has, or wanted before, what the rest of the plan uses."""
+        reservations, name = self._setting.reservations, self._undertaking.name
+        if not reservations.waits(name):
+            return True
+        busy = used_by([one.step for one in self._active], self._skills, self._setting.world)
+        if reservations.granted(name, busy):
+            return True
+        for index in self.agenda.ready[:1]:
+            self.telling.waits(self.agenda.steps[index], "for " + ", ".join(reservations.waits_for(name)))
+        return False
+
+    def _meet(self, one: Active, step: Step) -> bool:
+        """Tells whether two steps have to do with the same robot or thing, so that one has to wait for the other."""
+        if robot_of(self._setting.world, self.telling.agent(step)) == one.robot:
+            return True
+        return not set(one.step.arguments.values()).isdisjoint(step.arguments.values())

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from skiros_py.planning.needs import with_defaults
 from skiros_py.planning.plan import Step
+from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.skill import SkillDescription
@@ -32,21 +33,33 @@ class History:
         self._skills: dict[str, SkillDescription] = {}
         self._failures: Counter[tuple[str, str]] = Counter()
         self._reasons: dict[str, str] = {}
+        self._round = Round(view)
 
     def record(self, step: Step, skill: SkillDescription, start: float, end: float, outcome: Outcome) -> None:
         """Adds one step; one that was broken off because the world changed is no failure of its skill."""
         reason = outcome.reason if isinstance(outcome, Failure) else ""
         self._skills[step.skill] = skill
-        self.steps.append(StepReport(step.skill, dict(step.arguments), start, end, reason))
+        self.steps.append(StepReport(step.skill, dict(step.arguments), start, end, reason, step.arguments[skill.agent]))
         if isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
             target = step.arguments[skill.target]
             self._failures[step.skill, target] += 1
             self._reasons[target] = reason
+        if not reason:
+            self._round.take(self._view, skill, with_defaults(skill, step.arguments))
+
+    @property
+    def reached(self) -> Mapping[str, int]:
+        """The highest sequence number that each robot has visited in this task."""
+        return dict(self._round.reached)
 
     @property
     def left_out(self) -> frozenset[str]:
         """Targets on which a skill failed too often."""
         return frozenset(target for (_, target), count in self._failures.items() if count >= self.attempts)
+
+    def forgive(self) -> None:
+        """Forgets who failed too often: something is different now, and may work."""
+        self._failures.clear()
 
     def tries(self, condition: Condition, *, holds: bool) -> int:
         """Counts the tries it took: each failed step that was for this condition is one, and so is the success."""

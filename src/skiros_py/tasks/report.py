@@ -2,9 +2,27 @@
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass, replace
 
-__all__ = ["ConditionReport", "GoalReport", "StepReport"]
+__all__ = ["ConditionReport", "GoalReport", "Outcome", "StepReport"]
+
+
+class Outcome(enum.StrEnum):
+    """How a task ended."""
+
+    REACHED = "reached"
+    """Every condition holds, and something was done for it."""
+    HELD_ALREADY = "held already"
+    """Every condition held before anything was done."""
+    PARTLY_REACHED = "partly reached"
+    """Something was brought about; each missing condition has its reason."""
+    NOT_REACHED = "not reached"
+    """Nothing of it was brought about, or it ended before its time."""
+    NO_PLAN = "no plan"
+    """There was no plan from the start: nothing was done."""
+    STOPPED = "stopped"
+    """Somebody stopped it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +34,7 @@ class StepReport:
         arguments: Element id by parameter key.
         start, end: Run time [s].
         reason: Why it failed; empty when it worked.
+        agent: Id of the subsystem that did it.
     """
 
     skill: str
@@ -23,6 +42,7 @@ class StepReport:
     start: float
     end: float
     reason: str = ""
+    agent: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +80,7 @@ class GoalReport:
         no_plan: Reasons why there was no plan at all at the start; empty when there was one.
         stopped: True when somebody stopped it.
         digest: Hash over joint states and world changes; equal runs have equal digests.
+        fault: Why it ended before its time, where nobody stopped it: a planner that broke, a sequence that cannot work.
     """
 
     conditions: tuple[ConditionReport, ...]
@@ -69,11 +90,24 @@ class GoalReport:
     no_plan: tuple[str, ...] = ()
     stopped: bool = False
     digest: str = ""
+    fault: str = ""
 
     @property
     def reached(self) -> bool:
         """True when every condition holds: by the truth where there is one, else by belief."""
-        return not self.stopped and all(c.believed if c.true is None else c.true for c in self.conditions)
+        return not (self.stopped or self.fault) and all(map(_holds, self.conditions))
+
+    @property
+    def outcome(self) -> Outcome:
+        """The whole of it in two words."""
+        if self.stopped:
+            return Outcome.STOPPED
+        if self.reached:
+            return Outcome.REACHED if self.steps else Outcome.HELD_ALREADY
+        if self.no_plan:
+            return Outcome.NO_PLAN
+        brought = any(_holds(c) and c.tries for c in self.conditions)
+        return Outcome.PARTLY_REACHED if brought and not self.fault else Outcome.NOT_REACHED
 
     def with_truth(self, truths: tuple[bool | None, ...]) -> GoalReport:
         """Returns the report with the simulator's truth, where it has one, beside each belief."""
@@ -84,7 +118,12 @@ class GoalReport:
         lines = [_line(c) for c in self.conditions]
         verdict = "reached" if self.reached else "stopped" if self.stopped else "not reached"
         lines += [f"no plan: {reason}" for reason in self.no_plan]
+        lines += [self.fault] if self.fault else []
         return "\n".join([*lines, f"goal {verdict} in {self.simulated:.1f} s simulated, {self.wall:.1f} s wall"])
+
+
+def _holds(c: ConditionReport) -> bool:
+    return c.believed if c.true is None else c.true
 
 
 def _line(c: ConditionReport) -> str:

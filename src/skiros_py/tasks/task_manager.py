@@ -1,38 +1,35 @@
-"""The task manager: goal → plan → done, or the rest of the goal done and why something is missing (paper §3.4)."""
+"""The task manager: begins tasks and keeps them apart; several may be under way at once (paper §3.4)."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from itertools import count
 from typing import Self
 
-from skiros_py.errors import PlanningError, SkirosError
-from skiros_py.execution.contained import words
+from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import Transport
 from skiros_py.execution.station import Station
-from skiros_py.interruptions import Interruption
-from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.choosing import Planners
 from skiros_py.planning.planner import Planner
 from skiros_py.planning.service import Planned, PlanningService
 from skiros_py.planning.task import Capability
-from skiros_py.skills.conditions import Condition, judge
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.dispatcher import Dispatcher
+from skiros_py.skills.questions import Questions
+from skiros_py.tasks.foresight import Foresight
+from skiros_py.tasks.goal_run import GoalRun
 from skiros_py.tasks.history import History
-from skiros_py.tasks.report import ConditionReport, GoalReport, StepReport
-from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import HAS_SKILL
-from skiros_py.world.without import Without
+from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.report import GoalReport, StepReport
+from skiros_py.tasks.sequence_run import SequenceRun
+from skiros_py.tasks.sequences import StepSequence
+from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.world.world import World
 
 __all__ = ["TaskManager"]
-
-_PLANNING_LIMIT = 30.0
-"""How long what is worked out around the planner may hold the control cycle: a large world takes seconds [s]."""
 
 
 class TaskManager:
@@ -44,8 +41,9 @@ class TaskManager:
         planning: Plans.
         cycle: Runs everything.
         on_plan: Told of every new plan.
-        attempts: How often a skill may fail on one target before that target is left out of further plans.
+        attempts: How often a skill may fail on one target, where nobody says otherwise.
         monitor: Hears of steps that have to wait; None where nobody listens.
+        questions: Where a person is asked; None where nobody is.
     """
 
     def __init__(
@@ -58,38 +56,45 @@ class TaskManager:
         on_plan: Callable[[Planned], None] = lambda _planned: None,
         attempts: int = 3,
         monitor: Monitor | None = None,
+        questions: Questions | None = None,
     ) -> None:
-        self._world = world
-        self._managers = managers
-        self._planning = planning
-        self._cycle = cycle
-        self._on_plan = on_plan
-        self._attempts = attempts
-        self._monitor = monitor
-        self._history = History(world, attempts)
+        self._setting = Setting(world, managers, planning, cycle, on_plan, monitor, questions or Questions())
+        self._policy = Policy(attempts=attempts)
+        self._names = count(1)
+        self._undertakings: dict[str, Undertaking] = {}
+        self._on_begin: list[Callable[[Undertaking], None]] = []
+        self._last: History = History(world, attempts)
 
     @classmethod
     def of(
         cls,
         station: Station,
-        planner: Planner,
+        planners: Planner | Planners,
         name: str,
         *,
         on_plan: Callable[[Planned], None] = lambda _planned: None,
         attempts: int = 3,
+        leaving: Callable[[], bool] = lambda: False,
     ) -> Self:
         """Makes the task manager of a station.
 
         Args:
             station: Runs everything.
-            planner: Plans; whoever made it closes it.
+            planners: One planner, or several to choose from; whoever made them closes them.
             name: Name of what is planned for, for the planner's files.
             on_plan: Told of every new plan.
             attempts: How often a skill may fail on one target before that target is left out of further plans.
+            leaving: Tells whether somebody wants everything to stop: then no planner is waited for.
         """
         cycle = station.cycle
-        planning = PlanningService(planner, name, lockstep=cycle.pace is None, waiting=cycle.pulse.waiting)
-        return cls(
+        planning = PlanningService(
+            planners,
+            name,
+            lockstep=cycle.pace is None,
+            waiting=cycle.pulse.waiting,
+            leaving=lambda: leaving() or any(u.control.stop is not None for u in made.undertakings),
+        )
+        made = cls(
             station.world,
             station.managers,
             planning,
@@ -97,163 +102,135 @@ class TaskManager:
             on_plan=on_plan,
             attempts=attempts,
             monitor=station.monitor,
+            questions=station.questions,
         )
+        return made
 
     @property
     def steps(self) -> tuple[StepReport, ...]:
-        """Every skill that was run for the present or last goal, in order."""
-        return tuple(self._history.steps)
+        """Every skill that was run for the task that was begun last, in the order in which they ended."""
+        return tuple(self._last.steps)
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
         """The skills that the world model says are there, with who has them."""
-        found: dict[str, tuple[SkillDescription, list[str], list[Sequence[Condition]]]] = {}
-        for agent, manager in sorted(self._managers.items()):
-            registered = {self._world.element(s).label for s in self._world.objects(agent, HAS_SKILL)}
-            for name, description in manager.descriptions.items():
-                if name in registered:
-                    _, agents, ways = found.setdefault(name, (description, [], []))
-                    agents.append(agent)
-                    ways += manager.alternatives[name]
-        return tuple(Capability(d.under(ways), tuple(agents)) for _, (d, agents, ways) in sorted(found.items()))
+        return self._setting.capabilities
+
+    @property
+    def undertakings(self) -> tuple[Undertaking, ...]:
+        """The tasks that are under way, in the order in which they were begun."""
+        return tuple(self._undertakings.values())
 
     def plan(self, goal: Sequence[Condition]) -> Execution[Planned]:
-        """Plans from what is believed now, leaving out targets on which skills failed too often.
+        """Plans from what is believed now, without doing anything.
 
-        A planner that breaks while a goal is under way is an answer too: what was done so far has to be reported.
+        Raises:
+            PlanningError: The planner broke.
+        """
+        return Foresight(self._setting, History(self._setting.world, 1), "").plan(goal)
+
+    # ------------------------------------------------------------------ tasks
+
+    def on_begin(self, listener: Callable[[Undertaking], None]) -> Callable[[], None]:
+        """Calls the listener in the control thread with each task before its first cycle; returns how to end that."""
+        self._on_begin.append(listener)
+        return lambda: self._on_begin.remove(listener)
+
+    def begin(self, goal: Sequence[Condition], *, name: str = "", policy: Policy | None = None) -> Undertaking:
+        """Begins to pursue a goal, and returns at once; it runs in the control cycle, beside what is under way.
+
+        Args:
+            goal: Conditions that shall hold together.
+            name: What people call it; "task 1" and so on where left out.
+            policy: What to do when something is out of reach.
+
+        Raises:
+            UsageError: A task of that name is under way, or everything was halted and not reset.
+        """
+        undertaking = Undertaking(self._free(name), goal, policy or self._policy)
+        self._start(undertaking, self._pursuing(undertaking))
+        return undertaking
+
+    def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
+        """Pursues a goal to its end, as a part of what is ticked already.
+
+        What fails is tried again or planned anew a bounded number of times; what can no longer be reached is given up,
+        and the rest of the goal is still done.
 
         Raises:
             PlanningError: The planner broke before anything was done.
         """
-        try:
-            return (yield from self._unhurried(self._planning.plan(self._view(), self.capabilities, goal)))
-        except PlanningError as error:
-            if not self._history.steps:
-                raise
-            return Planned(NoPlan((str(error),)), None, 0.0)
+        return self._pursuing(Undertaking(self._free(""), goal, self._policy))
 
-    def _unhurried(self, planning: Execution[Planned]) -> Execution[Planned]:
-        """Passes planning through, whose ticks may take long; what authors' conditions raise in it is a fault of it.
+    def execute(
+        self,
+        sequence: StepSequence,
+        *,
+        iterate: int | None = 1,
+        name: str = "",
+        policy: Policy | None = None,
+        anyway: bool = False,
+    ) -> Undertaking:
+        """Begins to run a sequence of steps as it is, and returns at once.
+
+        Args:
+            sequence: The steps.
+            iterate: How often; None for until it is stopped.
+            name: What people call it.
+            policy: How often a step is tried.
+            anyway: True to run what cannot work as far as anybody knows: somebody has asked for it in so many words.
 
         Raises:
-            PlanningError: It broke.
+            UsageError: The sequence is empty or cannot work, or everything was halted and not reset.
         """
-        with closing(planning):
-            while True:
-                with self._cycle.pulse.allowing(_PLANNING_LIMIT):
-                    try:
-                        next(planning)
-                    except StopIteration as end:
-                        result: Planned = end.value
-                        return result
-                    except (SkirosError, KeyboardInterrupt, Interruption):
-                        raise
-                    except BaseException as error:
-                        raise PlanningError(f"planning broke: {words(error)}") from error
-                yield
+        if iterate is not None and (isinstance(iterate, bool) or not isinstance(iterate, int) or iterate < 1):
+            raise UsageError(f"iterate: a whole number from 1, or None for until it is stopped, not {iterate!r}")
+        if not anyway:
+            sequence.require_works()
+        undertaking = Undertaking(self._free(name), (), policy or self._policy)
+        run = SequenceRun(undertaking, self._setting, sequence.steps, iterate, anyway=anyway)
+        self._last = run.history
+        self._start(undertaking, self._listed(undertaking, run.execute()))
+        return undertaking
 
-    def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
-        """Pursues a goal to its end.
+    def sequence(self) -> StepSequence:
+        """Returns an empty sequence to be filled with steps: checked against the world as believed now."""
+        return StepSequence(self._setting.world, {c.skill.name: c.skill for c in self.capabilities})
 
-        What fails is tried again or planned anew a bounded number of times; what can no longer be reached is given up,
-        and the rest of the goal is still done.
+    def _pursuing(self, undertaking: Undertaking) -> Execution[GoalReport]:
+        run = GoalRun(undertaking, self._setting)  # begins with a clean slate: what failed before may work now
+        self._last = run.history
+        return (yield from self._listed(undertaking, run.execute()))
+
+    def _listed(self, undertaking: Undertaking, run: Execution[GoalReport]) -> Execution[GoalReport]:
+        self._undertakings[undertaking.name] = undertaking
+        for listener in tuple(self._on_begin):
+            listener(undertaking)
+        try:
+            return (yield from run)
+        finally:
+            del self._undertakings[undertaking.name]
+
+    def _start(self, undertaking: Undertaking, run: Execution[GoalReport]) -> None:
+        """Gives a task a place in the control cycle."""
+        self._setting.cycle.start(_contained(run), undertaking.name)
+        self._undertakings[undertaking.name] = undertaking
+
+    def _free(self, name: str) -> str:
+        """Returns the name of a new task.
+
+        Raises:
+            UsageError: A task of that name is under way.
         """
-        history = self._history = History(self._world, self._attempts)  # what failed before may work now
-        skills: dict[str, SkillDescription] = {}
-        dispatcher = Dispatcher(self._world, self._managers, skills, self._cycle, history, self._monitor)
-        noted = _Moments(self._world, goal, self._cycle)
-        held = {c for c in goal if judge(c, self._world)}
-        given_up: dict[Condition, str] = {}
-        no_plan: tuple[str, ...] = ()
-        for _ in range(self._attempts * (len(goal) + 2)):
-            kept = tuple(c for c in goal if c not in given_up)
-            if all(judge(c, self._world) for c in kept):
-                break
-            skills |= {c.skill.name: c.skill for c in self.capabilities}  # managers come and go
-            planned = yield from self.plan(kept)
-            if isinstance(planned.outcome, Plan):
-                self._on_plan(planned)
-                yield from noted.during(dispatcher.run(planned.outcome, kept))
-                given_up |= self._hopeless(kept)
-            elif not history.steps:
-                no_plan = planned.outcome.reasons
-                self._on_plan(planned)
-                break
-            else:
-                given_up |= yield from self._unreachable(kept, planned.outcome)
-        reports = tuple(self._report(c, given_up, noted, held=c in held) for c in goal)
-        return GoalReport(reports, tuple(history.steps), *noted.used, no_plan)
-
-    def _view(self) -> WorldView:
-        return Without(self._world, self._history.left_out) if self._history.left_out else self._world
-
-    def _hopeless(self, goal: Sequence[Condition]) -> dict[Condition, str]:
-        """Returns conditions that name a target left out and do not hold, with the reason."""
-        out = self._history.left_out
-        return {
-            c: f"gave up after {self._attempts} tries"
-            for c in goal
-            if out.intersection(c.arguments) and not judge(c, self._world)
-        }
-
-    def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
-        """Finds a subset of the goal that can be reached together and returns the rest with reasons."""
-        kept: list[Condition] = []
-        dropped: dict[Condition, str] = {}
-        for condition in goal:
-            planned = yield from self.plan((*kept, condition))
-            if isinstance(planned.outcome, Plan):
-                kept.append(condition)
-            else:
-                dropped[condition] = "; ".join(planned.outcome.reasons)
-        if not dropped:  # each was reachable in turn, so the whole is: only a planner that errs gets here
-            dropped = {condition: "; ".join(answer.reasons) for condition in goal}
-        return dropped
-
-    def _report(
-        self, c: Condition, given_up: Mapping[Condition, str], noted: _Moments, *, held: bool
-    ) -> ConditionReport:
-        holds = bool(judge(c, self._world))
-        tries = 0 if held else self._history.tries(c, holds=holds)
-        reason = "" if holds else self._history.why_missing(c, given_up)
-        return ConditionReport(str(c), holds, None, tries, reason, *noted.since(c))
+        if name in self._undertakings:
+            raise UsageError(f"a task named '{name}' is under way already")
+        taken = self._undertakings
+        return name or next(free for n in self._names if (free := f"task {n}") not in taken)
 
 
-class _Moments:
-    """Notes when each condition of a goal came to be believed."""
-
-    def __init__(self, world: World, goal: Sequence[Condition], cycle: ControlCycle) -> None:
-        self._world = world
-        self._goal = goal
-        self._cycle = cycle
-        self._start = cycle.board.snapshot.time, time.perf_counter()
-        self._since: dict[Condition, tuple[float, float]] = {}
-        self._version = -1
-        self._note()
-
-    @property
-    def used(self) -> tuple[float, float]:
-        """Simulated and wall time since the start [s]."""
-        return self._cycle.board.snapshot.time - self._start[0], time.perf_counter() - self._start[1]
-
-    def since(self, condition: Condition) -> tuple[float | None, float | None]:
-        """Returns simulated and wall time at which a condition that is believed came to be so [s]."""
-        self._note()
-        return self._since.get(condition, (None, None))
-
-    def during(self, work: Execution[None]) -> Execution[None]:
-        """Passes work through, looking at the world whenever it has changed."""
-        with closing(work):
-            for _ in work:
-                self._note()
-                yield
-
-    def _note(self) -> None:
-        if self._version == self._world.version:
-            return
-        self._version = self._world.version
-        for condition in self._goal:
-            if not judge(condition, self._world):
-                self._since.pop(condition, None)
-            elif condition not in self._since:
-                self._since[condition] = self.used
+def _contained(run: Execution[GoalReport]) -> Execution[None]:
+    """Passes a task through whose faults are in its report."""
+    try:
+        yield from run
+    except SkirosError:
+        return

@@ -9,6 +9,7 @@ from typing import Any, Self
 from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.station import Station, StationOptions
+from skiros_py.planning.choosing import Planners
 from skiros_py.planning.fast_downward import FastDownward
 from skiros_py.planning.planner import Planner
 from skiros_py.planning.service import Planned
@@ -44,7 +45,7 @@ class Bench:
         primitives: Primitives that the skills' bodies name, also by name.
         robots: Ids of the robots that get skill managers; None for all.
         conditions: Words of goals.
-        planner: Plans; Fast Downward where left out.
+        planner: Plans, or several to choose from; Fast Downward where left out.
         attempts: How often a skill may fail on one target.
         cell: Brings the cell up; the fake one where left out.
         driver: Kind of cell driver whose implementations of skills are used.
@@ -70,7 +71,7 @@ class Bench:
         *,
         robots: Sequence[str] | None = None,
         conditions: Mapping[str, ConditionType] = CONDITIONS,
-        planner: Planner | None = None,
+        planner: Planner | Planners | None = None,
         attempts: int = 3,
         cell: Cell = FakeCell,
         driver: str = "fake",

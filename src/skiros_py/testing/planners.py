@@ -32,6 +32,7 @@ class GivenPlanner:
     """
 
     name = "given"
+    supports = frozenset({":strips", ":typing", ":negative-preconditions", ":existential-preconditions"})
 
     def __init__(self, *steps: str) -> None:
         self._answer: Answer = Solved(tuple(tuple(step.split()) for step in steps)) if steps else Unsolvable()

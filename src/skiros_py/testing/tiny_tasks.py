@@ -20,7 +20,7 @@ def tiny_task(
     skills: Sequence[SkillDescription] = (DRIVE, PICK, PLACE),
     agents: Sequence[str] | None = None,
 ) -> PlanningTask:
-    """Returns the planning task for a goal.
+    """Returns the planning task for a goal, with everything in it, needed or not.
 
     Args:
         view: The world.
@@ -31,7 +31,7 @@ def tiny_task(
     able = [
         Capability(s, tuple(a for a in view.instances(s.agent_class) if agents is None or a in agents)) for s in skills
     ]
-    return build_task(view, able, goal)
+    return build_task(view, able, goal, whole=True)
 
 
 def tiny_pddl(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -111,6 +112,25 @@ class Index:
             UnknownName: It is not a class.
         """
         return _merged(self._of_class, self._ontology.subclasses(class_))
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the instances of a class that sort after an id, at most so many.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        groups = (self._of_class.get(below, EMPTY) for below in self._ontology.subclasses(class_))
+        found = [some for group in groups if (some := group.some(limit, after))]
+        return found[0] if len(found) == 1 else tuple(sorted(chain.from_iterable(found))[:limit])
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of the scene of a class or of its subclasses, in the order given.
+
+        Raises:
+            UnknownName: It is not a class, or there is no such element.
+        """
+        is_a = self._ontology.is_a
+        return tuple(i for i in ids if not is_abstract(i) and is_a(self.element(i).type, class_))
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of the abstract elements of a class or of its subclasses, sorted: the ontology's and learned.

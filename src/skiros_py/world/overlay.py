@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Self
+
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import with_value
@@ -31,6 +34,17 @@ class Overlay:
         self._placements: dict[str, Placement | None] = {}
         self._added: set[_Statement] = set()
         self._removed: set[_Statement] = set()
+
+    def copy(self) -> Self:
+        """Returns another one on which the same is supposed."""
+        other = type(self)(self._base)
+        vars(other).update(
+            _elements=dict(self._elements),
+            _placements=dict(self._placements),
+            _added=set(self._added),
+            _removed=set(self._removed),
+        )
+        return other
 
     # ------------------------------------------------------------ supposing
 
@@ -137,6 +151,22 @@ class Overlay:
             UnknownName: It is not a class.
         """
         return self._base.instances(class_)
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the instances of a class that sort after an id, at most so many.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._base.some_instances(class_, limit, after)
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of the scene of a class or of its subclasses, in the order given.
+
+        Raises:
+            UnknownName: It is not a class, or there is no such element.
+        """
+        return self._base.instances_among(class_, ids)
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of the abstract elements of a class or of its subclasses, sorted.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from skiros_py.world.element import Element, Placement, Value
@@ -46,6 +47,20 @@ class WorldView(Protocol):
 
     def instances(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of all elements of the scene of a class or of its subclasses."""
+        ...
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the :meth:`instances` of a class, without looking at the others.
+
+        Args:
+            class_: The class.
+            limit: How many at most.
+            after: Only ids that sort after this one: the last of the ones before, to read on.
+        """
+        ...
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of the scene of a class, in the order given."""
         ...
 
     def abstracts(self, class_: str) -> tuple[str, ...]:

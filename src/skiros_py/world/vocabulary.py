@@ -17,6 +17,7 @@ __all__ = [
     "BASE",
     "BEHIND",
     "BELOW",
+    "BUILT_LIKE",
     "CAMERA",
     "COMMENT",
     "COMPUTED",
@@ -50,6 +51,7 @@ __all__ = [
     "JOINTS",
     "LABEL",
     "LATENCY",
+    "LEARNED_DURATION",
     "LEFT_OF",
     "LOCATION",
     "MANIPULATABLE",
@@ -70,6 +72,7 @@ __all__ = [
     "MOUNTED_ON",
     "NEAR",
     "OBJECT",
+    "OF_SKILL",
     "ON",
     "OVERLAPS",
     "PLACEMENT",
@@ -81,7 +84,9 @@ __all__ = [
     "RIGHT_OF",
     "ROBOT",
     "ROOT",
+    "RUN_TIMES",
     "SCENE",
+    "SEQUENCE_NUMBER",
     "SIZE",
     "SKILL",
     "SOLID",
@@ -98,9 +103,11 @@ __all__ = [
     "TAUGHT_POSE",
     "TIP",
     "UNKNOWN_LOCATION",
+    "USE_SEQUENCE_NUMBERS",
     "VERSION",
     "VERTICAL_FOV",
     "WIDTH",
+    "WORK_NUMBER",
 ]
 
 # ---------------------------------------------------------------- classes
@@ -127,6 +134,8 @@ FURNITURE: Final = ClassName("sk:Furniture")
 """A thing that never moves and that robots drive around."""
 GRIPPER: Final = ClassName("sk:Gripper")
 """A parallel gripper."""
+LEARNED_DURATION: Final = ClassName("sk:LearnedDuration")
+"""How long a skill (sk:ofSkill) took, done by agents of a class (sk:appliesTo): sk:runTimes."""
 LOCATION: Final = ClassName("sk:Location")
 """Something at, in or on which things can be."""
 MANIPULATABLE: Final = ClassName("sk:Manipulatable")
@@ -173,6 +182,10 @@ BEHIND: Final = RelationName("sk:behind")
 """The subject's box lies wholly beyond the object's back (-x of the object's frame)."""
 BELOW: Final = RelationName("sk:below")
 """The object is above the subject."""
+BUILT_LIKE: Final = RelationName("sk:builtLike")
+"""In a scene file: the robot gets pieces of its own, made like those of the other, and whatever else that one is
+said to be, as far as the scene does not say it otherwise. The piece base_1 of robot_1 becomes base_2 of robot_2. Not
+stored."""
 COMPUTED: Final = RelationName("sk:computed")
 """Worked out on demand by a reasoner, never stored."""
 FITS_IN: Final = RelationName("sk:fitsIn")
@@ -278,10 +291,17 @@ MODEL: Final = PropertyName("sk:model")
 """Name of the robot model that drivers know how to build."""
 MODULE_DESCRIPTION: Final = PropertyName("sk:moduleDescription")
 """What a person needs to know to start the module: its help, its parameters, its implementations."""
+OF_SKILL: Final = PropertyName("sk:ofSkill")
+"""Name of the skill that something was learned of."""
 PLACING_POSE: Final = PropertyName("sk:placingPose")
 """Pose, in this element's frame, of a thing that is put into it when it is let go [m, rad]."""
 POSE: Final = PropertyName("sk:pose")
 """Pose of the element's frame in the map, or in the frame of its sk:poseFrame [m, rad]."""
+RUN_TIMES: Final = PropertyName("sk:runTimes")
+"""How long the last runs took that worked, the newest last [s]."""
+SEQUENCE_NUMBER: Final = PropertyName("sk:sequenceNumber")
+"""Where on its round a robot comes to the location: within one task no robot visits a lower number after a higher
+one. Locations without a number are visited at any time."""
 SIZE: Final = PropertyName("sk:size")
 """Full extents around the element's frame, x y or x y z [m]."""
 SOLID: Final = PropertyName("sk:solid")
@@ -293,9 +313,14 @@ SUPPORT_OFFSET: Final = PropertyName("sk:supportOffset")
 """Centre x y z of that area in the element's frame [m]."""
 TIP: Final = PropertyName("sk:tip")
 """URDF link that motions are planned for."""
+USE_SEQUENCE_NUMBERS: Final = PropertyName("sk:useSequenceNumbers")
+"""True when the sequence and work numbers of a scene count; said of its floor."""
 VERSION: Final = PropertyName("sk:version")
 """Version of the implementation that is tried first."""
 VERTICAL_FOV: Final = PropertyName("sk:verticalFov")
 """Vertical field of view [rad]."""
 WIDTH: Final = PropertyName("sk:width")
 """Image width [px]."""
+WORK_NUMBER: Final = PropertyName("sk:workNumber")
+"""Whose turn it is, such as of several kits: what a task wants in or at the one of the lower number is done before
+it begins with the next."""

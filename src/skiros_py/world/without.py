@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import Reasoners
@@ -47,6 +49,15 @@ class Without(WorldView):
     def instances(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of all elements of a class that take part."""
         return tuple(i for i in self._base.instances(class_) if i not in self._ids)
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the elements of a class that take part and sort after an id, at most so many."""
+        found = self._base.some_instances(class_, limit + len(self._ids), after)
+        return tuple(i for i in found if i not in self._ids)[:limit]
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of a class that take part."""
+        return self._base.instances_among(class_, (i for i in ids if i not in self._ids))
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of the abstract elements of a class."""

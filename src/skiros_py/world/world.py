@@ -236,6 +236,22 @@ class World:
         """
         return self._index.instances(class_)
 
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the instances of a class that sort after an id, at most so many.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._index.some_instances(class_, limit, after)
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of the scene of a class or of its subclasses, in the order given.
+
+        Raises:
+            UnknownName: It is not a class, or there is no such element.
+        """
+        return self._index.instances_among(class_, ids)
+
     def abstracts(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of the abstract elements of a class or of its subclasses, sorted.
 

@@ -2,11 +2,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import pytest
-
-from skiros_py.errors import PlanningError
-from skiros_py.planning.actions import actions_of, emptiness_classes, maintain_emptiness
-from skiros_py.planning.model import Action, Atom
+from skiros_py.planning.actions import actions_of
+from skiros_py.planning.emptiness import emptiness_classes, maintain_emptiness
+from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
 from skiros_py.skills.conditions import ConditionType, Nothing, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
@@ -51,29 +49,36 @@ def test_a_box_whose_emptiness_nobody_asks_about_has_none() -> None:
     assert not [atom for atom in maintained(PICK, PLACE)["pick"].add if atom.predicate == "nothing sk:in"]
 
 
-def test_filling_what_others_want_empty_without_asking_is_refused() -> None:
+def none_there(place: str) -> NoneSuch:
+    holder = f"{place} holder #sk:in"
+    return NoneSuch((Variable(holder, "sk:SpatialThing"),), (Atom("sk:in", (holder, place)),))
+
+
+def test_where_somebody_fills_without_asking_each_precondition_looks_for_itself() -> None:
     careless = replace(PLACE, name="throw", pre=tuple(c for c in PLACE.pre if c.type is not FREE))
+    actions = maintained(PLACE, careless)
 
-    with pytest.raises(
-        PlanningError, match=r"skill 'throw' puts something to Slot.*precondition that nothing is there"
-    ):
-        maintained(PLACE, careless)
+    assert actions["place"].none == (none_there("?Slot"),)
+    assert actions["throw"].none == ()
+    assert not [a for action in actions.values() for a in action.atoms if a.predicate == "nothing sk:in"]
 
 
-def test_taking_from_a_class_too_wide_to_tell_is_refused() -> None:
+def test_where_things_are_taken_from_a_class_too_wide_to_tell_each_precondition_looks_for_itself() -> None:
     anywhere = replace(
         TAKE, name="grab", params=(*TAKE.params[:3], Param("Slot", "sk:Container", "Where."), TAKE.params[4])
     )
 
-    with pytest.raises(
-        PlanningError, match=r"skill 'grab' takes things from any sk:Container.*give its parameter a narr"
-    ):
-        maintained(PLACE, anywhere)
+    assert maintained(PLACE, anywhere)["place"].none == (none_there("?Slot"),)
 
 
-def test_asking_two_classes_of_place_for_emptiness_is_refused() -> None:
+def test_where_two_classes_of_place_are_asked_for_each_precondition_looks_for_itself() -> None:
     box = Param("Box", "tiny:Box", "Where.")
     boxed = replace(PLACE, name="pack", params=(*PLACE.params, box), pre=(*PLACE.pre, EMPTY_BOX("Box")))
 
-    with pytest.raises(PlanningError, match=r"asked of tiny:Box and tiny:Slot|asked of tiny:Slot and tiny:Box"):
-        maintained(PLACE, boxed)
+    assert maintained(PLACE, boxed)["pack"].none == (none_there("?Slot"), none_there("?Box"))
+
+
+def test_the_emptiness_of_grippers_is_kept_where_that_of_places_cannot_be() -> None:
+    careless = replace(PLACE, name="throw", pre=tuple(c for c in PLACE.pre if c.type is not FREE))
+
+    assert Atom("nothing sk:heldBy", ("?Gripper",)) in maintained(PICK, PLACE, careless)["place"].add

@@ -120,7 +120,9 @@ def test_a_disjunction_holds_by_either_part_and_lists_both_when_neither_does() -
     lines = [line.strip() for line in either.evaluate(world).lines()]
     assert lines[1:] == [
         "any of these (does not hold)",
+        "In(ball_1, box_b) (does not hold)",
         "ball_1 is not in box_b: it is in box_a",
+        "Holding(gripper_1, ball_1) (does not hold)",
         "ball_1 is not heldBy gripper_1: it is in box_a",
     ]
 

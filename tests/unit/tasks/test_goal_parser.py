@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.errors import GoalSyntaxError, UnknownName, UsageError
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Condition, all_of, any_of, exists, for_all
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, FREE, HOLDING, IN_CONTAINER
@@ -63,9 +63,15 @@ def test_an_element_may_be_given_by_its_label() -> None:
         ("In(ball_1, slot_1", 18, "expected"),
         ("In(ball_1, slot_1) In(ball_1, slot_2)", 20, "expected 'and'"),
         ("In(ball_1, slot_1) and", 23, "expected"),
-        ("In(ball_1, slot_1) or Free(slot_1)", 20, "expected 'and'"),
-        ("not not Free(slot_1)", 9, "expected '('"),
-        ("(In(ball_1, slot_1))", 1, "expected"),
+        ("In(ball_1, slot_1) xor Free(slot_1)", 20, "expected 'and', 'implies', 'or' or the end"),
+        ("not Free(slot_1) not", 18, "expected 'and'"),
+        ("(In(ball_1, slot_1)", 20, "expected ')'"),
+        ("Free(slot_1) and or Free(slot_2)", 18, "expected a condition such as"),
+        ('Free("slot_1)', 6, "expected a name"),
+        ("for all s Slot (Free(s))", 11, "expected ':'"),
+        ("for all s: Slot Free(s)", 17, "expected '(' or ','"),
+        ("exists : Slot (Free(s))", 8, "expected a variable"),
+        ("exists s: Slot ()", 17, "expected a condition such as"),
         ("In((ball_1), slot_1)", 4, "expected a name"),
         ("In(ball_1; slot_1)", 10, "expected"),
         ("In(ball_1, slot_1)!", 19, "expected"),
@@ -190,3 +196,111 @@ def test_a_label_that_two_elements_have_stands_for_neither() -> None:
 
     with pytest.raises(UnknownName, match="unknown element 'twin'"):
         parse_goal(["In(twin, slot_1)"], tiny_world(twins), CONDITIONS)
+
+
+def test_not_binds_closest_then_and_then_or_then_implies() -> None:
+    one, two, held = FREE("slot_1"), FREE("slot_2"), HOLDING("gripper_1", "ball_1")
+    words = "Free(slot_1)", "Free(slot_2)", "Holding(gripper_1, ball_1)"
+
+    assert parse("not {} and {} or {}".format(*words)) == (any_of(all_of(~one, two), held),)
+    assert parse("{} and {} implies {}".format(*words)) == (any_of(~all_of(one, two), held),)
+    assert parse("{} implies {} implies {}".format(*words)) == (any_of(~one, any_of(~two, held)),)
+    assert parse("not ({} or {}) AND {}".format(*words)) == (~any_of(one, two), held)
+    assert parse("not not {}".format(*words)) == (one,)
+
+
+def test_parentheses_that_say_nothing_change_nothing() -> None:
+    assert parse("((Free(slot_1)) and (((Free(slot_2)))))") == (FREE("slot_1"), FREE("slot_2"))
+
+
+def test_quantifiers_bind_variables_one_after_the_other() -> None:
+    inner = for_all("s", "tiny:Slot", any_of(~IN_CONTAINER("b", "s"), ~FREE("s")))
+
+    assert parse("FOR ALL b: Ball, s: tiny:Slot (In(b, s) implies not Free(s))") == (for_all("b", "tiny:Ball", inner),)
+    assert parse("forall s:Slot (Free(s)) and not exists r: Robot (At(r, box_a))") == (
+        for_all("s", "tiny:Slot", FREE("s")),
+        ~exists("r", "sk:Robot", AT_LOCATION("r", "box_a")),
+    )
+
+
+def test_a_label_with_blanks_stands_in_double_quotes() -> None:
+    world = tiny_world(r'scene:ball_7 a tiny:Ball ; rdfs:label "the \"best\" ball" ; sk:in scene:box_a .')
+
+    assert parse('In("red ball one", "slot 2")') == (IN_CONTAINER("red_ball_1", "slot_2"),)
+    assert parse_goal([r'In("the \"best\" ball", slot_1)'], world, CONDITIONS) == (IN_CONTAINER("ball_7", "slot_1"),)
+
+
+def test_what_stands_in_quotes_is_no_variable() -> None:
+    with pytest.raises(UnknownName, match="unknown element 's'"):
+        parse('for all s: Slot (Free("s"))')
+
+
+@pytest.mark.parametrize("name", ["all", "or", "and", "exists", "implies"])
+def test_an_element_called_like_a_keyword_is_an_element(name: str) -> None:
+    world = tiny_world(f"scene:{name} a tiny:Ball ; sk:in scene:box_a .")
+    goal = (IN_CONTAINER(name, "slot_1"), ~IN_CONTAINER(name, "slot_2"))
+
+    assert parse_goal([f"In({name}, slot_1) and not In({name}, slot_2)"], world, CONDITIONS) == goal
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        ("exists b: Ball (Free(slot_1))", "exists b: b is no argument of Free(slot_1)"),
+        ("exists b: Ball (exists b: Ball (In(b, slot_1)))", "in 'exists b': b is bound already around it"),
+        ("exists ball_1: Ball (In(ball_1, slot_1))", "something else is called ball_1; call the variable otherwise"),
+        ("exists Ball: Ball (In(Ball, slot_1))", "something else is called Ball; call the variable otherwise"),
+        ("exists b: Ball (Free(b))", "Free, argument 1 (slot): b is any Ball, not only a Slot; say 'b: Slot'"),
+        ("exists b: Bal (In(b, slot_1))", "unknown class 'Bal' in 'exists b'. Did you mean 'Ball'?"),
+        ("exists ball: Ball (In(bal, slot_1))", "unknown element 'bal' in In, argument 1 (ball)."),
+        ("(free ?x)", "Free, argument 1 (slot): no quantifier around it binds ?x (bound: none is)"),
+        ("(exists (?s - slot) (free ?t))", "no quantifier around it binds ?t (bound: ?s)"),
+    ],
+)
+def test_a_variable_out_of_place_is_refused(text: str, answer: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse(text)
+
+    assert answer in str(caught.value)
+
+
+def test_a_contradiction_is_no_fault_of_the_text() -> None:
+    assert parse("Free(slot_1) and not Free(slot_1)") == (FREE("slot_1"), ~FREE("slot_1"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "not " * 1000 + "Free(slot_1)",
+        "Free(slot_1) or not (" * 1000 + "Free(slot_2)" + ")" * 1000,
+        " implies ".join(["Free(slot_1)"] * 1000),
+        "(not " * 1000 + "(free slot_1)" + ")" * 1000,
+    ],
+    ids=["not", "or", "implies", "PDDL"],
+)
+def test_what_is_nested_too_deep_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="nested deeper than 50 levels"):
+        parse(text)
+
+
+def test_a_thousand_parentheses_and_ten_thousand_conditions_are_read() -> None:
+    (either,) = parse(" or ".join(["Free(slot_1)", "Free(slot_2)"] * 5000))
+
+    assert parse("(" * 1000 + "Free(slot_1)" + ")" * 1000) == (FREE("slot_1"),)
+    assert parse(" and ".join(["Free(slot_1)", "Free(slot_2)"] * 5000)) == (FREE("slot_1"), FREE("slot_2"))
+    assert either.evaluate(WORLD)
+
+
+def test_parentheses_that_nobody_closes_are_pointed_at_the_end() -> None:
+    with pytest.raises(GoalSyntaxError) as caught:
+        parse("(" * 10_000)
+
+    assert caught.value.column == 10_001
+
+
+def test_quantifiers_over_too_many_combinations_are_refused() -> None:
+    variables = [f"b{n}" for n in range(1, 18)]
+    declared = ", ".join(f"{variable}: Ball" for variable in variables)
+
+    with pytest.raises(UsageError, match="stand for 131072 combinations of elements, and 100000 are looked at"):
+        parse(f"exists {declared} ({' and '.join(f'In({variable}, slot_1)' for variable in variables)})")

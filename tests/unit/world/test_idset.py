@@ -49,6 +49,15 @@ def test_a_set_stays_as_it_is_when_another_is_made_from_it(names: set[str], name
     assert same(less, names - {name})
 
 
+@given(st.integers(0, 700), st.integers(0, 50), st.integers(0, 800))
+def test_the_first_ids_after_one_are_found_in_sets_of_every_size(size: int, limit: int, after: int) -> None:
+    names = [f"part_{number:03}" for number in range(size)]
+    found = built(names[::-1])
+
+    assert found.some(limit, f"part_{after:03}") == tuple(names[after + 1 :][:limit])
+    assert found.some(limit) == tuple(names[:limit])
+
+
 def test_few_and_many_ids_give_the_same_answers_on_both_sides_of_the_limit() -> None:
     for size in (31, 32, 33, 34):
         names = set(NAMES[:size])

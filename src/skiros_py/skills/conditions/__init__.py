@@ -1,7 +1,8 @@
 """Conditions: patterns over the world, in the words of the domain, with reasons; their effects; watching them."""
 
 from skiros_py.skills.conditions.compare import Compare
-from skiros_py.skills.conditions.condition import Condition, ConditionType, Role, all_of, any_of
+from skiros_py.skills.conditions.compound import Junction, Quantified, all_of, any_of, exists, for_all
+from skiros_py.skills.conditions.condition import Condition, ConditionType, Role
 from skiros_py.skills.conditions.effects import (
     Assign,
     Effect,
@@ -43,9 +44,11 @@ __all__ = [
     "Exists",
     "Has",
     "IsA",
+    "Junction",
     "Not",
     "Nothing",
     "Pattern",
+    "Quantified",
     "Relate",
     "Related",
     "Role",
@@ -57,6 +60,8 @@ __all__ = [
     "all_of",
     "any_of",
     "effects_of",
+    "exists",
+    "for_all",
     "is_sensed",
     "judge",
     "suppose_effects",

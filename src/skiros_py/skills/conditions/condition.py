@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern
+from skiros_py.skills.conditions.abstract import some_such
+from skiros_py.skills.conditions.pattern import Binding, Not, Pattern
 from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["Condition", "ConditionType", "Role", "all_of", "any_of"]
+__all__ = ["Condition", "ConditionType", "Role"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +88,20 @@ class Condition:
         return str(self) if self.name is None else self.name
 
     def __str__(self) -> str:
-        arguments = ", ".join(argument.partition(":")[2] or argument for argument in self.arguments)
-        return f"{'not ' if self.negated else ''}{self.type.name}({arguments})"
+        return self.told(_short)
+
+    def told(self, naming: Callable[[str], str]) -> str:
+        """Returns it as text, as goals are written.
+
+        Args:
+            naming: How an argument or a class is written.
+        """
+        return f"{'not ' if self.negated else ''}{self.type.name}({', '.join(map(naming, self.arguments))})"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Everything it speaks of: its arguments, and the classes over which its quantifiers range."""
+        return self.arguments
 
     @property
     def pattern(self) -> Pattern:
@@ -101,11 +114,15 @@ class Condition:
         return self.type.pattern.rename(names)
 
     def closed_pattern(self, ontology: Ontology) -> Pattern:
-        """Its pattern with a quantifier for each argument that is a class: "there is a starter such that ..."."""
-        pattern = self._positive
-        for class_ in dict.fromkeys(a for a in self.arguments if a in ontology.classes):
-            pattern = Exists(class_, class_, pattern)
+        """Its pattern with a quantifier for each abstract argument: "there is a starter such that ..."."""
+        pattern = self._closed(ontology)
         return Not(pattern) if self.negated else pattern
+
+    def _closed(self, ontology: Ontology) -> Pattern:
+        pattern = self._positive
+        for argument in dict.fromkeys(self.arguments):
+            pattern = some_such(argument, pattern, ontology, described=self.type.abstract)
+        return pattern
 
     def bind(self, binding: Mapping[str, str]) -> Condition:
         """Replaces parameter keys by the ids they are bound to."""
@@ -131,23 +148,5 @@ class Condition:
         return Verdict(inner.holds, str(grounded), (inner,))
 
 
-def any_of(*conditions: Condition) -> Condition:
-    """Makes a condition that holds when at least one of the given ones does."""
-    return _joined(conditions, AnyOf(tuple(condition.pattern for condition in conditions)), " or ")
-
-
-def all_of(*conditions: Condition) -> Condition:
-    """Makes a condition that holds when all of the given ones do."""
-    return _joined(conditions, AllOf(tuple(condition.pattern for condition in conditions)), " and ")
-
-
-def _joined(conditions: Sequence[Condition], pattern: Pattern, word: str) -> Condition:
-    arguments = tuple(dict.fromkeys(argument for condition in conditions for argument in condition.arguments))
-    classes = {
-        argument: role.class_
-        for condition in conditions
-        for role, argument in zip(condition.type.roles, condition.arguments, strict=True)
-    }
-    roles = tuple(Role(argument, classes[argument]) for argument in arguments)
-    name = word.join(condition.type.name for condition in conditions)
-    return Condition(ConditionType(name, roles, pattern, word.join(c.type.help for c in conditions)), arguments)
+def _short(name: str) -> str:
+    return name.partition(":")[2] or name

@@ -202,12 +202,25 @@ class Exists:
 
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
         """Tries the elements of the class in the order of their ids."""
-        for candidate in view.instances(self.class_):
+        for candidate in self._candidates(view, binding):
             verdict = self.pattern.evaluate(view, {**binding, self.variable: candidate})
             if verdict:
                 return Verdict(True, f"{candidate} is the {self.class_.partition(':')[2]}", (verdict,))
         bound = ", ".join(value for key, value in sorted(binding.items()) if key != self.variable)
         return Verdict(False, f"no {self.class_.partition(':')[2]} makes it true for {bound}")
+
+    def _candidates(self, view: WorldView, binding: Binding) -> Sequence[str]:
+        """The elements of the class; only those that are related as they must be, where the pattern begins so."""
+        parts = self.pattern.patterns if isinstance(self.pattern, AllOf) else (self.pattern,)
+        for part in parts:
+            if isinstance(part, Related) and part.subject == self.variable != part.object and part.object in binding:
+                near = view.subjects(part.relation, binding[part.object])
+            elif isinstance(part, Related) and part.object == self.variable != part.subject and part.subject in binding:
+                near = view.objects(binding[part.subject], part.relation)
+            else:
+                continue
+            return view.instances_among(self.class_, near)
+        return view.instances(self.class_)
 
     def rename(self, names: Mapping[str, str]) -> Exists:
         """Returns the same pattern with other names of its free variables."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
 from skiros_py.world.element import Element, Placement, Value
@@ -71,6 +71,17 @@ class ReadingView(WorldView):
         """Returns the ids of all elements of a class."""
         self.keys.add(("class", class_))
         return self._state.instances(class_)
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the elements of a class."""
+        self.keys.add(("class", class_))
+        return self._state.some_instances(class_, limit, after)
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of a class."""
+        asked = tuple(ids)
+        self.keys.update(("is", name) for name in asked)
+        return self._state.instances_among(class_, asked)
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of the abstract elements of a class."""

@@ -10,29 +10,20 @@ import pyoxigraph as ox
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
 from skiros_py.world.checks import class_problem, id_problem
-from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.element import Element, Placement
 from skiros_py.world.names import SCENE, local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
+from skiros_py.world.scene.copies import add_copy
 from skiros_py.world.scene.faults import fault_about
+from skiros_py.world.scene.individual import Individual
 from skiros_py.world.scene.predicates import Kind, Predicate, Predicates
-from skiros_py.world.vocabulary import GOAL, LABEL
+from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
 __all__ = ["Reader"]
 
 _TERMS = ("owl:Class", "owl:ObjectProperty", "owl:DatatypeProperty", "owl:AnnotationProperty", "rdfs:Datatype")
-
-
-class _Individual:
-    """What all files together say of one individual."""
-
-    __slots__ = ("relations", "types", "values")
-
-    def __init__(self) -> None:
-        self.types: list[str] = []
-        self.values: dict[str, Value] = {}
-        self.relations: list[tuple[str, str]] = []
 
 
 class Reader:
@@ -48,8 +39,9 @@ class Reader:
         self._names = ontology.names
         self._namespace = namespace
         self._predicates = Predicates(ontology)
-        self._individuals: dict[str, _Individual] = {}
+        self._individuals: dict[str, Individual] = {}
         self._goals: set[str] = set()
+        self._copies: dict[str, str] = {}
 
     def take(self, file: Document, *, whole: bool = False) -> None:
         """Reads a file's statements about individuals of the namespace.
@@ -80,6 +72,7 @@ class Reader:
             FileError: An individual has no class, an unknown one or several, is referred to but not described, or is in
                 two places.
         """
+        self._add_copies()
         names = sorted(self._individuals)
         for name in names:
             yield ElementEdit(name, None, self._element(name, self._individuals[name]))
@@ -130,7 +123,7 @@ class Reader:
             return
         individual = self._individuals.get(name)
         if individual is None:
-            individual = self._individuals[name] = _Individual()
+            individual = self._individuals[name] = Individual()
         predicate, object_ = self._predicates.of(triple.predicate.value), triple.object
         if predicate.kind is Kind.TYPE:
             self._take_type(file, triple, individual)
@@ -138,12 +131,19 @@ class Reader:
             self._take_value(file, triple, individual, predicate, object_)
         elif predicate.kind is not Kind.RELATION:
             raise self._misused(file, triple, "relation", predicate)
+        elif isinstance(object_, ox.NamedNode) and predicate.name == BUILT_LIKE:
+            self._take_copy(name, self._names.name(object_.value))
         elif isinstance(object_, ox.NamedNode):
             individual.relations.append((predicate.name, self._names.name(object_.value)))
         else:
             raise _at(file, triple, f"{predicate.name} of {name} needs an individual that has a name")
 
-    def _take_type(self, file: Document, triple: ox.Triple, individual: _Individual) -> None:
+    def _take_copy(self, name: str, like: str) -> None:
+        if self._copies.setdefault(name, like) != like:
+            said = f"{BUILT_LIKE} {self._copies[name]} and {like}"
+            raise self._fault(f"{name} may be like one other robot, not {said}", name, BUILT_LIKE)
+
+    def _take_type(self, file: Document, triple: ox.Triple, individual: Individual) -> None:
         if not isinstance(triple.object, ox.NamedNode):
             raise _at(file, triple, "the class of an individual must have a name")
         class_ = self._names.name(triple.object.value)
@@ -151,7 +151,7 @@ class Reader:
             individual.types.append(class_)
 
     def _take_value(
-        self, file: Document, triple: ox.Triple, individual: _Individual, predicate: Predicate, literal: ox.Literal
+        self, file: Document, triple: ox.Triple, individual: Individual, predicate: Predicate, literal: ox.Literal
     ) -> None:
         if predicate.kind is not Kind.VALUE:
             raise self._misused(file, triple, "property", predicate)
@@ -171,13 +171,22 @@ class Reader:
 
     # ------------------------------------------------------------ individuals
 
-    def _element(self, name: str, individual: _Individual) -> Element:
+    def _add_copies(self) -> None:
+        for name, like in sorted(self._copies.items()):
+            self._described(name, BUILT_LIKE, like)
+            if like in self._copies:
+                reason = f"{like} is {BUILT_LIKE} {self._copies[like]} itself: name one that is described in full"
+                raise self._fault(f"{name}: {reason}", name, BUILT_LIKE, like)
+            add_copy(self._individuals, name, like, self._ontology)
+        self._copies.clear()
+
+    def _element(self, name: str, individual: Individual) -> Element:
         class_ = self._class(name, individual)
         values, individual.values = individual.values, {}
         label = values.pop(LABEL, None)
         return Element(name, class_, local_name(class_) if label is None else str(label), MappingProxyType(values))
 
-    def _class(self, name: str, individual: _Individual) -> str:
+    def _class(self, name: str, individual: Individual) -> str:
         problem = id_problem(name)
         if problem:
             raise self._fault(problem, name)

@@ -207,6 +207,7 @@ class TestOptimist(PlannerContract):
     def make(self):
         class Optimist:
             name = "optimist"
+            supports = (":strips", "typing")
             def solve(self, domain, problem):
                 return Done(Solved((("enter", "dove_1", "hole_1"),)))
             def close(self):
@@ -238,6 +239,7 @@ def test_wrong_planners_and_answers_are_found_too(pytester: pytest.Pytester) -> 
         "test_where_there_is_no_way_it_says_so",
     }
     assert found["TestOptimist"] == {
+        "test_it_says_which_requirements_it_takes",
         "test_a_plan_reaches_its_goal_step_by_step",
         "test_a_goal_that_holds_has_an_empty_plan",
         "test_no_plan_is_an_answer",

@@ -6,7 +6,9 @@ import pytest
 
 from skiros_py.motion.arm_planner import WorkerArmPlanner
 from skiros_py.motion.base_paths import ShapelyBasePlanner
+from skiros_py.planning.command import CommandPlanner
 from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.planning.kairos import Kairos
 from skiros_py.planning.planner import Planner
 from skiros_py.robot.cell import CellSpec, RobotSpec
 from skiros_py.robot.driver import CellDriver
@@ -59,6 +61,21 @@ class TestShapelyBasePlanner(BasePlannerContract):
 class TestFastDownward(PlannerContract):
     def make(self) -> Planner:
         return FastDownward()
+
+
+class TestKairos(PlannerContract):
+    def make(self) -> Planner:
+        return Kairos()
+
+
+class TestPyperplanByCommandLine(PlannerContract):
+    def make(self) -> Planner:
+        return CommandPlanner(
+            "pyperplan",
+            "pyperplan -s gbf -H hff {domain} {problem}",
+            plan="{problem}.soln",
+            no_plan="No solution could be found",
+        )
 
 
 class TestDone(PendingContract):

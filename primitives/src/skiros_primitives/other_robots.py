@@ -1,0 +1,93 @@
+"""The other robots of the cell, as things not to touch, and what a robot itself covers of the floor."""
+
+from __future__ import annotations
+
+import math
+
+from skiros_py.geometry import Pose, Solid
+from skiros_py.robot.cell import RobotSpec
+from skiros_py.robot.motion import Obstacle
+from skiros_py.skills.context import RunContext
+from skiros_py.skills.floor import Outline
+from skiros_py.skills.primitive import Execution, Primitive
+
+__all__ = ["bodies", "others", "outline", "reach", "standing"]
+
+_HEIGHT = 1.2
+"""How high a base with its folded arm is taken to be [m]."""
+_HAND = 0.12
+"""How far hand and camera stick out around the arm's tip [m]."""
+_CORNERS = 8
+
+
+def others(context: RunContext, robot: str) -> tuple[RobotSpec, ...]:
+    """Returns all robots of the cell but one."""
+    return tuple(other for other in context.cell.robots if other.id != robot)
+
+
+def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obstacle, ...]:
+    """Returns what the other robots are to a robot: a block around each where it is now.
+
+    Args:
+        context: The run.
+        robot: Id of the robot that is not to touch them.
+        margin: By how much each block is wider than the robot, on each side [m].
+    """
+    return tuple(_body(context, other, margin) for other in others(context, robot))
+
+
+def _body(context: RunContext, robot: RobotSpec, margin: float) -> Obstacle:
+    xs, ys = zip(*robot.base.footprint, strict=True)
+    middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, 0.0))
+    size = max(xs) - min(xs) + 2.0 * margin, max(ys) - min(ys) + 2.0 * margin
+    return Obstacle(robot.id, Solid.box(*size, _HEIGHT), context.board.snapshot.bases[robot.base.id].pose @ middle)
+
+
+def standing(primitive: Primitive[object], robot: str, *, margin: float) -> Execution[tuple[Obstacle, ...]]:
+    """Returns the other robots that do not drive, with their arms as they are stretched out now.
+
+    Args:
+        primitive: Who asks.
+        robot: Id of the robot that is not to touch them.
+        margin: By how much each is taken to be wider than it is, on each side [m].
+    """
+    context = primitive.context
+    there = [other for other in others(context, robot) if not context.floor.is_driving(other.id)]
+    found = [_body(context, other, margin) for other in there]
+    for other in there:
+        tips = yield from _tips(primitive, other, now=True)
+        found += [_arm(context, other, tip, margin) for tip in tips]
+    return tuple(found)
+
+
+def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obstacle:
+    """The block above which an arm is, from the middle of its base to its hand."""
+    x, y, _ = tip.position
+    along = Pose.of(x / 2.0, y / 2.0, 0.0, yaw=math.atan2(y, x))
+    length, width = math.hypot(x, y) + 2.0 * (_HAND + margin), 2.0 * (_HAND + margin)
+    base = context.board.snapshot.bases[robot.base.id].pose
+    return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
+
+
+def outline(primitive: Primitive[object], robot: RobotSpec) -> Execution[Outline]:
+    """Returns what a robot covers of the floor while it drives: its base, and its hands in their travelling posture."""
+    points = list(robot.base.footprint)
+    for tip in (yield from _tips(primitive, robot, now=False)):
+        turns = (2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS))
+        points += [(tip.position[0] + _HAND * math.cos(t), tip.position[1] + _HAND * math.sin(t)) for t in turns]
+    return points
+
+
+def reach(points: Outline) -> float:
+    """Returns how far an outline reaches from the middle of the base [m]."""
+    return max(math.hypot(x, y) for x, y in points)
+
+
+def _tips(primitive: Primitive[object], robot: RobotSpec, *, now: bool) -> Execution[list[Pose]]:
+    """Returns where the tips of a robot's arms are in the frame of its base, now or at home."""
+    planner, states = primitive.context.libraries.arm_planner, primitive.context.board.snapshot.arms
+    tips = []
+    for arm in robot.arms if planner is not None else ():
+        positions = states[arm.id].positions if now else arm.home
+        tips.append((yield from primitive.wait(planner.frame_pose(arm.id, positions, arm.tip))))
+    return tips

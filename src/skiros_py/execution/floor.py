@@ -1,0 +1,197 @@
+"""The floor of a cell: areas that robots stand on and drive over, so that no two are ever in one place.
+
+A base asks for its whole way at once and gets all of it or nothing, so nobody stands half way waiting for another.
+Paths are planned around whoever stands; so a way that was promised waits for robots that drive only, and those arrive:
+somebody always goes. Where that is no longer so, because a robot has come to stand on it meanwhile, the way is blocked
+and its robot has to plan another one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.robot.cell import RobotSpec
+from skiros_py.robot.devices import DeviceBoard
+from skiros_py.robot.motion import BasePath
+from skiros_py.skills.floor import Outline
+
+__all__ = ["FloorAreas", "FloorWay"]
+
+_MARGIN = 0.06
+"""Greatest distance of a base from its path [m]."""
+_SHORT = 0.5
+"""Greatest length of what is given back at once behind a base [m]."""
+_TURNS = math.radians(2.0)
+"""A base that turns by less than this sweeps its outline only."""
+
+
+class FloorAreas:
+    """The areas of all robots of a cell; a :class:`skiros_py.skills.floor.Floor`. For the control thread only.
+
+    Args:
+        board: Says where the bases are.
+        robots: The robots of the cell.
+    """
+
+    def __init__(self, board: DeviceBoard, robots: Sequence[RobotSpec]) -> None:
+        self._board = board
+        self._bases = {robot.id: robot.base.id for robot in robots}
+        self._outlines: dict[str, Outline] = {robot.id: robot.base.footprint for robot in robots}
+        self._ways: list[FloorWay] = []
+
+    def is_driving(self, robot: str) -> bool:
+        """Returns True when a robot is on its way."""
+        return any(way.granted for way in self._ways if way.robot == robot)
+
+    def ask(self, robot: str, outline: Outline, start: Pose, path: BasePath) -> FloorWay:
+        """Asks for the way along a path: all of it or nothing; whoever asked first goes first."""
+        self._outlines[robot] = outline
+        way = FloorWay(self, robot, list(_stretches(outline, start, path)))
+        self._ways.append(way)
+        self.settle(changed=True)
+        return way
+
+    def settle(self, *, changed: bool = False) -> None:
+        """Forgets the ways of those who have left them and stand; looks again who may go if anything is new."""
+        left = [way for way in self._ways if way.released and self._board.snapshot.bases[self._bases[way.robot]].still]
+        for way in left:
+            self._ways.remove(way)
+        if left or changed:
+            for number, way in enumerate(self._ways):
+                if not way.granted:
+                    self._judge(way, self._ways[:number])
+
+    def remove(self, way: FloorWay) -> None:
+        """Takes back a wish, or gives back a way, as soon as its base stands."""
+        if not way.granted:
+            self._ways.remove(way)
+        self.settle(changed=True)
+
+    def _judge(self, way: FloorWay, before: Sequence[FloorWay]) -> None:
+        others = [robot for robot in self._bases if robot != way.robot]
+        standing = [robot for robot in others if not self.is_driving(robot) and self._stands_in(robot, way.area)]
+        taken = [other for other in self._ways if other.granted and other.robot != way.robot]
+        moving = [other.robot for other in (*taken, *before) if other.area.intersects(way.area)]
+        way.blocked = bool(standing)
+        way.others = tuple(dict.fromkeys((*standing, *(robot for robot in moving if robot != way.robot))))
+        way.granted = not way.others
+
+    def _stands_in(self, robot: str, area: BaseGeometry) -> bool:
+        pose = self._board.snapshot.bases[self._bases[robot]].pose
+        return bool(_hull(self._outlines[robot], pose).intersects(area))
+
+
+class FloorWay:
+    """A way that a robot asked for; a :class:`skiros_py.skills.floor.Way`.
+
+    Attributes:
+        robot: Whose it is.
+        granted: True once the robot may go.
+        released: True when it has been given back.
+        blocked: True when somebody stands on it who is not driving.
+        others: Ids of the robots because of which it is not free.
+        area: What is left of it to drive over.
+    """
+
+    def __init__(self, floor: FloorAreas, robot: str, stretches: list[_Stretch]) -> None:
+        self.robot = robot
+        self.granted = False
+        self.released = False
+        self.blocked = False
+        self.others: tuple[str, ...] = ()
+        self._floor = floor
+        self._stretches = stretches
+        self.area = _union(stretches)
+
+    @property
+    def free(self) -> bool:
+        """True when the base may go."""
+        self._floor.settle()
+        return self.granted
+
+    def waits_for(self) -> tuple[str, ...]:
+        """Returns the ids of the robots because of which it is not free."""
+        return self.others
+
+    def passed(self, legs: float) -> None:
+        """Gives back what lies behind: so many legs have been driven, 1.5 being half of the second."""
+        if self._stretches[0].end <= legs:
+            self._stretches = [stretch for stretch in self._stretches if stretch.end > legs]
+            self.area = _union(self._stretches)
+            self._floor.settle(changed=True)
+
+    def release(self) -> None:
+        """Gives the rest back; while the base still rolls, it stays taken."""
+        if not self.released:
+            self.released = True
+            self._floor.remove(self)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.release()
+
+
+@dataclass(frozen=True, slots=True)
+class _Stretch:
+    """A piece of a way: what the robot covers there, and how many legs have been driven at its end."""
+
+    area: BaseGeometry
+    end: float
+
+
+def _stretches(outline: Outline, start: Pose, path: BasePath) -> Iterator[_Stretch]:
+    """Yields short stretches of each leg of a path, from the turn before it on, and where the base ends."""
+    at, heading = (start.position[0], start.position[1]), start.yaw
+    reach = max(math.hypot(x, y) for x, y in outline)
+    for number, leg in enumerate(path.legs):
+        end = (leg.x, leg.y)
+        along = math.atan2(end[1] - at[1], end[0] - at[0]) + (math.pi if leg.backwards else 0.0)
+        turn = _turn(at, heading, along, reach)
+        count = math.ceil(max(math.dist(at, end), _SHORT) / _SHORT)
+        stops = [_hull(outline, _pose(_between(at, end, step / count), along)) for step in range(count + 1)]
+        for step, (here, there) in enumerate(pairwise(stops), start=1):
+            straight = shapely.union(here, there).convex_hull
+            yield _Stretch(_widened(straight, turn) if step == 1 else _widened(straight), number + step / count)
+        at, heading = end, along
+    last = _widened(_hull(outline, _pose(at, path.heading)), _turn(at, heading, path.heading, reach))
+    yield _Stretch(last, math.inf)
+
+
+def _union(stretches: Sequence[_Stretch]) -> BaseGeometry:
+    return shapely.union_all([stretch.area for stretch in stretches])
+
+
+def _widened(*areas: BaseGeometry) -> BaseGeometry:
+    return shapely.buffer(shapely.union_all(list(areas)), _MARGIN)
+
+
+def _between(one: tuple[float, float], other: tuple[float, float], share: float) -> tuple[float, float]:
+    return one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1])
+
+
+def _turn(at: tuple[float, float], before: float, after: float, reach: float) -> BaseGeometry:
+    turned = abs(wrap_angle(after - before)) > _TURNS
+    return shapely.buffer(shapely.Point(at), reach) if turned else shapely.Point(at)
+
+
+def _hull(outline: Outline, pose: Pose) -> BaseGeometry:
+    corners = np.array([(x, y, 0.0) for x, y in outline])
+    return shapely.MultiPoint(pose.apply(corners)[:, :2]).convex_hull
+
+
+def _pose(at: tuple[float, float], yaw: float) -> Pose:
+    return Pose.of(at[0], at[1], 0.0, yaw=yaw)

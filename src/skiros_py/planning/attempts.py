@@ -1,0 +1,76 @@
+"""What planners are asked, one after the other: first what is quick to solve, at last the complete problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from skiros_py.planning.allocation import deal
+from skiros_py.planning.durations import timed
+from skiros_py.planning.pddl import PddlTexts, write_pddl
+from skiros_py.planning.sequencing import in_sequence, with_costs
+from skiros_py.planning.task import Capability, PlanningTask, build_task
+from skiros_py.planning.temporal import write_temporal
+from skiros_py.skills.conditions import Condition
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import SPATIAL_THING
+
+__all__ = ["Wanted", "attempts"]
+
+_WIDTHS = (2, 16)
+"""How many candidates are tried where there is a choice, before all of them are."""
+_SMALL = 60
+"""In a world of so few things the complete problem is as quick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What shall be planned.
+
+    Attributes:
+        view: The world.
+        capabilities: What can be done.
+        goal: What shall hold, all of it.
+        reached: The highest sequence number that each robot has visited in this task.
+        temporal: True to plan in time, with durative actions.
+        name: Name of domain and problem.
+    """
+
+    view: WorldView
+    capabilities: tuple[Capability, ...]
+    goal: tuple[Condition, ...]
+    reached: Mapping[str, int] = field(default_factory=dict)
+    temporal: bool = False
+    name: str = "skiros"
+
+
+def attempts(wanted: Wanted) -> Iterator[tuple[PlanningTask, PddlTexts]]:
+    """Yields tasks with their texts, ever more complete; each is worked out when it is asked for.
+
+    Raises:
+        PlanningError: The task cannot be written.
+    """
+    for width in _widths(wanted.view):
+        task = _task(wanted, width)
+        shared = deal(wanted.view, task)
+        if shared is not task:
+            yield replace(shared, complete=False), _texts(wanted, shared)
+        yield task, _texts(wanted, task)
+        if task.complete:
+            return
+
+
+def _widths(view: WorldView) -> Sequence[int | None]:
+    small = len(view.some_instances(SPATIAL_THING, _SMALL + 1)) <= _SMALL
+    return (None,) if small else (*_WIDTHS, None)
+
+
+def _task(wanted: Wanted, width: int | None) -> PlanningTask:
+    task = build_task(wanted.view, wanted.capabilities, wanted.goal, width=width)
+    return in_sequence(wanted.view, timed(wanted.view, task), wanted.reached)
+
+
+def _texts(wanted: Wanted, task: PlanningTask) -> PddlTexts:
+    if wanted.temporal:
+        return write_temporal(task, name=wanted.name)
+    return with_costs(wanted.view, task, write_pddl(task.domain, task.problem, name=wanted.name))

@@ -1,0 +1,66 @@
+"""The causes that need no search: what never becomes true, and what in the goal excludes each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from skiros_py.planning.explanation.contradictions import Contradictions
+from skiros_py.planning.explanation.everyone import with_everyone
+from skiros_py.planning.explanation.obstacle import Obstacle
+from skiros_py.planning.explanation.obstacles import Obstacles
+from skiros_py.planning.explanation.relaxation import Relaxation
+from skiros_py.planning.model import Atom
+from skiros_py.planning.reasons import Cause, CauseKind
+from skiros_py.planning.task import PlanningTask
+from skiros_py.skills.conditions import Condition
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import HAS_A
+
+__all__ = ["Found", "find_causes"]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A cause with what it was found by.
+
+    Attributes:
+        cause: The cause.
+        obstacle: What never holds; None for conditions that exclude each other.
+    """
+
+    cause: Cause
+    obstacle: Obstacle | None = None
+
+
+def find_causes(task: PlanningTask, view: WorldView) -> tuple[Found, ...]:
+    """Returns the cause of each condition that can never hold by itself, then those of what excludes each other.
+
+    Empty when each condition could hold, and nothing simple keeps them from holding together.
+    """
+    task = with_everyone(task, view)
+    relaxed = Relaxation(task, view.ontology)
+    obstacles = Obstacles(relaxed, view)
+    missing = [(condition, _first(atoms, relaxed)) for condition, atoms in task.goal]
+    found = tuple(_unreachable(c, obstacles.of(atom), view) for c, atom in missing if atom is not None)
+    hopeless = {condition for condition, atom in missing if atom is not None}
+    together = Contradictions(relaxed, view.ontology).causes()
+    return (*found, *(Found(cause) for cause in together if not hopeless.intersection(cause.conditions)))
+
+
+def _first(atoms: tuple[Atom, ...], relaxed: Relaxation) -> Atom | None:
+    return next((atom for atom in atoms if atom not in relaxed.facts), None)
+
+
+def _unreachable(condition: Condition, obstacle: Obstacle, view: WorldView) -> Found:
+    full = _full(condition, obstacle, view)
+    text = f"{condition} cannot be reached: {''.join(f'{whole} is full: ' for whole in full)}{obstacle.text}"
+    parts = obstacle.skill, obstacle.precondition, (*full, *obstacle.elements)
+    return Found(Cause(obstacle.kind, text, (condition,), *parts), obstacle)
+
+
+def _full(condition: Condition, obstacle: Obstacle, view: WorldView) -> tuple[str, ...]:
+    """Returns what the condition names that is built of the places that are taken: the kit that is full."""
+    if obstacle.kind is not CauseKind.FULL:
+        return ()
+    named = (argument for argument in condition.arguments if view.has(argument))
+    return tuple(whole for whole in named if set(view.objects(whole, HAS_A)).intersection(obstacle.elements))

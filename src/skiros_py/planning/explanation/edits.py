@@ -1,0 +1,141 @@
+"""The changes to a scene that repairs are made of; each can be supposed, and written for good."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from skiros_py.planning.explanation.supposition import Supposition
+from skiros_py.world.element import Placement, Value
+from skiros_py.world.literals import shown
+from skiros_py.world.names import local_name
+from skiros_py.world.transaction import Transaction
+
+__all__ = ["Add", "Assign", "Move", "Relate", "Remove", "SceneEdit"]
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """An element is put somewhere else.
+
+    Attributes:
+        element: What is moved.
+        relation: The placement relation.
+        place: Where it goes.
+    """
+
+    element: str
+    relation: str
+    place: str
+
+    def __str__(self) -> str:
+        return f"put {self.element} {local_name(self.relation)} {self.place}"
+
+    def suppose(self, view: Supposition) -> None:
+        """Makes it in imagination."""
+        view.place(self.element, self.relation, self.place)
+
+    def write(self, tx: Transaction) -> None:
+        """Writes it."""
+        tx.place(self.element, self.relation, self.place)
+
+
+@dataclass(frozen=True, slots=True)
+class Remove:
+    """An element is taken out of the scene."""
+
+    element: str
+
+    def __str__(self) -> str:
+        return f"remove {self.element} from the scene"
+
+    def suppose(self, view: Supposition) -> None:
+        """Makes it in imagination."""
+        view.remove(self.element)
+
+    def write(self, tx: Transaction) -> None:
+        """Writes it."""
+        tx.remove(self.element)
+
+
+@dataclass(frozen=True, slots=True)
+class Add:
+    """One more element of a class is brought.
+
+    Attributes:
+        class_: CURIE of its class.
+        placement: Where it is put.
+    """
+
+    class_: str
+    placement: Placement
+
+    def __str__(self) -> str:
+        return f"bring one more {local_name(self.class_)}, {local_name(self.placement.relation)} {self.placement.place}"
+
+    def suppose(self, view: Supposition) -> None:
+        """Makes it in imagination."""
+        view.place(view.add(self.class_), self.placement.relation, self.placement.place)
+
+    def write(self, tx: Transaction) -> None:
+        """Writes it."""
+        tx.add(self.class_, placement=self.placement)
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """A property gets a value.
+
+    Attributes:
+        element: Whose.
+        property: CURIE of the property.
+        value: The value.
+        source: Whose value it is, where it is taken over from a thing of the same kind; empty where it is not.
+    """
+
+    element: str
+    property: str
+    value: Value
+    source: str = ""
+
+    def __str__(self) -> str:
+        name = local_name(self.property)
+        if self.source:
+            return f"give {self.element} the {name} of {self.source}"
+        value = str(self.value).lower() if isinstance(self.value, bool) else shown(self.value)
+        return f"see to it that the {name} of {self.element} is {value}, and say so"
+
+    def suppose(self, view: Supposition) -> None:
+        """Makes it in imagination."""
+        view.set_value(self.element, self.property, self.value)
+
+    def write(self, tx: Transaction) -> None:
+        """Writes it."""
+        tx.set(self.element, self.property, self.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Relate:
+    """A relation is stated that nobody moves by it.
+
+    Attributes:
+        subject, relation, object: The statement.
+    """
+
+    subject: str
+    relation: str
+    object: str
+
+    def __str__(self) -> str:
+        return f"state that {self.subject} {local_name(self.relation)} {self.object}"
+
+    def suppose(self, view: Supposition) -> None:
+        """Makes it in imagination."""
+        view.set_relation(self.subject, self.relation, self.object)
+
+    def write(self, tx: Transaction) -> None:
+        """Writes it."""
+        tx.relate(self.subject, self.relation, self.object)
+
+
+SceneEdit = Move | Remove | Add | Assign | Relate
+"""Any of them."""

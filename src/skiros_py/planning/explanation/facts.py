@@ -1,0 +1,91 @@
+"""Facts with indexes, and the join over them: which values of variables make atoms true at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+
+from skiros_py.planning.model import Atom
+
+__all__ = ["Binding", "Facts", "Fits", "is_variable", "solutions", "unified"]
+
+Binding = Mapping[str, str]
+"""Element by variable."""
+Fits = Callable[[str, str], bool]
+"""Tells whether an element is of a class."""
+
+
+class Facts:
+    """Ground atoms, found by their predicate and by each of their arguments."""
+
+    def __init__(self) -> None:
+        self._all: dict[Atom, None] = {}
+        self._by_predicate: dict[str, list[Atom]] = {}
+        self._by_argument: dict[tuple[str, int, str], list[Atom]] = {}
+
+    def __contains__(self, atom: object) -> bool:
+        return atom in self._all
+
+    def __iter__(self) -> Iterator[Atom]:
+        return iter(self._all)
+
+    def add(self, atom: Atom) -> None:
+        """Adds a fact that is not there yet."""
+        self._all[atom] = None
+        self._by_predicate.setdefault(atom.predicate, []).append(atom)
+        for position, argument in enumerate(atom.arguments):
+            self._by_argument.setdefault((atom.predicate, position, argument), []).append(atom)
+
+    def candidates(self, atom: Atom) -> Collection[Atom]:
+        """Returns the facts among which all are that an atom with variables could be: the shortest list there is."""
+        bound = [(i, a) for i, a in enumerate(atom.arguments) if not is_variable(a)]
+        if len(bound) == len(atom.arguments):
+            return (atom,) if atom in self._all else ()
+        if not bound:
+            return self._by_predicate.get(atom.predicate, ())
+        return min((self._by_argument.get((atom.predicate, i, a), ()) for i, a in bound), key=len)
+
+
+def is_variable(argument: str) -> bool:
+    """Tells a variable from an element."""
+    return argument.startswith("?")
+
+
+def unified(atom: Atom, fact: Atom, binding: Binding, types: Mapping[str, str], fits: Fits) -> dict[str, str] | None:
+    """Binds further variables so that an atom is a fact; None where it cannot be."""
+    result = dict(binding)
+    for argument, value in zip(atom.arguments, fact.arguments, strict=True):
+        if not is_variable(argument):
+            if argument != value:
+                return None
+        elif argument in result:
+            if result[argument] != value:
+                return None
+        elif fits(value, types.get(argument, "")):
+            result[argument] = value
+        else:
+            return None
+    return result
+
+
+def solutions(
+    atoms: Sequence[Atom], facts: Facts, start: Binding, types: Mapping[str, str], fits: Fits
+) -> Iterator[dict[str, str]]:
+    """Yields every way to bind variables so that all atoms are facts; the rarest atom is looked up first.
+
+    Args:
+        atoms: Atoms over variables and elements.
+        facts: The facts.
+        start: What is bound already.
+        types: Class by variable.
+        fits: Tells whether an element is of a class.
+    """
+    if not atoms:
+        yield dict(start)
+        return
+    found = [facts.candidates(atom.bind(start)) for atom in atoms]
+    rarest = min(range(len(atoms)), key=lambda i: len(found[i]))
+    rest = [atom for i, atom in enumerate(atoms) if i != rarest]
+    for fact in tuple(found[rarest]):
+        binding = unified(atoms[rarest], fact, start, types, fits)
+        if binding is not None:
+            yield from solutions(rest, facts, binding, types, fits)

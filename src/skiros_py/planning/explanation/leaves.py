@@ -1,0 +1,123 @@
+"""Facts that are not so and that no skill changes: what kind of obstacle that is, and what is the case instead."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from skiros_py.planning.explanation.facts import is_variable
+from skiros_py.planning.explanation.obstacle import Obstacle
+from skiros_py.planning.explanation.wording import Wording, listed
+from skiros_py.planning.literals import CAN, HAS, NOTHING
+from skiros_py.planning.model import Atom
+from skiros_py.planning.reasons import CauseKind
+from skiros_py.planning.task import PlanningTask
+from skiros_py.skills.conditions import Computed
+from skiros_py.world.names import local_name
+from skiros_py.world.view import WorldView
+
+__all__ = ["Leaves"]
+
+_SHOWN = 4
+"""How many things that are elsewhere are named."""
+_COUNTED = 32
+"""How many elements of a class one obstacle names as data."""
+
+Types = Mapping[str, str]
+
+
+class Leaves:
+    """Says of facts what is the case instead."""
+
+    def __init__(self, task: PlanningTask, view: WorldView, wording: Wording) -> None:
+        self._task = task
+        self._view = view
+        self._wording = wording
+
+    def of(self, atom: Atom, types: Types) -> Obstacle:
+        """Returns the obstacle that a fact is that no skill gives."""
+        if atom.predicate.startswith(CAN):
+            return self._no_skill(atom, types)
+        if atom.predicate.startswith(NOTHING):
+            return self._full(atom, types)
+        if self._is_placement(atom.predicate):
+            return self._elsewhere(atom, types)
+        return self._plainly(atom, types)
+
+    def none_of(self, class_: str) -> Obstacle:
+        """Returns the obstacle that there is nothing of a class."""
+        return Obstacle(CauseKind.MISSING_ELEMENT, f"there is no {local_name(class_)}", elements=(class_,))
+
+    def _is_placement(self, relation: str) -> bool:
+        ontology = self._view.ontology
+        return relation in ontology.relations and ontology.is_placement(relation)
+
+    def _no_skill(self, atom: Atom, types: Types) -> Obstacle:
+        agents = self._things(atom.arguments[0], types)
+        verb = "does" if len(agents) == 1 else "do"
+        skill = atom.predicate.removeprefix(CAN)
+        text = f"{listed(agents)} {verb} not have it"
+        return Obstacle(CauseKind.NO_SKILL, text, skill, "", agents, atom, types)
+
+    def _full(self, atom: Atom, types: Types) -> Obstacle:
+        relation = atom.predicate.removeprefix(NOTHING)
+        verb = self._wording.term(relation)
+        places = self._things(atom.arguments[0], types)
+        there = {place: self._view.subjects(relation, place) for place in places}
+        if len(places) == 1:
+            text = f"{listed(there[places[0]])} {verb} {places[0]}, and no skill takes it away"
+        else:
+            text = (
+                f"every {local_name(types.get(atom.arguments[0], 'place'))} is taken, and no skill takes anything away"
+            )
+        elements = (*places, *dict.fromkeys(thing for things in there.values() for thing in things))
+        return Obstacle(CauseKind.FULL, text, elements=elements, missing=atom, types=types)
+
+    def _elsewhere(self, atom: Atom, types: Types) -> Obstacle:
+        """Says where the things are that should be in a place."""
+        first, second = atom.arguments
+        at_object = self._view.ontology.relations[atom.predicate].place_end == "object"
+        moved, place = (first, second) if at_object else (second, first)
+        things = self._things(moved, types)
+        if not things:
+            return self.none_of(types.get(moved, moved))
+        if not self._things(place, types):
+            return self.none_of(types.get(place, place))
+        placed = {thing: p for thing in things[:_SHOWN] if (p := self._view.placement(thing)) is not None}
+        if not placed:
+            return self._plainly(atom, types)
+        said = listed(f"{thing} {self._wording.term(p.relation)} {p.place}" for thing, p in placed.items())
+        elements = tuple(dict.fromkeys((*placed, *(p.place for p in placed.values()))))
+        text = f"{said}, and no skill takes it from there"
+        return Obstacle(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
+
+    def _plainly(self, atom: Atom, types: Types) -> Obstacle:
+        """Says that a fact is not so, with the reason where one is known."""
+        asked = self._task.asked.get(atom.predicate)
+        kind = CauseKind.DOES_NOT_FIT if isinstance(asked, Computed) else CauseKind.MISSING_FACT
+        named = (*(types.get(a, a) for a in atom.arguments),)
+        for argument in atom.arguments:
+            if not self._things(argument, types):
+                return self.none_of(types.get(argument, argument))
+        text = f"{self._instead(atom, types)}, and no skill changes it"
+        return Obstacle(kind, text, elements=named, missing=atom, types=types)
+
+    def _instead(self, atom: Atom, types: Types) -> str:
+        if atom.predicate.startswith(HAS):
+            thing, property_ = atom.arguments[0], self._wording.term(atom.predicate.removeprefix(HAS))
+            return f"no {local_name(types[thing])} has a {property_}" if is_variable(thing) else f"{thing} has none"
+        asked = self._task.asked.get(atom.predicate)
+        if asked is not None and not any(is_variable(a) for a in atom.arguments):
+            verdict = asked.evaluate(self._view, dict(zip(("1", "2"), atom.arguments, strict=False)))
+            return verdict.text
+        if isinstance(asked, Computed):
+            return self._wording.none(atom, types)
+        return f"that is not so ({self._wording.atom(atom, types)})"
+
+    def _things(self, argument: str, types: Types) -> tuple[str, ...]:
+        """Returns what an argument could be; a bounded number of it."""
+        if not is_variable(argument):
+            return (argument,)
+        class_ = types.get(argument, "")
+        if class_ in ("", "object"):
+            return tuple(list(self._task.problem.objects)[:_COUNTED])
+        return self._view.instances(class_)[:_COUNTED]

@@ -1,0 +1,221 @@
+"""Why a fact never becomes true: down from the skill that would give it to the precondition that it never gets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from skiros_py.planning.explanation.facts import is_variable
+from skiros_py.planning.explanation.leaves import Leaves
+from skiros_py.planning.explanation.obstacle import Obstacle
+from skiros_py.planning.explanation.relaxation import Relaxation
+from skiros_py.planning.explanation.wording import Wording, listed
+from skiros_py.planning.literals import CAN
+from skiros_py.planning.model import Action, Atom
+from skiros_py.planning.reasons import CauseKind
+from skiros_py.world.names import local_name
+from skiros_py.world.view import WorldView
+
+__all__ = ["Obstacles"]
+
+Chain = tuple[Atom, ...]
+Types = Mapping[str, str]
+
+_DEPTH = 6
+_GROUNDINGS = 6
+"""Of how many things that a precondition could be about each is looked at by itself."""
+_WAYS = 64
+"""How many ways to begin with an action are compared."""
+_MOST = 400
+"""So many facts are looked into for one explanation: then the nearest answer has to do."""
+
+_SPECIFIC = (
+    CauseKind.FULL,
+    CauseKind.DOES_NOT_FIT,
+    CauseKind.MISSING_FACT,
+    CauseKind.MISSING_ELEMENT,
+    CauseKind.NO_SKILL,
+)
+"""Where things are kept from it by different obstacles, the one that is named: what is nearest to working."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Try:
+    """An action that would give a fact, and how far it gets.
+
+    Attributes:
+        action: The action.
+        start: What the fact binds.
+        types: Classes of its variables, narrowed by what is wanted.
+        direct: What is in the way before any precondition; None where nothing is.
+        ways: Ways to make the preconditions before :attr:`stuck` true.
+        stuck: The first precondition that never holds together with those.
+        progress: Share of the preconditions that can hold together.
+    """
+
+    action: Action
+    start: Mapping[str, str]
+    types: Types
+    direct: Obstacle | None = None
+    ways: tuple[Mapping[str, str], ...] = ()
+    stuck: Atom | None = None
+    progress: float = 0.0
+
+
+class Obstacles:
+    """Finds the obstacle of each fact that the relaxation never reaches."""
+
+    def __init__(self, relaxation: Relaxation, view: WorldView) -> None:
+        self._relaxed = relaxation
+        self._task = relaxation.task
+        self._ontology = view.ontology
+        self._wording = Wording(view.ontology)
+        self._leaves = Leaves(relaxation.task, view, self._wording)
+        self._given = {e.predicate for action in self._task.domain.actions for e in action.add}
+        self._left = _MOST
+
+    def of(self, atom: Atom, types: Types | None = None, chain: Chain = ()) -> Obstacle:
+        """Returns why a fact (perhaps with variables left) never holds.
+
+        Args:
+            atom: The fact.
+            types: Classes of its variables.
+            chain: The facts that it would be needed for, one for the other: what needs itself needs no second telling.
+        """
+        types = types or {}
+        self._left -= 1
+        givers = [(a, e) for a in self._task.domain.actions for e in a.add if self._could_give(a, e, atom, types)]
+        if not givers or atom in chain or len(chain) == _DEPTH or self._left < 0:
+            return self._without_giver(atom, types, chain)
+        tries = [self._tried(action, effect, atom, types) for action, effect in givers]
+        best = max(tries, key=lambda one: one.progress)
+        return self._told(best, (*chain, atom))
+
+    def _without_giver(self, atom: Atom, types: Types, chain: Chain) -> Obstacle:
+        leaf = self._leaves.of(atom, types)
+        if chain or leaf.kind is not CauseKind.MISSING_FACT:
+            return leaf
+        text = f"{leaf.text}, and no skill brings it about" if ", and" not in leaf.text else leaf.text
+        return replace(leaf, kind=CauseKind.NO_SKILL, text=text)
+
+    def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Types) -> bool:
+        """Tells whether an effect is of the kind that is wanted; a wrong element is for the obstacle to name."""
+        if effect.predicate != atom.predicate:
+            return False
+        own = action.types
+        pairs = [
+            (own[variable], types[value])
+            for variable, value in zip(effect.arguments, atom.arguments, strict=True)
+            if is_variable(value) and own.get(variable) and types.get(value)
+        ]
+        return all(self._ontology.is_a(a, b) or self._ontology.is_a(b, a) for a, b in pairs)
+
+    # ------------------------------------------------------------ how far an action gets
+
+    def _tried(self, action: Action, effect: Atom, atom: Atom, wanted: Types) -> _Try:
+        pairs = list(zip(effect.arguments, atom.arguments, strict=True))
+        start = {variable: value for variable, value in pairs if is_variable(variable) and not is_variable(value)}
+        types = action.types
+        for variable, value in pairs:
+            if is_variable(value) and self._narrows(wanted.get(value, ""), types.get(variable, "")):
+                types[variable] = wanted[value]
+        direct = self._of_wrong_class(action, start, types)
+        if direct is not None:
+            return _Try(action, start, types, direct)
+        return self._stuck(action, start, types)
+
+    def _narrows(self, class_: str, other: str) -> bool:
+        return bool(class_) and (not other or self._ontology.is_a(class_, other))
+
+    def _of_wrong_class(self, action: Action, start: Mapping[str, str], types: Types) -> Obstacle | None:
+        for variable, value in start.items():
+            if not self._relaxed.fits(value, types[variable]):
+                class_ = types[variable]
+                text = f"{value} is not a {local_name(class_)}, which skill '{action.skill}' needs"
+                return Obstacle(CauseKind.NO_SKILL, text, action.skill, text, (value, class_))
+        missing = (types[v.name] for v in action.parameters if v.name not in start)
+        lacking = [class_ for class_ in missing if not self._relaxed.is_some(class_)]
+        if not lacking:
+            return None
+        class_ = lacking[0]
+        return replace(
+            self._leaves.none_of(class_), skill=action.skill, precondition=f"there is a {local_name(class_)}"
+        )
+
+    def _stuck(self, action: Action, start: Mapping[str, str], types: Types) -> _Try:
+        pre = self._givens_first(action, start, types)
+        ways: Sequence[Mapping[str, str]] = (start,)
+        for count, atom in enumerate(pre, start=1):
+            further = self._relaxed.ways(action, pre[:count], start, types, _WAYS)
+            if not further:
+                return _Try(action, start, types, None, tuple(ways), atom, count / (len(pre) + 1))
+            ways = further
+        return _Try(action, start, types, None, tuple(ways), None, 1.0)
+
+    def _givens_first(self, action: Action, start: Mapping[str, str], types: Types) -> list[Atom]:
+        """Puts what is so already, or never changes, before what has to be brought about; in both the rarest first.
+
+        So the obstacle named is what could not be brought about for the things at hand. Who has the skill is asked last
+        of what never changes: then it is known of whom.
+        """
+        init = self._task.problem.init
+
+        def rank(atom: Atom) -> tuple[bool, bool, int, bool]:
+            changes = atom.predicate in self._given
+            found = self._relaxed.ways(action, [atom], start, types, _WAYS)
+            is_given = not changes or (bool(found) and all(atom.bind(way) in init for way in found))
+            return not is_given, atom.predicate.startswith(CAN), len(found), changes
+
+        return sorted(action.pre, key=rank)
+
+    # ------------------------------------------------------------ telling it
+
+    def _told(self, one: _Try, chain: Chain) -> Obstacle:
+        if one.direct is not None:
+            return one.direct
+        if one.stuck is None:
+            text = f"skill '{one.action.skill}' could do it for other elements only"
+            return Obstacle(CauseKind.MISSING_FACT, text, one.action.skill)
+        need, found = self._below(one, one.stuck, chain)
+        if one.action.skill is None:
+            return found
+        if need.predicate.startswith(CAN):
+            return replace(found, text=f"skill '{one.action.skill}' would do it, but {found.text}")
+        words = self._wording.atom(need, one.types)
+        joint = "; " if need.predicate in self._given and found.skill is not None else ", and "
+        text = f"skill '{one.action.skill}' would do it, but needs that {words}{joint}{found.text}"
+        if found.skill is not None:
+            return replace(found, text=text)
+        return replace(found, text=text, skill=one.action.skill, precondition=words)
+
+    def _below(self, one: _Try, stuck: Atom, chain: Chain) -> tuple[Atom, Obstacle]:
+        """Returns the precondition as precisely as the ways so far tell it, and why it never holds."""
+        same = {k: v for k, v in one.ways[0].items() if all(way.get(k) == v for way in one.ways)}
+        free = stuck.bind({**one.start, **same})
+        grounded = list(dict.fromkeys(stuck.bind(way) for way in one.ways))
+        if len(grounded) == 1 or len(grounded) > _GROUNDINGS:
+            return free, self._why(free, one.types, chain)
+        each = [self._why(atom, one.types, chain) for atom in grounded]
+        if any(atom != free for atom in grounded) and not self._reached(one, free):
+            whole = self._why(free, one.types, chain)
+            return free, whole if whole.kind is not CauseKind.FULL else _merged(each)
+        return free, _merged(each)
+
+    def _reached(self, one: _Try, atom: Atom) -> bool:
+        return bool(self._relaxed.ways(one.action, [atom], one.start, one.types, 1))
+
+    def _why(self, atom: Atom, types: Types, chain: Chain) -> Obstacle:
+        own = {a: types[a] for a in atom.arguments if a in types}
+        return self.of(atom, own, chain) if atom.predicate in self._given else self._leaves.of(atom, own)
+
+
+def _merged(each: Sequence[Obstacle]) -> Obstacle:
+    """Makes one obstacle of those of several things, none of which will do."""
+    kind = next(kind for kind in _SPECIFIC if any(one.kind is kind for one in each))
+    own = [one for one in each if one.kind is kind]
+    elements = tuple(dict.fromkeys(e for one in own for e in one.elements))
+    if kind is not CauseKind.FULL:
+        return replace(own[0], elements=elements)
+    taken = list(dict.fromkeys(one.elements[0] for one in own))
+    verb = "is" if len(taken) == 1 else "are"
+    return replace(own[0], text=f"{listed(taken)} {verb} taken, and no skill takes anything away", elements=elements)

@@ -1,0 +1,159 @@
+"""What could ever become true if nothing were ever undone: the delete relaxation (Hoffmann & Nebel 2001).
+
+Things that nothing tells apart are looked at once, so that five hundred parts cost no more than a few.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice, product
+
+from skiros_py.planning.explanation.facts import Binding, Facts, is_variable, solutions, unified
+from skiros_py.planning.model import Action, Atom, Variable
+from skiros_py.planning.task import PlanningTask
+from skiros_py.world.ontology import Ontology
+
+__all__ = ["Relaxation"]
+
+_FEW = 40
+"""Up to so many objects none are taken together: finding out which are alike would cost more."""
+
+
+class Relaxation:
+    """The facts that could ever become true.
+
+    Args:
+        task: The task.
+        ontology: Classes.
+        together: Takes things together that nothing tells apart; not where it matters how many there are.
+
+    Attributes:
+        facts: They; of things that nothing tells apart, those of one.
+        task: The task.
+    """
+
+    def __init__(self, task: PlanningTask, ontology: Ontology, *, together: bool = True) -> None:
+        self.task = task
+        self.facts = Facts()
+        self._ontology = ontology
+        self._types = dict(task.problem.objects)
+        self._fitting: dict[tuple[str, str], bool] = {}
+        self._like = _alike(task) if together else {thing: (thing,) for thing in task.problem.objects}
+        self._objects = list(self._like)
+        self._uses: dict[str, list[tuple[Action, int]]] = {}
+        self._new: deque[Atom] = deque()
+        self._known: set[Atom] = set()
+        self._grow()
+
+    # ------------------------------------------------------------ asking
+
+    def fits(self, element: str, class_: str) -> bool:
+        """Tells whether an object is of a class; the empty one is any."""
+        if class_ in ("", "object"):
+            return True
+        key = self._types[element], class_
+        if key not in self._fitting:
+            self._fitting[key] = self._ontology.is_a(*key)
+        return self._fitting[key]
+
+    def is_some(self, class_: str) -> bool:
+        """Tells whether there is any object of a class."""
+        return any(self.fits(thing, class_) for thing in self._objects)
+
+    def alike(self, element: str) -> tuple[str, ...]:
+        """Returns the objects that an element of these facts stands for, itself first."""
+        return self._like.get(element, (element,))
+
+    def ways(
+        self, action: Action, atoms: Sequence[Atom], start: Binding, types: Mapping[str, str], limit: int
+    ) -> list[dict[str, str]]:
+        """Returns ways to make atoms of an action true at once, at most so many.
+
+        Args:
+            action: The action.
+            atoms: Some of its preconditions.
+            start: What is bound already.
+            types: Class by variable, perhaps narrower than the action's own.
+            limit: How many at most.
+        """
+        return list(islice(solutions(atoms, self.facts, start, {**action.types, **types}, self.fits), limit))
+
+    # ------------------------------------------------------------ growing
+
+    def _grow(self) -> None:
+        for action in self.task.domain.actions:
+            if not all(self.is_some(v.type) for v in action.parameters):
+                continue
+            for index, atom in enumerate(action.pre):
+                self._uses.setdefault(atom.predicate, []).append((action, index))
+            if not action.pre:
+                self._extend(action, (), {})
+        kept = set(self._objects)
+        for atom in sorted(self.task.problem.init):
+            if kept.issuperset(atom.arguments):
+                self._learn(atom)
+        while self._new:
+            self._take(self._new.popleft())
+
+    def _learn(self, atom: Atom) -> None:
+        if atom not in self._known:
+            self._known.add(atom)
+            self._new.append(atom)
+
+    def _take(self, fact: Atom) -> None:
+        """Fires what the fact was the last missing precondition of."""
+        self.facts.add(fact)
+        for action, index in self._uses.get(fact.predicate, ()):
+            binding = unified(action.pre[index], fact, {}, action.types, self.fits)
+            if binding is not None:
+                rest = tuple(atom for i, atom in enumerate(action.pre) if i != index)
+                self._extend(action, rest, binding)
+
+    def _extend(self, action: Action, rest: Sequence[Atom], binding: dict[str, str]) -> None:
+        """Makes the rest of the preconditions true in every way, and learns what the action gives then."""
+        adds = [atom.bind(binding) for atom in action.add]
+        if all(atom in self._known for atom in adds):
+            return
+        if not rest:
+            for atom in adds:
+                self._learn_all(atom, action)
+            return
+        found = [self.facts.candidates(atom.bind(binding)) for atom in rest]
+        rarest = min(range(len(rest)), key=lambda i: len(found[i]))
+        others = tuple(atom for i, atom in enumerate(rest) if i != rarest)
+        for fact in tuple(found[rarest]):
+            further = unified(rest[rarest], fact, binding, action.types, self.fits)
+            if further is not None:
+                self._extend(action, others, further)
+
+    def _learn_all(self, atom: Atom, action: Action) -> None:
+        """Learns an atom for everything that its variables could be that no precondition speaks of."""
+        free = [v for v in action.parameters if v.name in atom.arguments]
+        for values in product(*(self._of(variable) for variable in free)):
+            self._learn(atom.bind({v.name: value for v, value in zip(free, values, strict=True)}))
+
+    def _of(self, variable: Variable) -> Iterator[str]:
+        return (thing for thing in self._objects if self.fits(thing, variable.type))
+
+
+def _alike(task: PlanningTask) -> dict[str, tuple[str, ...]]:
+    """Returns one of each group of objects that nothing tells apart, with the whole group; goals name their own."""
+    objects = task.problem.objects
+    if len(objects) <= _FEW:
+        return {thing: (thing,) for thing in objects}
+    named = {a for _, atoms in task.goal for atom in atoms for a in atom.arguments}
+    named |= {a for condition in task.conditions for a in condition.arguments}
+    named |= {
+        a for action in task.domain.actions for atom in action.atoms for a in atom.arguments if not is_variable(a)
+    }
+    said: dict[str, set[tuple[str, int, tuple[str, ...]]]] = {thing: set() for thing in objects}
+    for atom in task.problem.init:
+        for position, thing in enumerate(atom.arguments):
+            if thing not in named:
+                others = tuple("*" if a == thing else a for a in atom.arguments)
+                said[thing].add((atom.predicate, position, others))
+    groups: dict[object, list[str]] = {}
+    for thing, type_ in objects.items():
+        groups.setdefault(thing if thing in named else (type_, frozenset(said[thing])), []).append(thing)
+    return {group[0]: tuple(group) for group in groups.values()}

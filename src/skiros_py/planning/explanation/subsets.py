@@ -1,0 +1,44 @@
+"""Which conditions of a goal cannot be reached together: a minimal unsolvable subset, by a bounded number of plans."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+
+from skiros_py.planning.explanation.wording import listed
+from skiros_py.planning.reasons import Cause, CauseKind
+from skiros_py.skills.conditions import Condition
+
+__all__ = ["conflict_of", "smallest_unsolvable"]
+
+Reachable = Callable[[Sequence[Condition]], bool | None]
+"""Tells whether conditions can be reached together; None when nobody knows."""
+
+_MOST_CALLS = 16
+"""So often a planner is asked for one explanation."""
+
+
+def smallest_unsolvable(
+    goal: Sequence[Condition], reachable: Reachable
+) -> Generator[None, None, tuple[Condition, ...]]:
+    """Leaves conditions out for as long as the rest still cannot be reached; yields after each call of the planner.
+
+    What is known to be unsolvable only counts: where the planner does not know, the condition stays. In a goal of more
+    conditions than calls, the last ones stay.
+    """
+    kept = list(goal)
+    for condition in goal[:_MOST_CALLS]:
+        rest = [other for other in kept if other is not condition]
+        if rest and reachable(rest) is False:
+            kept = rest
+        yield
+    return tuple(kept)
+
+
+def conflict_of(conditions: Sequence[Condition]) -> Cause:
+    """Returns the cause that conditions cannot be reached together although nothing is lacking for each."""
+    if len(conditions) > 1:
+        text = f"{listed(map(str, conditions))} could each be reached, but not all of them together"
+    else:
+        text = f"{conditions[0]} cannot be reached: whatever is done for it undoes something else that it needs"
+    arguments = dict.fromkeys(argument for condition in conditions for argument in condition.arguments)
+    return Cause(CauseKind.CONFLICT, text, tuple(conditions), elements=tuple(arguments))

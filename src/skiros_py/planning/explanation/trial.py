@@ -1,0 +1,79 @@
+"""Tries whether a goal has a plan in a changed world: task, planner, replay."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.choosing import Planners
+from skiros_py.planning.pddl import write_pddl
+from skiros_py.planning.plan import Plan
+from skiros_py.planning.planner import Answer, Planner, Solved, abandon
+from skiros_py.planning.proving import proved
+from skiros_py.planning.task import Capability, build_task
+from skiros_py.skills.conditions import Condition
+from skiros_py.world.view import WorldView
+
+__all__ = ["Trial"]
+
+_QUICK = "kairos"
+"""The planner that answers in milliseconds: asked where it is there and fits."""
+_GLANCE = 0.0005
+"""Time between two looks for an answer [s]."""
+
+
+class Trial:
+    """Asks a quick planner; what :func:`skiros_py.planning.explanation.explaining` wants as ``solve``.
+
+    What takes long is given up: an explanation that comes late is none. That only ever leaves something out of it.
+
+    Args:
+        planners: The planners to choose from.
+        capabilities: The skills that are there.
+        each: Wall time for one answer [s].
+        together: Wall time for all planners' answers together [s].
+    """
+
+    def __init__(
+        self, planners: Planners, capabilities: Sequence[Capability], *, each: float = 1.0, together: float = 4.0
+    ) -> None:
+        self._planners = planners
+        self._capabilities = capabilities
+        self._each = each
+        self._left = together
+
+    def __call__(self, view: WorldView, goal: Sequence[Condition]) -> bool | None:
+        """Tells whether there is a plan that survives its replay; None when the planner broke or took too long."""
+        task = build_task(view, self._capabilities, goal)
+        texts = write_pddl(task.domain, task.problem, name="trial")
+        planner = self._planner_for(texts.requirements)
+        if planner is None:
+            return None
+        try:
+            answer = self._answer(planner, texts.domain, texts.problem)
+            if isinstance(answer, Solved):
+                return True if isinstance(proved(view, task, texts, answer), Plan) else None
+        except PlanningError:
+            return None
+        return False if answer is not None and answer.proven else None
+
+    def _answer(self, planner: Planner, domain: str, problem: str) -> Answer | None:
+        started = time.perf_counter()
+        limit = started + min(self._each, self._left)
+        pending = planner.solve(domain, problem)
+        try:
+            while not pending.done() and time.perf_counter() < limit:
+                time.sleep(_GLANCE)
+            return pending.result() if pending.done() else None
+        finally:
+            abandon(pending)
+            self._left -= time.perf_counter() - started
+
+    def _planner_for(self, requirements: Sequence[str]) -> Planner | None:
+        first: Planner | None = None
+        for planner in self._planners.fitting(requirements):
+            if planner.name == _QUICK:
+                return planner
+            first = first or planner
+        return first

@@ -1,0 +1,80 @@
+"""Atoms and obstacles in the operator's words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from skiros_py.planning.classes import IS
+from skiros_py.planning.explanation.facts import is_variable
+from skiros_py.planning.literals import BY_CLASS, CAN, HAS, NOT, NOTHING, VALUE, compared
+from skiros_py.planning.model import Atom
+from skiros_py.world.names import local_name
+from skiros_py.world.ontology import Ontology
+
+__all__ = ["Wording", "listed", "some"]
+
+_SHOWN = 4
+"""How many things of one kind are named before it gets long."""
+
+
+class Wording:
+    """Says atoms as a person would."""
+
+    def __init__(self, ontology: Ontology) -> None:
+        self._ontology = ontology
+
+    def atom(self, atom: Atom, types: Mapping[str, str]) -> str:
+        """Says an atom.
+
+        Args:
+            atom: The atom, perhaps with variables left.
+            types: Classes of the variables.
+        """
+        predicate = atom.predicate
+        names = [some(local_name(types.get(a, "")) or "thing") if is_variable(a) else a for a in atom.arguments]
+        if predicate.startswith(CAN):
+            return f"{names[0]} has the skill '{predicate.removeprefix(CAN)}'"
+        if predicate.startswith(HAS):
+            return f"{names[0]} has a {self.term(predicate.removeprefix(HAS))}"
+        if predicate.startswith(NOTHING):
+            return f"nothing {self.term(predicate.removeprefix(NOTHING))} {names[0]}"
+        if predicate.startswith(NOT):
+            return f"it is not so that {self.atom(Atom(predicate.removeprefix(NOT), atom.arguments), types)}"
+        if predicate.startswith(IS):
+            return f"{names[0]} is {some(local_name(predicate.removeprefix(IS)))}"
+        if predicate.startswith(BY_CLASS):
+            relation = self.term(predicate.removeprefix(BY_CLASS))
+            return f"what is like {names[0]} {relation} what is like {names[1]}"
+        if predicate.startswith(VALUE):
+            property_, comparison = compared(predicate)
+            return f"the {self.term(property_)} of {names[0]} is {comparison}"
+        term = self.term(predicate)
+        verb = term.removesuffix(" a") if len(names) > 1 and is_variable(atom.arguments[1]) else term
+        return f"{names[0]} {verb} {' '.join(names[1:])}".strip()
+
+    def none(self, atom: Atom, types: Mapping[str, str]) -> str:
+        """Says that a relation with variables is so of none: "compressor_1 fits in no Compartment"."""
+        names: list[str] = []
+        for argument in atom.arguments:
+            word = "any" if any(name.startswith("no ") for name in names) else "no"
+            names.append(f"{word} {local_name(types.get(argument, 'thing'))}" if is_variable(argument) else argument)
+        return f"{names[0]} {self.term(atom.predicate)} {' '.join(names[1:])}"
+
+    def term(self, term: str) -> str:
+        """Returns what people call a relation or property."""
+        if term in self._ontology.relations:
+            label = self._ontology.relations[term].label
+            return f"is {label}" if self._ontology.is_placement(term) else label
+        return self._ontology.properties[term].label if term in self._ontology.properties else local_name(term)
+
+
+def some(noun: str) -> str:
+    """Returns a noun with its article."""
+    return f"{'an' if noun[:1].lower() in 'aeiou' else 'a'} {noun}"
+
+
+def listed(names: Iterable[str], word: str = "and") -> str:
+    """Returns names as a list for people; of very many, the first."""
+    all_ = list(names)
+    shown = all_ if len(all_) <= _SHOWN else [*all_[:_SHOWN], f"{len(all_) - _SHOWN} more"]
+    return " ".join(filter(None, [", ".join(shown[:-1]), word if len(shown) > 1 else "", *shown[-1:]]))

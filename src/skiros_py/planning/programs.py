@@ -1,0 +1,262 @@
+"""One way to run a program: limits of time, memory and output; whatever happens, nothing of it is left running.
+
+The program gets a process group of its own, which is killed when the program has ended, too: it may have left children.
+Those that left the group as well are found by a mark in their environment.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import select
+import signal
+import subprocess
+import sysconfig
+import time
+import uuid
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from skiros_py.errors import PlanningError
+
+__all__ = ["USUAL_LIMITS", "Ended", "Limits", "run_program"]
+
+_MARK = "SKIROS_PROGRAM"
+_GLANCE = 0.02
+"""Time between two looks whether a program shall stop, or has ended without closing its output [s]."""
+_DYING = 0.2
+"""Longest time to wait until what was killed is gone [s]."""
+_KEPT = 100_000
+"""So many bytes of the output are kept, from its start and from its end."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a program may take.
+
+    Attributes:
+        time: Wall time [s].
+        memory: Address space of each of its processes [bytes]; None for no limit.
+        output: What it may print [bytes].
+        file: Size of any file that it writes [bytes].
+    """
+
+    time: float = 120.0
+    memory: int | None = 4 << 30
+    output: int = 64 << 20
+    file: int = 1 << 30
+
+
+USUAL_LIMITS = Limits()
+"""For planners that say nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a program ended by itself.
+
+    Attributes:
+        code: Its exit code; minus the signal's number where one killed it.
+        output: What it printed, on both channels; of very much, the start and the end.
+    """
+
+    code: int
+    output: str
+
+    @property
+    def words(self) -> str:
+        """How it ended, with its last words, for people."""
+        how = f"ended with code {self.code}" if self.code >= 0 else f"was killed by {_signal_name(-self.code)}"
+        tail = "\n".join(self.output.strip().splitlines()[-8:])[-2000:]
+        return f"{how}:\n{tail}" if tail else f"{how} and said nothing"
+
+
+def run_program(title: str, command: Sequence[str], folder: Path, limits: Limits, stopped: Callable[[], bool]) -> Ended:
+    """Runs a program to its end.
+
+    Args:
+        title: What people call it.
+        command: Program and arguments.
+        folder: Where it runs.
+        limits: What it may take.
+        stopped: Asked again and again whether it shall be killed.
+
+    Raises:
+        PlanningError: It cannot be started, takes more than it may, or was stopped.
+    """
+    if stopped():
+        raise PlanningError(f"{title} was stopped")
+    mark = uuid.uuid4().hex
+    with _started(title, command, folder, mark) as process:
+        _limit(process.pid, limits)
+        output = _attended(title, process, limits, stopped)
+    return Ended(process.returncode, output)
+
+
+@contextlib.contextmanager
+def _started(title: str, command: Sequence[str], folder: Path, mark: str) -> Iterator[subprocess.Popen[bytes]]:
+    """Starts a program; when the block is left, neither it nor anything that it has started is there any more."""
+    try:
+        process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=os.environ | {_MARK: mark, "PATH": _search_path()},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+    except OSError as error:
+        raise PlanningError(f"{title} cannot be started: '{command[0]}': {error.strerror}") from error
+    try:
+        yield process
+    finally:
+        _kill_group(process.pid)
+        _kill_marked(mark)
+        process.wait()
+        _wait_for_group(process.pid)
+        assert process.stdout is not None
+        process.stdout.close()
+
+
+def _search_path() -> str:
+    """Returns where programs are looked for: first where pip puts them, though the environment be not activated."""
+    return os.pathsep.join([sysconfig.get_path("scripts"), os.environ.get("PATH", os.defpath)])
+
+
+def _limit(pid: int, limits: Limits) -> None:
+    """Limits a program from outside; processor time as well, should nobody be left who looks at the clock."""
+    if not hasattr(resource, "prlimit"):  # only Linux has it
+        return
+    processor = round(limits.time * (os.cpu_count() or 1)) + 1
+    wanted = {
+        resource.RLIMIT_CPU: processor,
+        resource.RLIMIT_FSIZE: limits.file,
+        resource.RLIMIT_AS: limits.memory,
+        resource.RLIMIT_CORE: 0,
+    }
+    for kind, most in wanted.items():
+        if most is not None:
+            with contextlib.suppress(ProcessLookupError, ValueError):  # it has ended, or may take even less
+                resource.prlimit(pid, kind, (most, most))
+
+
+def _attended(title: str, process: subprocess.Popen[bytes], limits: Limits, stopped: Callable[[], bool]) -> str:
+    """Reads what a program prints until it ends.
+
+    Raises:
+        PlanningError: It takes more than it may, or was stopped.
+    """
+    printed = _Printed()
+    deadline = time.monotonic() + limits.time
+    for piece in _pieces(process):
+        printed.add(piece)
+        if stopped():
+            raise PlanningError(f"{title} was stopped")
+        if time.monotonic() > deadline:
+            raise PlanningError(f"{title} found no answer in {limits.time:g} s")
+        if printed.size > limits.output:
+            raise PlanningError(f"{title} printed more than {limits.output >> 20} MiB: {str(printed)[:200]!r} …")
+    return str(printed)
+
+
+def _pieces(process: subprocess.Popen[bytes]) -> Iterator[bytes]:
+    """Yields what a program prints as it comes, and nothing in between, until it ends."""
+    assert process.stdout is not None
+    pipe = process.stdout.fileno()
+    os.set_blocking(pipe, False)
+    poll = select.poll()
+    poll.register(pipe, select.POLLIN)
+    wait = 0.0005
+    open_ = True
+    while open_ or not _has_ended(process.pid):
+        if not open_:  # it ends a moment after it has closed its output
+            time.sleep(wait)
+            wait = min(2.0 * wait, _GLANCE)
+        elif poll.poll(1000 * _GLANCE):
+            piece = os.read(pipe, 1 << 16)
+            open_ = bool(piece)
+            yield piece
+            continue
+        elif _has_ended(process.pid):  # a child holds the output open
+            break
+        yield b""
+
+
+def _has_ended(pid: int) -> bool:
+    """Tells whether a child has ended; it is not reaped, so that its number still is the group's."""
+    return os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+
+def _kill_group(pid: int) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(pid, signal.SIGKILL)
+
+
+def _wait_for_group(pid: int) -> None:
+    """Waits until what was killed is gone, and cannot write into the folder any more."""
+    deadline = time.monotonic() + _DYING
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        while time.monotonic() < deadline:
+            os.killpg(pid, 0)
+            time.sleep(0.001)
+
+
+def _kill_marked(mark: str) -> None:
+    """Kills what has left the group, and what that starts meanwhile."""
+    word = f"{_MARK}={mark}".encode()
+    deadline = time.monotonic() + _DYING
+    while found := [pid for pid in _all_processes() if word in _environment(pid)]:
+        for pid in found:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.kill(pid, signal.SIGKILL)
+        if time.monotonic() > deadline:
+            break
+        time.sleep(0.001)
+
+
+def _all_processes() -> list[int]:
+    with contextlib.suppress(OSError):  # only Linux has it
+        return [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit()]
+    return []
+
+
+def _environment(pid: int) -> list[bytes]:
+    """Returns the environment that a process was started with; empty where it is over or somebody else's."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+    return []
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+class _Printed:
+    """The start and the end of what is printed.
+
+    Attributes:
+        size: How much it was in all [bytes].
+    """
+
+    def __init__(self) -> None:
+        self.size = 0
+        self._start = bytearray()
+        self._end = bytearray()
+
+    def add(self, piece: bytes) -> None:
+        self.size += len(piece)
+        room = _KEPT - len(self._start)
+        self._start += piece[:room]
+        self._end += piece[room:]
+        del self._end[:-_KEPT]
+
+    def __str__(self) -> str:
+        left_out = self.size - len(self._start) - len(self._end)
+        between = f"\n… {left_out} bytes …\n".encode() if left_out else b""
+        return (bytes(self._start) + between + bytes(self._end)).decode("utf-8", errors="replace")

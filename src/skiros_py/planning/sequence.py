@@ -1,0 +1,140 @@
+"""The order in which robots visit places and work on things, where a person wants one (paper §6.3).
+
+Locations may have a sequence number and a work number; they count where the scene's floor says so. Within one task no
+robot visits a lower number after a higher one, as people do on their round through a warehouse; and what is wanted at
+the thing of the lower work number, such as the first of several kits, is done before the next is begun.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from skiros_py.skills.conditions import Condition, Relate, Verdict, effects_of, judge
+from skiros_py.skills.inference import applying
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.element import Placement
+from skiros_py.world.overlay import Overlay
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import FLOOR, HAS_A, ROBOT, SEQUENCE_NUMBER, USE_SEQUENCE_NUMBERS, WORK_NUMBER
+
+__all__ = ["Round", "counts", "sequence_number", "turn_of", "turns_of_goal", "without_numbers"]
+
+
+def counts(view: WorldView) -> bool:
+    """Tells whether sequence and work numbers count in a scene."""
+    if USE_SEQUENCE_NUMBERS not in view.ontology.properties:
+        return False
+    return any(view.value(floor, USE_SEQUENCE_NUMBERS) is True for floor in view.instances(FLOOR))
+
+
+def without_numbers(view: WorldView) -> Overlay:
+    """Returns the world as it would be if its sequence and work numbers did not count."""
+    overlay = Overlay(view)
+    for floor in view.instances(FLOOR):
+        overlay.set_value(floor, USE_SEQUENCE_NUMBERS, False)
+    return overlay
+
+
+def sequence_number(view: WorldView, location: str) -> int | None:
+    """Returns the number of a location; None where it may be visited at any time."""
+    return _number(view, location, SEQUENCE_NUMBER)
+
+
+def turn_of(view: WorldView, place: str) -> tuple[int, str] | None:
+    """Returns the work number of a place, or of what it is a piece of, with whose it is; None where it has none."""
+    own = _number(view, place, WORK_NUMBER)
+    if own is not None:
+        return own, place
+    return next((turn for whole in view.subjects(HAS_A, place) if (turn := turn_of(view, whole))), None)
+
+
+def turns_of_goal(view: WorldView, goal: Sequence[Condition]) -> tuple[tuple[int, str] | None, ...]:
+    """Returns for each condition of a goal whose turn it is about; of several, the last."""
+    return tuple(_turn_of_condition(view, condition) for condition in goal)
+
+
+def _turn_of_condition(view: WorldView, condition: Condition) -> tuple[int, str] | None:
+    turns = [turn for a in condition.arguments if view.has(a) and (turn := turn_of(view, a))]
+    return max(turns, default=None)
+
+
+def _number(view: WorldView, element: str, property_: str) -> int | None:
+    value = view.value(element, property_)
+    return None if value is None or isinstance(value, bool) or not isinstance(value, int | float) else int(value)
+
+
+class Round:
+    """One task's way through the numbers.
+
+    Args:
+        view: The world that the task starts from.
+        goal: What the task wants.
+        reached: The highest number that each robot has visited in this task so far.
+
+    Attributes:
+        reached: The same, kept up to date by :meth:`take`.
+    """
+
+    def __init__(
+        self, view: WorldView, goal: Sequence[Condition] = (), reached: Mapping[str, int] | None = None
+    ) -> None:
+        self.reached = dict(reached or {})
+        self._counts = counts(view)
+        turns = turns_of_goal(view, goal) if self._counts else ()
+        self._wanted = [(turn, condition) for turn, condition in zip(turns, goal, strict=False) if turn is not None]
+
+    def take(self, view: WorldView, skill: SkillDescription, arguments: Mapping[str, str]) -> Verdict | None:
+        """Takes a step; it moves what its postconditions say.
+
+        Args:
+            view: The world just before it.
+            skill: What is done.
+            arguments: With what, defaults included.
+
+        Returns:
+            Why it breaks the order; None where it keeps to it.
+        """
+        if not self._counts:
+            return None
+        moves = (_move(view, effect) for effect in _effects(skill, arguments) if isinstance(effect, Relate))
+        verdicts = (self._judge(view, *move) for move in moves if move is not None)
+        return next((verdict for verdict in verdicts if verdict is not None), None)
+
+    def _judge(self, view: WorldView, moved: str, place: str) -> Verdict | None:
+        if view.ontology.is_a(view.element(moved).type, ROBOT):
+            return self._visit(view, moved, place)
+        return self._begin(view, moved, place)
+
+    def _visit(self, view: WorldView, robot: str, place: str) -> Verdict | None:
+        number = sequence_number(view, place)
+        if number is None:
+            return None
+        last = self.reached.get(robot, number)
+        if number < last:
+            text = f"{robot} comes to {place} (sequence number {number}) after number {last}"
+            return Verdict(False, f"{text}: sequence numbers count here, so no robot visits a lower one after a higher")
+        self.reached[robot] = number
+        return None
+
+    def _begin(self, view: WorldView, moved: str, place: str) -> Verdict | None:
+        turn = turn_of(view, place)
+        if turn is None:
+            return None
+        for earlier, condition in self._wanted:
+            if earlier[0] < turn[0] and not judge(condition, view):
+                text = f"{moved} goes to {turn[1]} (work number {turn[0]}) before {condition} holds"
+                return Verdict(False, f"{text}: {earlier[1]} has work number {earlier[0]} and is done first")
+        return None
+
+
+def _effects(skill: SkillDescription, arguments: Mapping[str, str]) -> list[object]:
+    return [e for condition in applying(skill.post, arguments) for e in effects_of(condition.bind(arguments))]
+
+
+def _move(view: WorldView, effect: Relate) -> tuple[str, str] | None:
+    """What gets which place, where the effect is a placement."""
+    if not view.ontology.is_placement(effect.relation):
+        return None
+    moved, placement = view.ontology.placed(effect.subject, effect.relation, effect.object)
+    assert isinstance(placement, Placement)
+    return moved, placement.place

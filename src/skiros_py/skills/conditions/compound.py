@@ -1,0 +1,246 @@
+"""Conditions made of conditions: all of them, any of them, for all elements of a class, or for some."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from skiros_py.errors import DescriptionError
+from skiros_py.skills.conditions.condition import Condition, ConditionType, Role
+from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern
+from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.world.names import local_name
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
+
+__all__ = ["Junction", "Quantified", "all_of", "any_of", "exists", "for_all"]
+
+_VARIABLE = re.compile(r"[^\W\d]\w*")
+_TRIED_SHOWN = 5
+"""Of elements for which a condition was tried in vain, so many are told of."""
+
+
+@dataclass(frozen=True, slots=True)
+class Junction(Condition):
+    """Conditions joined by "and" or "or"; made by :func:`all_of` and :func:`any_of`.
+
+    Attributes:
+        type: Derived from the parts.
+        arguments: Those of the parts, each once.
+        word: What joins them.
+        parts: At least two conditions.
+    """
+
+    type: ConditionType = field(compare=False)
+    arguments: tuple[str, ...] = field(compare=False)
+    word: Literal["and", "or"] = field(kw_only=True)
+    parts: tuple[Condition, ...] = field(kw_only=True)
+
+    def told(self, naming: Callable[[str], str]) -> str:
+        """Returns it as text; parts that are joined themselves stand in parentheses."""
+        text = f" {self.word} ".join(_enclosed(part, naming) for part in self.parts)
+        return f"not ({text})" if self.negated else text
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Everything its parts speak of."""
+        return tuple(dict.fromkeys(name for part in self.parts for name in part.names))
+
+    @property
+    def _positive(self) -> Pattern:
+        return self._join(part.pattern for part in self.parts)
+
+    def _closed(self, ontology: Ontology) -> Pattern:
+        """Joins the closed patterns of the parts: "any starter" in two of them may be two starters."""
+        return self._join(part.closed_pattern(ontology) for part in self.parts)
+
+    def _join(self, patterns: Iterator[Pattern]) -> Pattern:
+        return AllOf(tuple(patterns)) if self.word == "and" else AnyOf(tuple(patterns))
+
+    def bind(self, binding: Mapping[str, str]) -> Condition:
+        """Replaces parameter keys in all parts by the ids they are bound to."""
+        bound = _joined([part.bind(binding) for part in self.parts], self.word)
+        return replace(bound, negated=self.negated, name=self.name)
+
+    def evaluate(self, view: WorldView, binding: Binding | None = None) -> Verdict:
+        """Tells whether it holds; the verdict has that of each part."""
+        parts = tuple(part.evaluate(view, binding) for part in self.parts)
+        together = Verdict(all(parts), "all of these", parts)
+        if self.word == "or":
+            together = Verdict(any(parts), "any of these", parts)
+        return Verdict(together.holds is not self.negated, self.told(_naming(binding or {})), (together,))
+
+
+@dataclass(frozen=True, slots=True)
+class Quantified(Condition):
+    """A condition for all elements of a class, or for at least one; made by :func:`for_all` and :func:`exists`.
+
+    Attributes:
+        type: Derived from the part.
+        arguments: Those of the part without the variable.
+        quantifier: For how many it must hold.
+        variable: An argument of the part, which stands for the elements.
+        class_: CURIE of their class.
+        part: What must hold of them.
+    """
+
+    type: ConditionType = field(compare=False)
+    arguments: tuple[str, ...] = field(compare=False)
+    quantifier: Literal["for all", "exists"] = field(kw_only=True)
+    variable: str = field(kw_only=True)
+    class_: str = field(kw_only=True)
+    part: Condition = field(kw_only=True)
+
+    def told(self, naming: Callable[[str], str]) -> str:
+        """Returns it as text."""
+        head = f"{self.quantifier} {self.variable}: {naming(self.class_)}"
+        inner = self.part.told(lambda name: name if name == self.variable else naming(name))
+        return f"{'not ' if self.negated else ''}{head} ({inner})"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The class it ranges over, and everything its part speaks of but the variable."""
+        return tuple(dict.fromkeys((self.class_, *(name for name in self.part.names if name != self.variable))))
+
+    @property
+    def _positive(self) -> Pattern:
+        return self._quantify(self.part.pattern)
+
+    def _closed(self, ontology: Ontology) -> Pattern:
+        return self._quantify(self.part.closed_pattern(ontology))
+
+    def _quantify(self, inner: Pattern) -> Pattern:
+        if self.quantifier == "exists":
+            return Exists(self.variable, self.class_, inner)
+        return Not(Exists(self.variable, self.class_, Not(inner)))
+
+    def bind(self, binding: Mapping[str, str]) -> Condition:
+        """Replaces parameter keys by the ids they are bound to; the variable gives way to an id of that name."""
+        outer = {key: name for key, name in binding.items() if key in self.arguments}
+        variable = self.variable
+        while variable in outer.values() or (variable != self.variable and variable in self.part.arguments):
+            variable += "_"
+        part = self.part.bind({**outer, self.variable: variable})
+        bound = _quantified(self.quantifier, variable, self.class_, part)
+        return replace(bound, negated=self.negated, name=self.name)
+
+    def evaluate(self, view: WorldView, binding: Binding | None = None) -> Verdict:
+        """Tells whether it holds: tries the elements of the class in the order of their ids until one decides."""
+        tried: list[Verdict] = []
+        candidates = view.instances(self.class_)
+        for candidate in candidates:
+            verdict = self.part.evaluate(view, {**(binding or {}), self.variable: candidate})
+            if verdict.holds is (self.quantifier == "exists"):
+                inner = self._decided(candidate, verdict)
+                break
+            tried = [*tried, verdict][:_TRIED_SHOWN]
+        else:
+            inner = self._undecided(len(candidates), tuple(tried))
+        return Verdict(inner.holds is not self.negated, self.told(_naming(binding or {})), (inner,))
+
+    def _decided(self, candidate: str, verdict: Verdict) -> Verdict:
+        class_ = local_name(self.class_)
+        if self.quantifier == "exists":
+            return Verdict(True, f"{candidate} is the {class_}", (verdict,))
+        return Verdict(False, f"it does not hold for the {class_} {candidate}", (verdict,))
+
+    def _undecided(self, number: int, tried: tuple[Verdict, ...]) -> Verdict:
+        holds, class_ = self.quantifier == "for all", local_name(self.class_)
+        if not number:
+            return Verdict(holds, f"there is no {class_}" + (", so it holds for all" if holds else ""))
+        if holds:
+            return Verdict(True, f"it holds for each {class_} ({number})", tried)
+        return Verdict(False, f"no {class_} makes it true ({number} tried)", tried)
+
+
+def any_of(*conditions: Condition) -> Condition:
+    """Makes a condition that holds when at least one of the given ones does.
+
+    Raises:
+        DescriptionError: None is given.
+    """
+    return _joined(conditions, "or")
+
+
+def all_of(*conditions: Condition) -> Condition:
+    """Makes a condition that holds when all of the given ones do.
+
+    Raises:
+        DescriptionError: None is given.
+    """
+    return _joined(conditions, "and")
+
+
+def for_all(variable: str, class_: str, condition: Condition) -> Condition:
+    """Makes a condition that holds when another one does for each element of a class, also when there is none.
+
+    Args:
+        variable: Stands for the element among the arguments of the condition.
+        class_: CURIE of the class; elements of its subclasses count.
+        condition: What must hold of each.
+
+    Raises:
+        DescriptionError: The variable is no name, or no argument of the condition.
+    """
+    return _quantified("for all", variable, class_, condition)
+
+
+def exists(variable: str, class_: str, condition: Condition) -> Condition:
+    """Makes a condition that holds when another one does for at least one element of a class.
+
+    Args:
+        variable: Stands for the element among the arguments of the condition.
+        class_: CURIE of the class; elements of its subclasses count.
+        condition: What must hold of it.
+
+    Raises:
+        DescriptionError: The variable is no name, or no argument of the condition.
+    """
+    return _quantified("exists", variable, class_, condition)
+
+
+def _joined(conditions: Sequence[Condition], word: Literal["and", "or"]) -> Condition:
+    parts = tuple(part for condition in conditions for part in _parts(condition, word))
+    if not parts:
+        raise DescriptionError(f"nothing is joined by '{word}': give at least one condition")
+    if len(parts) == 1:
+        return parts[0]
+    name, help_ = f" {word} ".join(p.type.name for p in parts), f" {word} ".join(p.type.help for p in parts)
+    roles = {argument: role for part in parts for argument, role in _roles(part)}
+    pattern = (AllOf if word == "and" else AnyOf)(tuple(part.pattern for part in parts))
+    return Junction(ConditionType(name, tuple(roles.values()), pattern, help_), tuple(roles), word=word, parts=parts)
+
+
+def _parts(condition: Condition, word: str) -> tuple[Condition, ...]:
+    """Takes conditions that are joined by the same word apart."""
+    if isinstance(condition, Junction) and condition.word == word and not condition.negated:
+        return condition.parts
+    return (condition,)
+
+
+def _quantified(quantifier: Literal["for all", "exists"], variable: str, class_: str, part: Condition) -> Condition:
+    if not _VARIABLE.fullmatch(variable):
+        raise DescriptionError(f"'{variable}' cannot be a variable: use a letter, then letters, digits and '_'")
+    if variable not in part.arguments:
+        raise DescriptionError(f"{quantifier} {variable}: {variable} is no argument of {part}")
+    roles = {argument: role for argument, role in _roles(part) if argument != variable}
+    type_ = ConditionType(f"{quantifier} {variable}", tuple(roles.values()), part.pattern, part.type.help)
+    whole = Quantified(type_, tuple(roles), quantifier=quantifier, variable=variable, class_=class_, part=part)
+    return replace(whole, type=replace(type_, pattern=whole.pattern))
+
+
+def _roles(condition: Condition) -> Iterator[tuple[str, Role]]:
+    for role, argument in zip(condition.type.roles, condition.arguments, strict=True):
+        yield argument, Role(argument, role.class_)
+
+
+def _enclosed(condition: Condition, naming: Callable[[str], str]) -> str:
+    text = condition.told(naming)
+    return f"({text})" if isinstance(condition, Junction) and not condition.negated else text
+
+
+def _naming(binding: Binding) -> Callable[[str], str]:
+    """Writes what parameters are bound to; quicker than binding all parts for the sake of the text."""
+    return lambda name: local_name(binding.get(name, name))

@@ -1,0 +1,100 @@
+"""Who may drive where: the way of a base is its own until it has driven it, or until it stands again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Protocol, Self
+
+from skiros_py.geometry import Pose
+from skiros_py.robot.motion import BasePath
+
+__all__ = ["Floor", "OpenFloor", "Outline", "Way"]
+
+Outline = Sequence[tuple[float, float]]
+"""Points on the floor in the frame of a base [m]; what is in their convex hull belongs to the robot."""
+
+
+class Way(Protocol):
+    """A path that a base wants to drive. Release it when the base stands again, or use it in a ``with``."""
+
+    @property
+    def free(self) -> bool:
+        """True when nobody else is on it or was promised it before: the base may go."""
+        ...
+
+    @property
+    def blocked(self) -> bool:
+        """True when somebody stands on it who is not driving: waiting does not help, another path may."""
+        ...
+
+    def waits_for(self) -> tuple[str, ...]:
+        """Returns the ids of the robots because of which it is not free."""
+        ...
+
+    def passed(self, legs: float) -> None:
+        """Gives back what lies behind: so many legs have been driven, 1.5 being half of the second."""
+        ...
+
+    def release(self) -> None:
+        """Gives the rest back; while the base still rolls, it stays taken."""
+        ...
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+
+class Floor(Protocol):
+    """The ways of all bases of a cell."""
+
+    def is_driving(self, robot: str) -> bool:
+        """Returns True when a robot is on its way: it will not stay where it is."""
+        ...
+
+    def ask(self, robot: str, outline: Outline, start: Pose, path: BasePath) -> Way:
+        """Asks for the way along a path; whoever asked first goes first.
+
+        Args:
+            robot: Id of the robot.
+            outline: What it covers while it drives.
+            start: Where its base stands.
+            path: Where it wants to drive.
+        """
+        ...
+
+
+class OpenFloor:
+    """A floor with nobody else on it; a :class:`Floor`."""
+
+    def is_driving(self, robot: str) -> bool:  # noqa: ARG002 - the port's signature
+        """Returns False: there is nobody else."""
+        return False
+
+    def ask(self, robot: str, outline: Outline, start: Pose, path: BasePath) -> Way:  # noqa: ARG002
+        """Returns a way that is free."""
+        return _OpenWay()
+
+
+class _OpenWay:
+    free = True
+    blocked = False
+
+    def waits_for(self) -> tuple[str, ...]:
+        return ()
+
+    def passed(self, legs: float) -> None:
+        pass
+
+    def release(self) -> None:
+        pass
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pass

@@ -1,0 +1,76 @@
+"""The account that is given of a goal: what became of each condition, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from skiros_py.skills.conditions import Condition, judge
+from skiros_py.tasks.history import History
+from skiros_py.tasks.moments import Moments
+from skiros_py.tasks.report import ConditionReport, GoalReport
+from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.undertaking import Undertaking
+
+__all__ = ["Account"]
+
+
+class Account:
+    """What is noted of one goal, for its report.
+
+    Args:
+        undertaking: The task.
+        setting: Where it is done.
+        history: Every step that ran.
+
+    Attributes:
+        given_up: Conditions that were given up, with the reason.
+        no_plan: Why there was no plan when nothing had been done yet.
+        stopped: True when somebody stopped it.
+    """
+
+    def __init__(self, undertaking: Undertaking, setting: Setting, history: History) -> None:
+        self.given_up: dict[Condition, str] = {}
+        self.no_plan: tuple[str, ...] = ()
+        self.stopped = False
+        self._goal = undertaking.goal
+        self._setting = setting
+        self._history = history
+        self._moments = Moments(setting.world, undertaking.goal, setting.cycle)
+        self._held = {c for c in undertaking.goal if judge(c, setting.world)}
+
+    @property
+    def kept(self) -> tuple[Condition, ...]:
+        """The conditions that were not given up."""
+        return tuple(c for c in self._goal if c not in self.given_up)
+
+    def note(self) -> None:
+        """Notes what came to hold by now."""
+        self._moments.note()
+
+    def report(self, fault: str = "") -> GoalReport:
+        """Returns the report at the end.
+
+        Args:
+            fault: Why it ended before its time.
+        """
+        conditions = tuple(self._condition(c, self.given_up) for c in self._goal)
+        stopped = self.stopped and not all(c.believed for c in conditions)
+        steps = tuple(self._history.steps)
+        no_plan = () if steps else self.no_plan
+        return GoalReport(conditions, steps, *self._moments.used, no_plan, stopped=stopped, fault=fault)
+
+    def report_cut_off(self) -> GoalReport:
+        """Returns the report where nothing may be asked any more: as it was when the world was last looked at."""
+        why = self._setting.cycle.halted
+        conditions = tuple(self._as_last_seen(c, why or "stopped") for c in self._goal)
+        return GoalReport(conditions, tuple(self._history.steps), *self._moments.used, stopped=not why, fault=why)
+
+    def _condition(self, c: Condition, given_up: Mapping[Condition, str]) -> ConditionReport:
+        holds = bool(judge(c, self._setting.world))
+        tries = 0 if c in self._held else self._history.tries(c, holds=holds)
+        reason = "" if holds else self._history.why_missing(c, given_up)
+        return ConditionReport(str(c), holds, None, tries, reason, *self._moments.since(c))
+
+    def _as_last_seen(self, c: Condition, why: str) -> ConditionReport:
+        held = self._moments.held(c)
+        return ConditionReport(str(c), held, None, 0, "" if held else why)

@@ -1,0 +1,116 @@
+"""What a task plans with: the world without what failed too often, without what others use, with what runs done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import replace
+
+from skiros_py.errors import PlanningError, SkirosError
+from skiros_py.execution.contained import words
+from skiros_py.interruptions import Interruption
+from skiros_py.planning.plan import NoPlan, Plan, Step
+from skiros_py.planning.service import Planned
+from skiros_py.planning.task import Capability
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.history import History
+from skiros_py.tasks.lookout import supposing
+from skiros_py.tasks.reservations import robot_of
+from skiros_py.tasks.setting import Setting
+from skiros_py.world.view import WorldView
+from skiros_py.world.without import Without
+
+__all__ = ["Foresight"]
+
+_PLANNING_LIMIT = 30.0
+"""How long what is worked out around the planner may hold the control cycle: a large world takes seconds [s]."""
+
+
+class Foresight:
+    """Plans for one task.
+
+    Args:
+        setting: World, skill managers and planner.
+        history: What failed too often.
+        who: Name of the task; what other tasks use is only planned with where there is no other way.
+    """
+
+    def __init__(self, setting: Setting, history: History, who: str) -> None:
+        self._setting = setting
+        self._history = history
+        self._who = who
+
+    def plan(
+        self,
+        goal: Sequence[Condition],
+        running: Sequence[Step] = (),
+        skills: Mapping[str, SkillDescription] | None = None,
+    ) -> Execution[Planned]:
+        """Plans from what is believed now.
+
+        A planner that breaks while a goal is under way is an answer too: what was done so far has to be reported.
+
+        Args:
+            goal: What is wanted.
+            running: Steps that run on, and will have ended well.
+            skills: The skills of these steps, by name.
+
+        Raises:
+            PlanningError: The planner broke before anything was done.
+        """
+        try:
+            return (yield from self._unhurried(self._plan(goal, running, skills or {})))
+        except PlanningError as error:
+            if not self._history.steps:
+                raise
+            return Planned(NoPlan((str(error),)), None, 0.0)
+
+    def _plan(
+        self, goal: Sequence[Condition], running: Sequence[Step], skills: Mapping[str, SkillDescription]
+    ) -> Execution[Planned]:
+        setting = self._setting
+        left_out, others = self._history.left_out, setting.reservations.of_others(self._who)
+        if others:
+            able = [self._without(capability, others) for capability in setting.capabilities]
+            view, reached = self._view(left_out | others, running, skills)
+            free = [capability for capability in able if capability.agents]
+            planned = yield from setting.planning.plan(view, free, goal, reached=reached)
+            if isinstance(planned.outcome, Plan):
+                return planned
+        view, reached = self._view(left_out, running, skills)
+        return (yield from setting.planning.plan(view, setting.capabilities, goal, reached=reached))
+
+    def _view(
+        self, without: frozenset[str], running: Sequence[Step], skills: Mapping[str, SkillDescription]
+    ) -> tuple[WorldView, Mapping[str, int]]:
+        """Returns what to plan with, and the sequence numbers that robots have reached there."""
+        view: WorldView = Without(self._setting.world, without) if without else self._setting.world
+        reached = self._history.reached
+        return supposing(view, running, skills, reached) if running else (view, reached)
+
+    def _without(self, capability: Capability, others: frozenset[str]) -> Capability:
+        """Returns a capability of those subsystems only whose robots nobody else uses."""
+        free = (agent for agent in capability.agents if robot_of(self._setting.world, agent) not in others)
+        return replace(capability, agents=tuple(free))
+
+    def _unhurried(self, planning: Execution[Planned]) -> Execution[Planned]:
+        """Passes planning through, whose ticks may take long; what authors' conditions raise in it is a fault of it.
+
+        Raises:
+            PlanningError: It broke.
+        """
+        with closing(planning):
+            while True:
+                with self._setting.cycle.pulse.allowing(_PLANNING_LIMIT):
+                    try:
+                        next(planning)
+                    except StopIteration as end:
+                        result: Planned = end.value
+                        return result
+                    except (SkirosError, KeyboardInterrupt, Interruption):
+                        raise
+                    except BaseException as error:
+                        raise PlanningError(f"planning broke: {words(error)}") from error
+                yield

@@ -1,0 +1,272 @@
+"""A goal under way: planned, dispatched, repaired or planned anew, until it holds or is out of reach (paper §3.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
+
+from skiros_py.errors import SkirosError
+from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.service import Planned
+from skiros_py.skills.conditions import Condition, judge
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.account import Account
+from skiros_py.tasks.control import Mode
+from skiros_py.tasks.dispatcher import Dispatcher
+from skiros_py.tasks.following import Following
+from skiros_py.tasks.foresight import Foresight
+from skiros_py.tasks.history import History
+from skiros_py.tasks.person import Choice, ask_for_help, believe_done
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.stop import StopWanted
+from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.undertaking import Undertaking
+
+__all__ = ["GoalRun"]
+
+T = TypeVar("T")
+
+
+class GoalRun:
+    """Pursues the goal of one task.
+
+    Args:
+        undertaking: The task.
+        setting: What it is done with.
+
+    Attributes:
+        history: Every step that ran.
+    """
+
+    def __init__(self, undertaking: Undertaking, setting: Setting) -> None:
+        self.history = History(setting.world, undertaking.policy.attempts)
+        self._task = undertaking
+        self._setting = setting
+        self._skills: dict[str, SkillDescription] = {}
+        self._dispatcher = Dispatcher(undertaking, setting, self.history, self._skills)
+        self._following = Following(setting, self._dispatcher, self.history, self._skills)
+        self._foresight = Foresight(setting, self.history, undertaking.name)
+        self._account = Account(undertaking, setting, self.history)
+        self._rounds = 0
+
+    def execute(self) -> Execution[GoalReport]:
+        """Pursues the goal to its end; the undertaking has a report in any case.
+
+        Raises:
+            PlanningError: The planner broke before anything was done.
+        """
+        task = self._task
+        self._tell(Happening.BEGUN, f"{task.name}: {' and '.join(map(str, task.goal))}")
+        try:
+            yield from self._until_it_ends()
+            task.report = self._account.report()
+        except SkirosError as error:
+            task.report = self._account.report(fault=str(error))
+            raise
+        finally:
+            self._dispatcher.leave()
+            self._following.close()
+            if task.report is None:  # everything was halted, or somebody's code held the control cycle
+                task.report = self._account.report_cut_off()
+            self._tell(Happening.FINISHED, f"{task.name}: {task.report.outcome}")
+        return task.report
+
+    def _until_it_ends(self) -> Execution[None]:
+        try:
+            yield from self._pursue()
+        except StopWanted as wish:
+            self._account.stopped = True
+            self._tell(Happening.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
+            yield from self._dispatcher.halt(str(wish) or "stopped")
+
+    # ------------------------------------------------------------------ rounds
+
+    def _pursue(self) -> Execution[None]:
+        self._allow_rounds()
+        while self._rounds:
+            self._rounds -= 1
+            kept = self._account.kept
+            if self._all_hold(kept) or (self._account.given_up and not self._task.policy.rest):
+                break
+            if self._following.is_right_for(kept):
+                self._tell(Happening.RETRIED, f"{self._following.trouble}: it is tried again")
+            else:
+                planned = yield from self._plan(kept)
+                if isinstance(planned.outcome, NoPlan):
+                    if (yield from self._no_way(kept, planned, planned.outcome)):
+                        break
+                    continue
+                self._adopt(planned, planned.outcome, kept)
+            yield from self._carry_out()
+            yield from self._give_up(self._hopeless(kept))
+        yield from self._wind_up()
+
+    def _allow_rounds(self) -> None:
+        """Bounds how often something is planned or tried from now on."""
+        self._rounds = self._task.policy.attempts * (len(self._task.goal) + 2)
+
+    def _all_hold(self, goal: Sequence[Condition]) -> bool:
+        return all(judge(c, self._setting.world) for c in goal)
+
+    def _carry_out(self) -> Execution[None]:
+        """Runs the plan until it is done or something is not as planned."""
+        self._task.phase = "running"
+        while True:
+            self._look_after()
+            failed = self._dispatcher.attend()
+            if failed:
+                step, failure = failed[-1]
+                self._following.trouble = f"{step.skill} failed: {failure.reason}"
+                return
+            if self._dispatcher.agenda.done or self._following.is_misled():
+                return
+            if self._dispatcher.start_ready():
+                yield  # what was refused now may be possible in the next cycle
+                return
+            yield
+
+    def _look_after(self) -> None:
+        """Obeys a stop, and notes what came to hold.
+
+        Raises:
+            StopWanted: Somebody wants the task to end.
+        """
+        self._account.note()
+        wish = self._task.control.stop
+        if wish is not None and not (self._dispatcher.agenda.done and self._all_hold(self._task.goal)):
+            raise StopWanted(wish)
+
+    def _wind_up(self) -> Execution[None]:
+        """Ends what still runs although nothing more is to be done."""
+        for one in self._dispatcher.active:
+            self._dispatcher.break_off(one, "nothing more is to be done")
+        yield from self._let_end()
+
+    def _let_end(self) -> Execution[None]:
+        while self._dispatcher.active:
+            self._look_after()
+            self._dispatcher.attend()
+            if self._dispatcher.active:
+                yield
+
+    def _meanwhile(self, work: Execution[T]) -> Execution[T]:
+        """Does something that takes time, and looks after what runs."""
+        try:
+            while True:
+                self._look_after()
+                try:
+                    next(work)
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
+                self._dispatcher.attend()
+                yield
+        finally:
+            work.close()
+
+    # ------------------------------------------------------------------ planning
+
+    def _plan(self, kept: tuple[Condition, ...]) -> Execution[Planned]:
+        """Plans for what is left, while what is not in question runs on."""
+        self._task.phase = "planning"
+        if self._following.began:
+            why = self._following.trouble or "the goal does not hold yet"
+            self._tell(Happening.REPLANS, f"plans anew: {why}")
+        self._skills |= {c.skill.name: c.skill for c in self._setting.capabilities}  # managers come and go
+        planning = self._foresight.plan(kept, self._following.undoubted, self._skills)
+        planned = yield from self._meanwhile(planning)
+        while self._task.control.mode is Mode.PAUSE:
+            self._look_after()
+            self._dispatcher.attend()
+            yield
+        return planned
+
+    def _adopt(self, planned: Planned, plan: Plan, kept: tuple[Condition, ...]) -> None:
+        self._setting.on_plan(planned)
+        self._following.adopt(plan, kept)
+        self._task.plan = plan
+        said = ", then ".join(self._dispatcher.telling.said(step) for step in plan.steps) or "nothing is to be done"
+        steps = [str(step) for step in plan.steps]
+        self._tell(Happening.PLANNED, f"plan: {said}", {"steps": steps, "after": [sorted(a) for a in plan.order]})
+
+    # ------------------------------------------------------------------ what cannot be reached
+
+    def _no_way(self, kept: tuple[Condition, ...], planned: Planned, answer: NoPlan) -> Execution[bool]:
+        """Goes on where there is no plan; returns whether the whole task is over."""
+        if not self.history.steps:
+            self._account.no_plan = answer.reasons
+            self._setting.on_plan(planned)
+        self._tell(Happening.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", {"reasons": list(answer.reasons)})
+        self._following.break_off()
+        if self._dispatcher.active:  # when that has ended, it is known better what is possible
+            yield from self._let_end()
+            return False
+        policy = self._task.policy
+        if not (self.history.steps or policy.partial or policy.ask):
+            return True
+        dropped = yield from self._unreachable(kept, answer)
+        yield from self._give_up(dropped)
+        return False
+
+    def _hopeless(self, goal: Sequence[Condition]) -> dict[Condition, str]:
+        """Returns conditions that name a target left out and do not hold, with the reason."""
+        out, attempts = self.history.left_out, self._task.policy.attempts
+        concerned = (c for c in goal if out.intersection(c.arguments))
+        return {c: f"gave up after {attempts} tries" for c in concerned if not judge(c, self._setting.world)}
+
+    def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
+        """Finds a subset of the goal that can be reached together and returns the rest with reasons."""
+        kept: list[Condition] = []
+        dropped: dict[Condition, str] = {}
+        for condition in goal if len(goal) > 1 else ():
+            planned = yield from self._meanwhile(self._foresight.plan((*kept, condition), (), self._skills))
+            if isinstance(planned.outcome, Plan):
+                kept.append(condition)
+            else:
+                dropped[condition] = "; ".join(planned.outcome.reasons)
+        if not dropped:  # there is one only; or each was reachable in turn, so the planner errs
+            dropped = {condition: "; ".join(answer.reasons) for condition in goal}
+        return dropped
+
+    def _give_up(self, dropped: Mapping[Condition, str]) -> Execution[None]:
+        """Gives conditions up, unless a person knows better."""
+        for condition, reason in dropped.items():
+            why = self.history.why_missing(condition, {condition: reason})
+            if not self._task.policy.ask:
+                self._drop(condition, reason, why)
+            elif (by := (yield from self._help(condition, why))) is not None:
+                self._drop(condition, f"skipped by {by}: {reason}", f"{by} skips it: {why}")
+
+    def _drop(self, condition: Condition, reason: str, text: str) -> None:
+        self._account.given_up[condition] = reason
+        self._tell(Happening.GIVEN_UP, f"{condition} is given up: {text}", {"condition": str(condition)})
+
+    def _help(self, condition: Condition, why: str) -> Execution[str | None]:
+        """Asks a person about one condition; returns who wants it skipped, or None where it is no more in question.
+
+        Raises:
+            StopWanted: The person wants the whole task to end.
+        """
+        text = f"{condition} cannot be reached: {why}"
+        while True:
+            self._tell(Happening.ASKED, text)
+            choice, by = yield from self._meanwhile(ask_for_help(self._task, self._setting, text))
+            self._tell(Happening.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
+            self._allow_rounds()
+            match choice:
+                case Choice.RETRY:
+                    self.history.forgive()
+                    return None
+                case Choice.SKIP:
+                    return by
+                case Choice.ABORT:
+                    raise StopWanted(f"aborted by {by}")
+            refusal = believe_done(self._setting, condition, by)
+            if refusal is None:
+                return None
+            text = refusal.reason
+
+    def _tell(self, what: Happening, text: str, data: Mapping[str, object] | None = None) -> None:
+        self._dispatcher.telling.tell(what, text, data)

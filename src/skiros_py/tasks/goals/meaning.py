@@ -1,0 +1,174 @@
+"""From what was said to conditions: every word is looked up, every class checked, every variable bound."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import prod
+
+from skiros_py.errors import DescriptionError, UnknownName, UsageError
+from skiros_py.skills.conditions import Condition, ConditionType, Junction, all_of, any_of, exists, for_all
+from skiros_py.tasks.goals.lexicon import Lexicon
+from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Said, Word
+from skiros_py.world.element import is_abstract
+from skiros_py.world.names import local_name
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ELEMENT, SPATIAL_THING
+
+__all__ = ["DEEPEST", "MOST_LOOKED_AT", "Meaning", "goal_of"]
+
+DEEPEST = 50
+"""Conditions nested deeper than this are refused: nobody could read why they do not hold."""
+
+MOST_LOOKED_AT = 100_000
+"""Quantifiers in one another may have no more combinations of elements than this: it takes seconds to try them."""
+
+_Scope = Mapping[str, str]
+"""Class by variable."""
+
+
+def goal_of(said: Iterable[Said], view: WorldView, conditions: Mapping[str, ConditionType]) -> tuple[Condition, ...]:
+    """Returns the conditions that must hold together, each once; what "and" joins becomes several.
+
+    Args:
+        said: What was said.
+        view: The world, for elements and classes.
+        conditions: The condition words there are.
+
+    Raises:
+        UnknownName: A word is unknown; the message gives the nearest that exists.
+        UsageError: An argument is of the wrong class, abstract where that is not allowed, or a variable out of place.
+    """
+    meaning = Meaning(view, conditions)
+    found = (condition for one in said for condition in _split(meaning.of(one, {})))
+    return tuple(dict.fromkeys(found))
+
+
+def _split(condition: Condition) -> tuple[Condition, ...]:
+    together = isinstance(condition, Junction) and condition.word == "and" and not condition.negated
+    return condition.parts if isinstance(condition, Junction) and together else (condition,)
+
+
+class Meaning:
+    """Makes conditions of what was said.
+
+    Args:
+        view: The world, for elements and classes.
+        conditions: The condition words there are.
+    """
+
+    def __init__(self, view: WorldView, conditions: Mapping[str, ConditionType]) -> None:
+        self._view = view
+        self._lexicon = Lexicon(view, conditions)
+
+    def of(self, said: Said, scope: _Scope, depth: int = 0) -> Condition:
+        """Returns the condition.
+
+        Args:
+            said: What was said.
+            scope: Class by variable that is bound around it.
+            depth: How deep it is nested.
+
+        Raises:
+            UnknownName: A word is unknown.
+            UsageError: It makes no sense.
+        """
+        if depth > DEEPEST:
+            raise UsageError(f"the goal is nested deeper than {DEEPEST} levels: say it in several conditions")
+        match said:
+            case Word():
+                return self._word(said, scope)
+            case Negation(part):
+                return ~self.of(part, scope, depth + 1)
+            case Joined(word, parts):
+                if not parts:
+                    raise UsageError(f"'{word}' joins nothing: give at least one condition")
+                conditions = [self.of(part, scope, depth + 1) for part in parts]
+                return all_of(*conditions) if word == "and" else any_of(*conditions)
+            case Quantification():
+                return self._quantified(said, scope, depth)
+
+    def _quantified(self, said: Quantification, scope: _Scope, depth: int) -> Condition:
+        where = f"in '{said.quantifier} {said.variable}'"
+        class_ = self._lexicon.class_(said.class_, ELEMENT)
+        if class_ is None:
+            raise UnknownName(
+                "class", said.class_, map(local_name, self._view.ontology.subclasses(ELEMENT)), where=where
+            )
+        if said.variable in scope:
+            raise UsageError(f"{where}: {said.variable} is bound already around it; call one of the two otherwise")
+        if self._lexicon.is_taken(said.variable):
+            raise UsageError(f"{where}: something else is called {said.variable}; call the variable otherwise")
+        inner = {**scope, said.variable: class_}
+        self._check_number(inner, where)
+        part = self.of(said.part, inner, depth + 1)
+        make = for_all if said.quantifier == "for all" else exists
+        try:
+            return make(said.variable, class_, part)
+        except DescriptionError as error:
+            raise UsageError(f"goal: {error}") from error
+
+    def _check_number(self, scope: _Scope, where: str) -> None:
+        """Refuses what nobody could evaluate in time: each variable multiplies what has to be looked at."""
+        number = prod(max(1, len(self._view.instances(class_))) for class_ in scope.values())
+        if len(scope) > 1 and number > MOST_LOOKED_AT:
+            many = f"its variables stand for {number} combinations of elements, and {MOST_LOOKED_AT} are looked at"
+            raise UsageError(f"{where}: {many}; choose narrower classes")
+
+    def _word(self, said: Word, scope: _Scope) -> Condition:
+        type_ = self._lexicon.word(said.word)
+        if len(said.arguments) != len(type_.roles):
+            roles = ", ".join(f"{role.name}: {local_name(role.class_)}" for role in type_.roles)
+            raise UsageError(f"{type_.name} takes {len(type_.roles)} arguments ({roles}), got {len(said.arguments)}")
+        return type_(*(self._argument(name, index, type_, scope) for index, name in enumerate(said.arguments)))
+
+    def _argument(self, name: Name, index: int, type_: ConditionType, scope: _Scope) -> str:
+        role = type_.roles[index]
+        where = f"{type_.name}, argument {index + 1} ({role.name})"
+        if name.variable is not False and name.text in scope:
+            return self._variable(name.text, scope[name.text], role.class_, where)
+        if name.variable:
+            bound = ", ".join(f"?{variable}" for variable in scope) or "none is"
+            raise UsageError(f"{where}: no quantifier around it binds ?{name.text} (bound: {bound})")
+        element = self._lexicon.element(name.text, role.class_)
+        if element is None:
+            return self._class(name.text, index, type_, where, scope)
+        self._check_element(element, name.text, type_, role.class_, where)
+        return element
+
+    def _variable(self, variable: str, class_: str, wanted: str, where: str) -> str:
+        if self._view.ontology.is_a(class_, wanted):
+            return variable
+        advice = f"say '{variable}: {local_name(wanted)}' where it is bound"
+        raise UsageError(f"{where}: {variable} is any {local_name(class_)}, not only a {local_name(wanted)}; {advice}")
+
+    def _check_element(self, element: str, name: str, type_: ConditionType, wanted: str, where: str) -> None:
+        ontology, class_ = self._view.ontology, self._view.element(element).type
+        there = _some(self._view, wanted)
+        if not ontology.is_a(class_, wanted):
+            raise UsageError(
+                f"{where}: {name} is a {local_name(class_)}, not a {local_name(wanted)}. There is {there}."
+            )
+        if is_abstract(element) and not type_.abstract and ontology.is_a(wanted, SPATIAL_THING):
+            raise UsageError(f"{where}: {name} is abstract; {type_.name} needs one element of the scene: {there}.")
+
+    def _class(self, name: str, index: int, type_: ConditionType, where: str, scope: _Scope) -> str:
+        wanted = type_.roles[index].class_
+        class_ = self._lexicon.class_(name, wanted)
+        if class_ is None:
+            classes = self._view.ontology.subclasses(wanted) if type_.abstract else ()
+            abstract = self._view.abstracts(wanted) if type_.abstract else ()
+            known = (*scope, *self._view.instances(wanted), *map(local_name, (*classes, *abstract)))
+            raise UnknownName("element", name, known, where=f"in {where}")
+        if not type_.abstract:
+            there = _some(self._view, wanted)
+            raise UsageError(f"{where}: {name} is a class; {type_.name} needs one element of the scene: {there}.")
+        return class_
+
+
+def _some(view: WorldView, class_: str) -> str:
+    """Names elements of a class, of very many the first."""
+    there = view.instances(class_)
+    return (", ".join(there[:_SHOWN]) + (", …" if len(there) > _SHOWN else "")) or "none"
+
+
+_SHOWN = 20

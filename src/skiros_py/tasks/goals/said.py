@@ -1,0 +1,67 @@
+"""What somebody said who stated a goal: its structure, with words that nobody has looked up yet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["Joined", "Name", "Negation", "Quantification", "Said", "Word", "implication"]
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """What an argument is called.
+
+    Attributes:
+        text: Id, label or class of an element, or a variable.
+        variable: True where it can only be a variable (PDDL's ``?x``), False where it cannot be one (in quotes, or
+            without a question mark in PDDL).
+    """
+
+    text: str
+    variable: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A condition's word with its arguments."""
+
+    word: str
+    arguments: tuple[Name, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Negation:
+    """It shall not hold."""
+
+    part: Said
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """All of them, or any of them."""
+
+    word: Literal["and", "or"]
+    parts: tuple[Said, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Quantification:
+    """For all elements of a class, or for some."""
+
+    quantifier: Literal["for all", "exists"]
+    variable: str
+    class_: str
+    part: Said
+
+
+Said = Word | Negation | Joined | Quantification
+
+
+def implication(premises: Sequence[Said]) -> Said:
+    """Returns "a implies b implies c", that is "not a or (not b or c)"; the last one alone where it is alone."""
+    result = premises[-1]
+    for premise in reversed(premises[:-1]):
+        result = Joined("or", (Negation(premise), result))
+    return result

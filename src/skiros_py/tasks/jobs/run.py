@@ -1,0 +1,169 @@
+"""One job under way: the undertaking that pursues its goal, and what of it is written down."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from skiros_py.errors import UsageError
+from skiros_py.execution.station import Station
+from skiros_py.planning.plan import Step
+from skiros_py.skills.outcome import Failure
+from skiros_py.skills.outcome import Outcome as StepOutcome
+from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.jobs.job import Actual, Job, Outcome
+from skiros_py.tasks.jobs.states import JobState, Trigger
+from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.trace import TraceEntry
+from skiros_py.tasks.undertaking import StepRun, Undertaking
+
+__all__ = ["JobRun"]
+
+_BETWEEN_WRITES = 1.0
+"""Wall time between two writes of the trace: each waits for the disk [s]."""
+
+
+class JobRun:
+    """What runs for a job; used in the control thread.
+
+    Args:
+        undertaking: Pursues the goal.
+        station: Where that happens.
+        book: Takes what becomes of the job.
+        store: Takes intents and trace.
+
+    Attributes:
+        ending: What comes of the job when it stands, because somebody ended it; None while nobody did.
+    """
+
+    def __init__(self, undertaking: Undertaking, station: Station, book: JobBook, store: JobStore) -> None:
+        self.ending: Outcome | None = None
+        self._undertaking = undertaking
+        self._station = station
+        self._book = book
+        self._store = store
+        self._trigger, self._comment = Trigger.STOP, ""
+        self._numbers: dict[int, int] = {}
+        self._entries: list[TraceEntry] = []
+        self._written = time.monotonic()
+        self._status = ""
+        self._steps: tuple[Step, ...] = ()
+        undertaking.trace.subscribe(self._entries.append)
+        undertaking.before_step(self._intend)
+        undertaking.after_step(self._settle)
+
+    # ------------------------------------------------------------------ commands
+
+    def pause(self) -> None:
+        """Lets it come to a standstill."""
+        self._undertaking.pause()
+
+    def resume(self) -> None:
+        """Goes on."""
+        self._undertaking.resume()
+
+    def stop(self) -> None:
+        """Ends it."""
+        self._undertaking.stop(self._comment or f"the job is {self.ending}")
+
+    def end_as(self, trigger: Trigger, outcome: Outcome, comment: str) -> None:
+        """Says what comes of the job when it stands; the last one who says so counts."""
+        self.ending, self._trigger, self._comment = outcome, trigger, comment
+
+    def answer(self, choice: str, *, by: str) -> None:
+        """Answers what it asks; may be called in any thread.
+
+        Raises:
+            UsageError: It asks nothing any more.
+        """
+        question = self._undertaking.question
+        if question is None:
+            raise UsageError(f"job '{self._undertaking.name}' waits for no answer any more")
+        self._station.questions.answer(question.id, choice, by=by)
+
+    # ------------------------------------------------------------------ what is written down
+
+    def _intend(self, run: StepRun) -> None:
+        self._numbers[run.number] = self._store.intend(self._undertaking.name, run.step.skill, run.step.arguments)
+
+    def _settle(self, run: StepRun, outcome: StepOutcome) -> None:
+        ended = f"failed: {outcome.reason}" if isinstance(outcome, Failure) else "done"
+        self._settle_as(run.number, ended)
+
+    def _settle_as(self, number: int, ended: str) -> None:
+        self._store.settle(self._undertaking.name, self._numbers.pop(number), ended)
+
+    def follow(self, job: Job) -> bool:
+        """Writes down what has changed since the last cycle.
+
+        Args:
+            job: The job as it is now.
+
+        Returns:
+            True when it is over, or cut off.
+        """
+        undertaking = self._undertaking
+        self._write_trace(at_once=undertaking.done)
+        if undertaking.done:
+            for number in tuple(self._numbers):  # it was stopped in the midst of them, and stands
+                self._settle_as(number, "stopped")
+            self._finish(job)
+            return True
+        steps = undertaking.plan.steps if undertaking.plan is not None else ()
+        if undertaking.status == self._status and steps is self._steps:
+            return False
+        self._status, self._steps = undertaking.status, steps
+        self._note(job, tuple(map(str, steps)))
+        return False
+
+    def _note(self, job: Job, plan: Sequence[str]) -> None:
+        """Passes on what it does now: whether it waits for a person is a state of the job."""
+        question = self._undertaking.question
+        if question is not None and job.state in (JobState.RUNNING, JobState.INTERRUPTED):
+            held = f"held: {question.text}"
+            self._book.move(job, Trigger.HOLD, question.text, detail=held, choices=question.options, plan=plan)
+        elif job.choices and question is None:
+            self._book.move(job, Trigger.RESUME, "answered", detail=self._status, choices=(), plan=plan)
+        else:
+            self._book.change(job.but(detail=self._status, plan=plan))
+
+    def _write_trace(self, *, at_once: bool) -> None:
+        if self._entries and (at_once or time.monotonic() - self._written > _BETWEEN_WRITES):
+            entries, self._entries[:] = tuple(self._entries), ()
+            self._store.tell(self._undertaking.name, [entry.as_json() for entry in entries])
+            self._written = time.monotonic()
+
+    # ------------------------------------------------------------------ the end
+
+    def _finish(self, job: Job) -> None:
+        halted = self._station.cycle.halted
+        report = self._undertaking.report
+        if self.ending is not None:
+            self._close(job, self._trigger, self.ending, report)
+        elif halted:
+            detail = f"everything was halted ({halted}): look, reset, then answer"
+            self._book.move(job, Trigger.HOLD, halted, detail=detail, choices=("retry", "abort"))
+        elif report is None or report.stopped:
+            self._close(job, Trigger.STOP, Outcome.STOPPED, report)
+        else:
+            outcome = _outcome(report)
+            gone = outcome in (Outcome.FAILED, Outcome.NO_PLAN)
+            self._close(job, Trigger.FAIL if gone else Trigger.FINISH, outcome, report)
+
+    def _close(self, job: Job, trigger: Trigger, outcome: Outcome, report: GoalReport | None) -> None:
+        conditions = report.conditions if report is not None else ()
+        actuals = tuple(Actual(condition=c.condition, reached=c.believed, reason=c.reason) for c in conditions)
+        reasons = report.no_plan if report is not None else ()
+        self._book.move(
+            job, trigger, self._comment, outcome=outcome, detail="", choices=(), actuals=actuals, reasons=reasons
+        )
+
+
+def _outcome(report: GoalReport) -> Outcome:
+    reached = sum(c.believed for c in report.conditions)
+    if reached == len(report.conditions):
+        return Outcome.SUCCEEDED if report.steps else Outcome.ALREADY_SATISFIED
+    if report.no_plan and not report.steps:
+        return Outcome.NO_PLAN
+    return Outcome.PARTIALLY_SUCCEEDED if reached else Outcome.FAILED

@@ -1,0 +1,78 @@
+"""Asking a person what shall become of a condition that the robots cannot bring about."""
+
+from __future__ import annotations
+
+import enum
+from contextlib import suppress
+
+from skiros_py.errors import DescriptionError, SkirosError
+from skiros_py.execution.composing import why
+from skiros_py.skills.conditions import Condition, effects_of, judge, write_effects
+from skiros_py.skills.outcome import Failure
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.questions import QuestionKind
+from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.world.change import Writer
+
+__all__ = ["Choice", "ask_for_help", "believe_done"]
+
+
+class Choice(enum.StrEnum):
+    """What a person can decide."""
+
+    RETRY = "retry"
+    """The robots try again."""
+    BY_HAND = "done by hand"
+    """A person has brought it about."""
+    SKIP = "skip"
+    """It is given up; the rest is done."""
+    ABORT = "abort"
+    """The whole task ends."""
+
+
+def ask_for_help(undertaking: Undertaking, setting: Setting, text: str) -> Execution[tuple[Choice, str]]:
+    """Asks, and waits for the answer; the question is withdrawn when nobody waits for it any more.
+
+    It is answered with "retry" by itself when skill managers have come or gone: something else may be possible now.
+
+    Returns:
+        The answer, and who gave it.
+    """
+    questions, able = setting.questions, _able(setting)
+    options = tuple(choice.value for choice in Choice)
+    asked = questions.ask(QuestionKind.CHOOSE, text, options, asker=undertaking.name, time=setting.now)
+    undertaking.question, before, undertaking.phase = asked.question, undertaking.phase, "waiting"
+    try:
+        while asked.answer is None:
+            if _able(setting) != able:
+                return Choice.RETRY, "the coming or going of a skill manager"
+            yield
+        return Choice(asked.answer), asked.by
+    finally:
+        questions.withdraw(asked)
+        undertaking.question, undertaking.phase = None, before
+
+
+def believe_done(setting: Setting, condition: Condition, by: str) -> Failure | None:
+    """Makes a condition true in the world model, on a person's word: where it can be said what that changes.
+
+    Returns:
+        Why it is still not believed, or None.
+    """
+    world, refused = setting.world, ""
+    if not any(argument in world.ontology.classes for argument in condition.arguments):
+        try:
+            with (
+                suppress(DescriptionError),
+                world.transaction("operator", f"done by hand, says {by}", writer=Writer.PERSON) as tx,
+            ):
+                write_effects(tx, world.ontology, effects_of(condition))
+        except SkirosError as error:
+            refused = f": {error}"
+    verdict = judge(condition, world)
+    return None if verdict else Failure(f"{condition} is still not believed{refused or f': {why(verdict)}'}")
+
+
+def _able(setting: Setting) -> frozenset[tuple[str, str]]:
+    return frozenset((agent, skill) for agent, manager in setting.managers.items() for skill in manager.descriptions)

@@ -1,0 +1,30 @@
+"""What a task does when something of its goal turns out to be out of reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from skiros_py.errors import UsageError
+
+__all__ = ["Policy"]
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """How to go on when things go wrong.
+
+    Attributes:
+        rest: True to do what can still be reached when a condition is given up; False to stop there.
+        ask: True to ask a person before a condition is given up.
+        attempts: How often a skill may fail on one target before that target is left out of further plans.
+        partial: True to begin although a part of the goal cannot be reached from the start; False to do nothing then.
+    """
+
+    rest: bool = True
+    ask: bool = False
+    attempts: int = 3
+    partial: bool = False
+
+    def __post_init__(self) -> None:
+        if isinstance(self.attempts, bool) or not isinstance(self.attempts, int) or self.attempts < 1:
+            raise UsageError(f"attempts: a whole number from 1, not {self.attempts!r}")

@@ -1,0 +1,123 @@
+"""Which task has which robots and things: what one task plans to use or to move, another one does not touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from skiros_py.planning.needs import with_defaults
+from skiros_py.planning.plan import Step
+from skiros_py.skills.conditions import Assign, Condition, Effect, Relate, Unrelate, effects_of
+from skiros_py.skills.inference import applying
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.surroundings import owner
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ROBOT
+
+__all__ = ["Reservations", "robot_of", "used_by"]
+
+
+class Reservations:
+    """Robots and things of all tasks of a cell; used in the control thread only.
+
+    A task gets all that it wants or nothing, in the order of asking; who waits keeps nothing but what still moves. So
+    whoever asked first gets its turn, and nobody waits for ever.
+    """
+
+    def __init__(self) -> None:
+        self._held: dict[str, frozenset[str]] = {}
+        self._wanted: dict[str, frozenset[str]] = {}
+
+    def request(self, who: str, wanted: Iterable[str]) -> None:
+        """Asks for all that the rest of a task's plan uses, in the place of what it asked for before.
+
+        Args:
+            who: Name of the task.
+            wanted: Ids of robots and things.
+        """
+        needs = frozenset(wanted)
+        if needs <= self._held.get(who, frozenset()):
+            self._wanted.pop(who, None)
+            self._held[who] = needs
+        else:
+            self._wanted[who] = needs
+
+    def waits(self, who: str) -> bool:
+        """Tells whether a task has not got yet what it asked for."""
+        return who in self._wanted
+
+    def granted(self, who: str, busy: Iterable[str]) -> bool:
+        """Tells whether a task has what it asked for; takes it if it is free now.
+
+        Args:
+            who: Name of the task.
+            busy: What it keeps while it waits, for its steps still run there.
+        """
+        if who not in self._wanted:
+            return True
+        self.keep(who, busy)
+        if self.waits_for(who):
+            return False
+        self._held[who] = self._held[who] | self._wanted.pop(who)
+        return True
+
+    def waits_for(self, who: str) -> tuple[str, ...]:
+        """Returns what keeps a task from getting what it asked for: "robot_1 (kit 7)"."""
+        wanted = self._wanted.get(who, frozenset())
+        return tuple(f"{id_} ({other})" for id_ in sorted(wanted) if (other := self._ahead(who, id_)) is not None)
+
+    def keep(self, who: str, ids: Iterable[str]) -> None:
+        """Gives back all that a task has but this."""
+        self._held[who] = self._held.get(who, frozenset()).intersection(ids)
+
+    def release(self, who: str) -> None:
+        """Gives back all that a task has, and ends its asking."""
+        self._held.pop(who, None)
+        self._wanted.pop(who, None)
+
+    def of_others(self, who: str) -> frozenset[str]:
+        """Returns all that other tasks have or wait for."""
+        all_ = (*self._held.items(), *self._wanted.items())
+        return frozenset(id_ for other, ids in all_ if other != who for id_ in ids)
+
+    def _ahead(self, who: str, id_: str) -> str | None:
+        """Returns the task that has a thing, or asked for it before."""
+        for other, ids in self._held.items():
+            if other != who and id_ in ids:
+                return other
+        for other, ids in self._wanted.items():
+            if other == who:
+                break
+            if id_ in ids:
+                return other
+        return None
+
+
+def robot_of(view: WorldView, agent: str) -> str:
+    """Returns the robot of a subsystem; the subsystem itself where it belongs to none or is gone."""
+    return (owner(view, agent) if view.has(agent) else None) or agent
+
+
+def used_by(steps: Sequence[Step], skills: Mapping[str, SkillDescription], view: WorldView) -> frozenset[str]:
+    """Returns what steps use so that nobody else may meanwhile: robots, what is moved, and where it is put."""
+    robots = {robot_of(view, step.arguments[skills[step.skill].agent]) for step in steps}
+    return frozenset(robots.union(*(_changed(step, skills[step.skill], view) for step in steps)))
+
+
+def _changed(step: Step, skill: SkillDescription, view: WorldView) -> set[str]:
+    values = with_defaults(skill, step.arguments)
+    return {id_ for post in applying(skill.post, values) for id_ in _ends(post.bind(values), view)}
+
+
+def _ends(condition: Condition, view: WorldView) -> set[str]:
+    return {id_ for effect in effects_of(condition) for id_ in _ends_of(effect, view)}
+
+
+def _ends_of(effect: Effect, view: WorldView) -> tuple[str, ...]:
+    match effect:
+        case Relate(relation, subject, object_) if view.ontology.is_placement(relation):
+            element, placement = view.ontology.placed(subject, relation, object_)
+            own = robot_of(view, placement.place) != placement.place  # in a hand of the robot
+            drives = view.has(element) and view.ontology.is_a(view.element(element).type, ROBOT)
+            return (element,) if drives or own else (element, placement.place)
+        case Relate(_, subject, _) | Unrelate(_, subject, _) | Assign(_, subject, _):
+            return (subject,)

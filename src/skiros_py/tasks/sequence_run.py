@@ -1,0 +1,129 @@
+"""A sequence of steps under way: run as it is, so often as wanted; nobody plans."""
+
+from __future__ import annotations
+
+from itertools import count, islice
+
+from skiros_py.errors import SkirosError
+from skiros_py.planning.plan import Plan, Step
+from skiros_py.skills.outcome import Failure
+from skiros_py.skills.primitive import Execution
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.agenda import Agenda
+from skiros_py.tasks.dispatcher import Dispatcher
+from skiros_py.tasks.history import History
+from skiros_py.tasks.moments import Moments
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.sequences import check_steps
+from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.stop import StopWanted
+from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.tasks.wording import short_step
+
+__all__ = ["SequenceRun"]
+
+
+class SequenceRun:
+    """Runs the steps of one sequence.
+
+    Args:
+        undertaking: The task.
+        setting: What it is done with.
+        steps: The steps, in order.
+        iterate: How often; None for until it is stopped.
+        anyway: True to try steps that cannot work as far as anybody knows.
+    """
+
+    def __init__(
+        self,
+        undertaking: Undertaking,
+        setting: Setting,
+        steps: tuple[Step, ...],
+        iterate: int | None,
+        *,
+        anyway: bool = False,
+    ) -> None:
+        self.history = History(setting.world, undertaking.policy.attempts)
+        self._task = undertaking
+        self._setting = setting
+        self._steps = steps
+        self._iterate = iterate
+        self._anyway = anyway
+        self._skills: dict[str, SkillDescription] = {c.skill.name: c.skill for c in setting.capabilities}
+        self._dispatcher = Dispatcher(undertaking, setting, self.history, self._skills)
+        self._moments = Moments(setting.world, (), setting.cycle)
+        self._stopped = False
+        self._fault = ""
+
+    def execute(self) -> Execution[GoalReport]:
+        """Runs the sequence to its end; the undertaking has a report in any case."""
+        task = self._task
+        task.plan, task.phase = Plan(self._steps), "running"
+        self._dispatcher.telling.tell(Happening.BEGUN, f"{task.name}: {len(self._steps)} steps")
+        try:
+            yield from self._until_it_ends()
+            task.report = self._report()
+        except SkirosError as error:
+            self._fault = str(error)
+            raise
+        finally:
+            self._dispatcher.leave()
+            if task.report is None:
+                self._fault = self._fault or self._setting.cycle.halted or "stopped"
+                task.report = self._report()
+            self._dispatcher.telling.tell(Happening.FINISHED, f"{task.name}: {task.report.outcome}")
+        return task.report
+
+    def _until_it_ends(self) -> Execution[None]:
+        try:
+            for number in islice(count(1), self._iterate):
+                if not (yield from self._once(number)):
+                    return
+        except StopWanted as wish:
+            self._stopped = True
+            self._dispatcher.telling.tell(Happening.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
+            yield from self._dispatcher.halt(str(wish) or "stopped")
+
+    def _once(self, number: int) -> Execution[bool]:
+        """Runs all steps once; returns whether that worked."""
+        broken = (
+            []
+            if self._anyway
+            else [c for c in check_steps(self._setting.world, self._steps, self._skills) if c.problems]
+        )
+        if broken:
+            step = short_step(broken[0].step, self._skills[broken[0].step.skill])
+            self._fault = f"round {number} cannot work: {step}: {'; '.join(broken[0].problems)}"
+            return False
+        order = [frozenset({i - 1} if i else ()) for i in range(len(self._steps))]
+        self._dispatcher.adopt(Agenda(self._steps, order), {})
+        return (yield from self._carry_out())
+
+    def _carry_out(self) -> Execution[bool]:
+        failures = 0
+        while True:
+            wish = self._task.control.stop
+            failed = self._dispatcher.attend()
+            if self._dispatcher.agenda.done:
+                return True
+            if wish is not None:
+                raise StopWanted(wish)
+            failed = failed or self._dispatcher.start_ready()
+            failures += len(failed)
+            if failed and self._is_too_much(failures, *failed[-1]):
+                return False
+            yield
+
+    def _is_too_much(self, failures: int, step: Step, failure: Failure) -> bool:
+        if failures < self._task.policy.attempts:
+            self._dispatcher.telling.tell(
+                Happening.RETRIED, f"{step.skill} failed: {failure.reason}: it is tried again"
+            )
+            return False
+        self._fault = f"{self._dispatcher.telling.said(step)} failed {failures} times: {failure.reason}"
+        return True
+
+    def _report(self) -> GoalReport:
+        steps = tuple(self.history.steps)
+        return GoalReport((), steps, *self._moments.used, stopped=self._stopped, fault=self._fault)

@@ -1,0 +1,200 @@
+"""A sequence of steps that a person puts together or changes; after each edit its effects are checked (paper §4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from skiros_py.errors import SkirosError, UnknownName, UsageError
+from skiros_py.planning.needs import needs_of, with_defaults
+from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.validation import apply_effects
+from skiros_py.skills.conditions import judge
+from skiros_py.skills.inference import applying
+from skiros_py.skills.parameters import read_arguments
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.wording import short_step
+from skiros_py.world.overlay import Overlay
+from skiros_py.world.view import WorldView
+
+__all__ = ["StepCheck", "StepSequence", "check_steps"]
+
+
+@dataclass(frozen=True, slots=True)
+class StepCheck:
+    """What is known of one step before it runs.
+
+    Attributes:
+        step: The step.
+        problems: What will not hold when its turn comes, one sentence each; empty when it can work.
+    """
+
+    step: Step
+    problems: tuple[str, ...] = ()
+
+    @property
+    def works(self) -> bool:
+        """True when nothing speaks against it."""
+        return not self.problems
+
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data."""
+        step = {"skill": self.step.skill, "arguments": dict(self.step.arguments)}
+        return {**step, "works": self.works, "problems": list(self.problems)}
+
+
+class StepSequence:
+    """Steps to be run one after the other, in the order and with the arguments that a person wants.
+
+    Args:
+        view: The world that it starts from: the live one, so that a check is always of now.
+        skills: The skills there are, by name.
+        steps: The steps to begin with, such as those of a plan; none to begin from scratch.
+
+    Raises:
+        UsageError: A step names a skill, a parameter or an element that does not exist.
+    """
+
+    def __init__(
+        self, view: WorldView, skills: Mapping[str, SkillDescription], steps: Sequence[Step] | Plan = ()
+    ) -> None:
+        self._view = view
+        self._skills = skills
+        given = steps.steps if isinstance(steps, Plan) else steps
+        self._steps = [self._read(step.skill, step.arguments) for step in given]
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The steps, in order."""
+        return tuple(self._steps)
+
+    # ------------------------------------------------------------------ editing
+
+    def add(self, skill: str, **arguments: str) -> tuple[StepCheck, ...]:
+        """Adds a step at the end; see :meth:`insert`."""
+        return self.insert(len(self._steps), skill, **arguments)
+
+    def insert(self, at: int, skill: str, **arguments: str) -> tuple[StepCheck, ...]:
+        """Adds a step before another one.
+
+        Args:
+            at: Index of that one; the number of steps for the end.
+            skill: What it does.
+            **arguments: Element ids by parameter key; what is left out is inferred when it starts.
+
+        Returns:
+            All steps as they are then, checked.
+
+        Raises:
+            UsageError: There is no such skill, parameter, element or place.
+        """
+        self._steps.insert(self._index(at, len(self._steps)), self._read(skill, arguments))
+        return self.checks
+
+    def remove(self, at: int) -> tuple[StepCheck, ...]:
+        """Takes a step out.
+
+        Raises:
+            UsageError: There is no such step.
+        """
+        del self._steps[self._index(at, len(self._steps) - 1)]
+        return self.checks
+
+    def move(self, at: int, to: int) -> tuple[StepCheck, ...]:
+        """Moves a step to another place.
+
+        Args:
+            at: Its index.
+            to: Its index afterwards.
+
+        Raises:
+            UsageError: There is no such step or place.
+        """
+        last = len(self._steps) - 1
+        at, to = self._index(at, last), self._index(to, last)
+        self._steps.insert(to, self._steps.pop(at))
+        return self.checks
+
+    def change(self, at: int, **arguments: str | None) -> tuple[StepCheck, ...]:
+        """Gives some parameters of a step other values; None leaves one to be inferred.
+
+        Raises:
+            UsageError: There is no such step, parameter or element.
+        """
+        step = self._steps[self._index(at, len(self._steps) - 1)]
+        self._steps[at] = self._read(step.skill, {**step.arguments, **arguments})
+        return self.checks
+
+    # ------------------------------------------------------------------ checking
+
+    @property
+    def checks(self) -> tuple[StepCheck, ...]:
+        """Every step with what will not hold when its turn comes, as far as that can be known before."""
+        return check_steps(self._view, self._steps, self._skills)
+
+    @property
+    def works(self) -> bool:
+        """True when nothing speaks against any step."""
+        return all(check.works for check in self.checks)
+
+    def require_works(self) -> None:
+        """Sees that the sequence can be run.
+
+        Raises:
+            UsageError: It is empty, or cannot work; the text says which step and why.
+        """
+        if not self._steps:
+            raise UsageError("the sequence has no steps: add one")
+        broken = [(n, check) for n, check in enumerate(self.checks, start=1) if not check.works]
+        if broken:
+            said = [f"step {n} ({self._said(check.step)}): {'; '.join(check.problems)}" for n, check in broken]
+            raise UsageError(f"the sequence cannot work: {' / '.join(said)}; mend it, or run it anyway")
+
+    def __str__(self) -> str:
+        marks = (f"{n:2}. {self._said(c.step)}{''.join(f' - {p}' for p in c.problems)}" for n, c in self._numbered())
+        return "\n".join(marks)
+
+    def _numbered(self) -> list[tuple[int, StepCheck]]:
+        return list(enumerate(self.checks, start=1))
+
+    def _said(self, step: Step) -> str:
+        return short_step(step, self._skills[step.skill])
+
+    def _read(self, skill: str, arguments: Mapping[str, Any]) -> Step:
+        if skill not in self._skills:
+            raise UnknownName("skill", skill, self._skills)
+        given = {key: value for key, value in arguments.items() if value is not None}
+        values = read_arguments(self._skills[skill].params, given, self._view)
+        return Step(skill, MappingProxyType({key: values[key] for key in given}))
+
+    def _index(self, at: int, last: int) -> int:
+        if isinstance(at, bool) or not isinstance(at, int) or not 0 <= at <= last:
+            there = f"from 0 to {last}" if last >= 0 else "of a step, and there is none"
+            raise UsageError(f"a place in the sequence is a number {there}, not {at!r}")
+        return at
+
+
+def check_steps(
+    view: WorldView, steps: Sequence[Step], skills: Mapping[str, SkillDescription]
+) -> tuple[StepCheck, ...]:
+    """Checks steps in turn; what comes after one that cannot work is judged as if it had worked."""
+    overlay = Overlay(view)
+    return tuple(StepCheck(step, tuple(_problems(overlay, step, skills))) for step in steps)
+
+
+def _problems(overlay: Overlay, step: Step, skills: Mapping[str, SkillDescription]) -> list[str]:
+    """Says what keeps a step from working, and then lets it have worked."""
+    if step.skill not in skills:
+        return [f"nobody has the skill {step.skill} any more"]
+    skill = skills[step.skill]
+    values = with_defaults(skill, step.arguments)
+    found = [judge(c, overlay, values) for c in applying(needs_of(skill), values)]
+    problems = [verdict.text for verdict in found if not verdict]
+    try:
+        apply_effects(overlay, skill.post, values)
+    except SkirosError as error:
+        return [*problems, str(error)]
+    after = [judge(c, overlay, values) for c in applying(skill.post, values)]
+    return problems + [f"{v.text} does not follow" for v in after if not v and not problems]

@@ -1,0 +1,67 @@
+"""Tells what happens in a task: to its trace in sentences and as data, and what waits to the monitor as well."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.planning.plan import Step
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.trace import Happening, Trace, TraceEntry
+from skiros_py.tasks.undertaking import StepRun
+from skiros_py.tasks.wording import short_step
+
+__all__ = ["Telling"]
+
+
+class Telling:
+    """The voice of one task.
+
+    Args:
+        trace: Takes everything.
+        setting: Its time, and who else listens.
+        skills: The skills there are, by name.
+    """
+
+    def __init__(self, trace: Trace, setting: Setting, skills: Mapping[str, SkillDescription]) -> None:
+        self._trace = trace
+        self._setting = setting
+        self._skills = skills
+        self._waits: set[str] = set()
+
+    def tell(self, what: Happening, text: str, data: Mapping[str, Any] | None = None) -> None:
+        """Tells what is about no single step."""
+        self._trace.add(TraceEntry(self._setting.now, what, text, data=data or {}))
+
+    def tell_of(self, what: Happening, text: str, run: StepRun, data: Mapping[str, Any] | None = None) -> None:
+        """Tells what is about one step."""
+        step, arguments = run.step, dict(run.step.arguments)
+        now, number = self._setting.now, run.number or None
+        self._trace.add(TraceEntry(now, what, text, number, step.skill, arguments, run.agent, data or {}))
+
+    def waits(self, step: Step, why: str) -> None:
+        """Tells that a step has to wait; once for each reason."""
+        said = f"{self.said(step)} waits: {why}"
+        if said in self._waits:
+            return
+        self._waits.add(said)
+        run = StepRun(0, step, self.agent(step), self._setting.now)
+        self.tell_of(Happening.WAITS, said, run)
+        if self._setting.monitor is not None:
+            text = f"waits: {why}"
+            event = ModuleEvent(run.start, "skill", step.skill, Status.RUNNING, 0, text, agent=run.agent)
+            self._setting.monitor.publish(event)
+
+    def forget_waits(self) -> None:
+        """Tells of waits again: there is another plan."""
+        self._waits.clear()
+
+    def agent(self, step: Step) -> str:
+        """Returns who does a step."""
+        return step.arguments[self._skills[step.skill].agent]
+
+    def said(self, step: Step) -> str:
+        """Returns a step as people say it: who does what to what."""
+        return f"{self.agent(step)}: {short_step(step, self._skills[step.skill])}"

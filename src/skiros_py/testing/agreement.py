@@ -1,0 +1,49 @@
+"""Whether the problem that leaves out what a goal cannot need has a plan just where the whole one has."""
+
+from __future__ import annotations
+
+from skiros_py.planning.needs import passed_keys
+from skiros_py.planning.pddl import write_pddl
+from skiros_py.planning.plan import Step, read_plan
+from skiros_py.planning.planner import Planner, Unsolvable
+from skiros_py.planning.task import PlanningTask, build_task
+from skiros_py.planning.validation import replay
+from skiros_py.testing.random_tasks import RandomTask
+
+__all__ = ["disagreement"]
+
+
+def disagreement(task: RandomTask, planner: Planner, width: int = 2) -> str:
+    """Plans with everything, with what is relevant, and with a few candidates, and replays each plan.
+
+    Args:
+        task: The world, and what is wanted.
+        planner: A planner that proves it where there is no plan.
+        width: How few candidates.
+
+    Returns:
+        What differs, in words, or "" where all is as it should be. That the few candidates are not enough is no
+        difference: then more are tried.
+    """
+    whole = build_task(task.world, task.capabilities, task.goal, whole=True)
+    relevant = build_task(task.world, task.capabilities, task.goal)
+    few = build_task(task.world, task.capabilities, task.goal, width=width)
+    plans = {"whole": _plan(whole, planner), "relevant": _plan(relevant, planner), "few": _plan(few, planner)}
+    skills = {c.skill.name: c.skill for c in task.capabilities}
+    for name, plan in plans.items():
+        flaw = replay(task.world, plan, task.goal, skills) if plan is not None else None
+        if flaw is not None:
+            return f"the plan of the {name} problem breaks: {flaw}"
+    if (plans["whole"] is None) != (plans["relevant"] is None) or (plans["whole"] is None and plans["few"] is not None):
+        found = ", ".join(name for name, plan in plans.items() if plan is not None)
+        return f"only these have a plan: {found}; goal {', '.join(map(str, task.goal))}"
+    return ""
+
+
+def _plan(task: PlanningTask, planner: Planner) -> tuple[Step, ...] | None:
+    texts = write_pddl(task.domain, task.problem, name="random")
+    answer = planner.solve(texts.domain, texts.problem).result()
+    if isinstance(answer, Unsolvable):
+        return None
+    keys = {c.skill.name: passed_keys(c.skill) for c in task.capabilities}
+    return read_plan(answer.steps, texts, keys)

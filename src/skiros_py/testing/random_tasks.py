@@ -1,0 +1,89 @@
+"""Random worlds and goals of the tiny domain, from a seed: to compare two ways of planning with each other."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from skiros_py.planning.task import Capability
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.parameters import Param
+from skiros_py.testing.tiny import tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, PICK, PLACE
+from skiros_py.world.world import World
+
+__all__ = ["TAKE", "RandomTask", "random_task"]
+
+TAKE = replace(
+    PICK,
+    name="take",
+    help="Takes a ball out of a slot.",
+    params=(*PICK.params[:3], Param("Slot", "tiny:Slot", "Where it lies."), PICK.params[4]),
+    pre=(*PICK.pre[:2], IN_CONTAINER("Ball", "Slot"), EMPTY_HANDED("Gripper")),
+)
+"""Like pick, out of slots."""
+
+_BALLS = ("tiny:Ball", "tiny:RedBall", "tiny:Giant")
+
+
+@dataclass(frozen=True, slots=True)
+class RandomTask:
+    """A world, what can be done in it, and a goal that may or may not be reachable."""
+
+    world: World
+    capabilities: tuple[Capability, ...]
+    goal: tuple[Condition, ...]
+
+
+def random_task(seed: int) -> RandomTask:
+    """Returns the task of a seed: balls in boxes, slots and grippers, and one to three conditions."""
+    chance = random.Random(seed)  # noqa: S311  a seed must give the same task again
+    robots = chance.randint(1, 2)
+    world = tiny_world(*_facts(chance), robots=robots)
+    _scatter(chance, world)
+    skills = [DRIVE, PICK, PLACE, TAKE]
+    if chance.random() < 0.3:
+        skills.remove(chance.choice(skills))
+    able = tuple(Capability(s, _agents(chance, world.instances(s.agent_class))) for s in skills)
+    goal = tuple(dict.fromkeys(_condition(chance, world) for _ in range(chance.randint(1, 3))))
+    return RandomTask(world, able, goal)
+
+
+def _facts(chance: random.Random) -> list[str]:
+    facts = [f"scene:slot_{n} a tiny:Slot ; sk:on scene:floor ." for n in range(3, 3 + chance.randint(0, 2))]
+    for number in range(2, 2 + chance.randint(0, 5)):
+        box = chance.choice(["box_a", "box_b"])
+        facts.append(f"scene:ball_{number} a {chance.choice(_BALLS)} ; sk:in scene:{box} .")
+    return facts
+
+
+def _scatter(chance: random.Random, world: World) -> None:
+    """Puts some balls into slots and grippers, one into each at most."""
+    balls = list(world.instances("tiny:Ball"))
+    places = [(place, "sk:in") for place in world.instances("tiny:Slot")]
+    places += [(gripper, "sk:heldBy") for gripper in world.instances("sk:Gripper")]
+    with world.transaction("random", "scattered") as tx:
+        for place, relation in places:
+            if len(balls) > 1 and chance.random() < 0.3:
+                ball = balls.pop(chance.randrange(len(balls)))
+                tx.place(ball, relation, place)
+
+
+def _agents(chance: random.Random, able: Sequence[str]) -> tuple[str, ...]:
+    return tuple(agent for agent in able if chance.random() < 0.9)
+
+
+def _condition(chance: random.Random, world: World) -> Condition:
+    ball = chance.choice([*world.instances("tiny:Ball"), *_BALLS])
+    slot = chance.choice(world.instances("tiny:Slot"))
+    kind = chance.random()
+    if kind < 0.6:
+        return IN_CONTAINER(ball, slot)
+    if kind < 0.7:
+        return HOLDING("gripper_1", chance.choice(world.instances("tiny:Ball")))
+    if kind < 0.8:
+        return FREE(slot)
+    if kind < 0.9:
+        return AT_LOCATION("robot_1", chance.choice(["box_a", "box_b", "slot_1"]))
+    return ~EMPTY_HANDED("gripper_1")

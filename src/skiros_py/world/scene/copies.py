@@ -1,0 +1,74 @@
+"""Robots that a scene has several of: each further one gets pieces of its own, made like those of the first.
+
+A scene says ``scene:robot_2 sk:builtLike scene:robot_1`` and, of the pieces, only what differs: where base_2 starts.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, MutableMapping
+
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.scene.individual import Individual
+from skiros_py.world.terms import Family
+from skiros_py.world.vocabulary import POSE, POSE_FRAME, STRUCTURE
+
+__all__ = ["add_copy"]
+
+_NUMBERED = re.compile(r"(.*?)_?(\d+)")
+
+
+def add_copy(individuals: MutableMapping[str, Individual], copy: str, like: str, ontology: Ontology) -> None:
+    """Completes a robot by what is said of another one, and makes pieces for it.
+
+    What is said of the copy and its pieces already stays. Where a piece is in the map is not copied: two bases do not
+    start in one place.
+
+    Args:
+        individuals: All individuals by name; both robots are among them, the one to copy is complete.
+        copy: Name of the robot to complete.
+        like: Name of the robot that it is like.
+        ontology: Says which relations are structure.
+    """
+    pieces = [like, *_pieces(individuals, like, ontology)]
+    names = {piece: copy if piece == like else _renamed(piece, like, copy) for piece in pieces}
+    for piece, name in names.items():
+        _complete(individuals.setdefault(name, Individual()), individuals[piece], names, ontology)
+
+
+def _pieces(individuals: MutableMapping[str, Individual], whole: str, ontology: Ontology) -> Iterator[str]:
+    """Yields what a thing is built of, in the order of the files; of a circle each piece once."""
+    below, seen, waiting = ontology.sub_relations(STRUCTURE), {whole}, [whole]
+    for name in waiting:
+        for relation, piece in individuals[name].relations:
+            if relation in below and piece in individuals and piece not in seen:
+                seen.add(piece)
+                waiting.append(piece)
+                yield piece
+
+
+def _renamed(piece: str, like: str, copy: str) -> str:
+    """Returns the copy's name for a piece: base_1 of robot_1 is base_2 of robot_2, its lamp is its lamp_2."""
+    old, new = (_NUMBERED.fullmatch(name) for name in (like, copy))
+    number = new.group(2) if new else copy
+    if old is not None and piece.endswith(f"_{old.group(2)}"):
+        piece = piece[: -len(old.group(2)) - 1]
+    return f"{piece}_{number}"
+
+
+def _complete(copy: Individual, like: Individual, names: Mapping[str, str], ontology: Ontology) -> None:
+    copy.types = copy.types or list(like.types)
+    in_frame = any(relation == POSE_FRAME and target in names for relation, target in like.relations)
+    for name, value in like.values.items():
+        if name != POSE or in_frame:
+            copy.values.setdefault(name, value)
+    said = {_kind(relation, ontology) for relation, _ in copy.relations} - {Family.STRUCTURE}
+    for relation, target in like.relations:
+        if _kind(relation, ontology) not in said:
+            copy.relations.append((relation, names.get(target, target)))
+
+
+def _kind(relation: str, ontology: Ontology) -> str:
+    """Returns what is said anew as a whole or not at all: a place, in whichever words; pieces; else one relation."""
+    family = ontology.family(relation)
+    return family if family in (Family.PLACEMENT, Family.STRUCTURE) else relation

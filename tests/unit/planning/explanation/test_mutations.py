@@ -1,0 +1,55 @@
+"""The small version of ``benchmarks/explanation.py``: tasks spoilt in a known way, and what is said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from skiros_py.planning.choosing import Planners
+from skiros_py.planning.explanation import Trial, explain
+from skiros_py.planning.kairos import Kairos
+from skiros_py.planning.task import build_task
+from skiros_py.testing.mutations import Mutation, mutations
+
+SPOILT = list(mutations(seed=7, rounds=1))
+
+
+@pytest.fixture(scope="module")
+def planners() -> Iterator[Planners]:
+    found = Planners.only(Kairos())
+    yield found
+    found.close()
+
+
+@pytest.mark.parametrize("mutation", SPOILT, ids=lambda m: m.name)
+def test_the_cause_is_how_the_task_was_spoilt_and_every_repair_works(mutation: Mutation, planners: Planners) -> None:
+    trial = Trial(planners, mutation.capabilities, each=30.0, together=300.0)
+    before = mutation.world.version
+
+    found = explain(build_task(mutation.world, mutation.capabilities, mutation.goal), mutation.world, trial)
+
+    assert mutation.is_explained(found.causes), found.reasons
+    assert mutation.world.version == before
+    for repair in found.repairs:
+        assert mutation.again is not None
+        fresh = mutation.again()
+        repair.apply(fresh.world)
+        goal = [condition for condition in fresh.goal if condition not in repair.without]
+        if repair.edits or repair.without:
+            assert goal
+            assert trial(fresh.world, goal), repair.text
+
+
+def test_one_seed_draws_the_same_tasks_again() -> None:
+    again = list(mutations(seed=7, rounds=1))
+
+    assert [(m.name, m.goal, m.expected) for m in again] == [(m.name, m.goal, m.expected) for m in SPOILT]
+
+
+def test_an_unspoilt_task_is_what_a_mutation_starts_from(planners: Planners) -> None:
+    """The rest of the goal can be reached: what was spoilt is the only thing that is wrong."""
+    for mutation in SPOILT:
+        rest = [condition for condition in mutation.goal if condition not in mutation.spoilt]
+        if rest:
+            assert Trial(planners, mutation.capabilities, each=30.0)(mutation.world, rest), mutation.name

@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_py.planning.explanation.subsets import conflict_of, smallest_unsolvable
+from skiros_py.skills.conditions import Condition
+from skiros_py.testing.tiny_skills import FREE
+
+GOAL = tuple(FREE(f"slot_{n}") for n in range(8))
+
+
+def smallest(goal: Sequence[Condition], bad: Sequence[Condition], *, known: bool = True) -> tuple[Condition, ...]:
+    def reachable(some: Sequence[Condition]) -> bool | None:
+        return not set(bad) <= set(some) if known else None
+
+    work = smallest_unsolvable(goal, reachable)
+    try:
+        while True:
+            next(work)
+    except StopIteration as end:
+        found: tuple[Condition, ...] = end.value
+        return found
+
+
+@given(st.sets(st.sampled_from(GOAL), min_size=1))
+def test_what_is_left_is_exactly_what_cannot_be_reached_together(bad: set[Condition]) -> None:
+    assert set(smallest(GOAL, tuple(bad))) == bad
+
+
+def test_where_the_planner_does_not_know_nothing_is_left_out() -> None:
+    assert smallest(GOAL, GOAL[:2], known=False) == GOAL
+
+
+def test_a_planner_is_asked_a_bounded_number_of_times() -> None:
+    calls = []
+    many = tuple(FREE(f"slot_{n}") for n in range(100))
+
+    list(smallest_unsolvable(many, lambda some: bool(calls.append(some))))
+
+    assert len(calls) <= 16
+
+
+def test_a_conflict_names_its_conditions() -> None:
+    assert (
+        conflict_of(GOAL[:2]).text
+        == "Free(slot_0) and Free(slot_1) could each be reached, but not all of them together"
+    )

@@ -1,0 +1,240 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+from unified_planning.io import PDDLReader
+
+from skiros_py.planning.allocation import ASSIGNED, deal, shares, teams
+from skiros_py.planning.effort import efforts
+from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.planning.model import Atom
+from skiros_py.planning.needs import passed_keys
+from skiros_py.planning.ordering import makespan, order, schedule
+from skiros_py.planning.pddl import write_pddl
+from skiros_py.planning.plan import Plan, Step, read_plan
+from skiros_py.planning.planner import Solved
+from skiros_py.planning.regrounding import pddl_plan
+from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.validation import replay
+from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, FITS, IN_CONTAINER, PICK, PLACE
+from skiros_py.world.overlay import Overlay
+from skiros_py.world.view import WorldView
+from skiros_py.world.world import World
+
+HAS_SLOT = ConditionType(
+    "HasSlot", (Role("kit", "tiny:Box"), Role("slot", "tiny:Slot")), Related("sk:hasA", "kit", "slot"), "-"
+)
+IN_KIT = ConditionType(
+    "InKit",
+    (Role("ball", "tiny:Ball"), Role("kit", "tiny:Box")),
+    Exists("slot", "tiny:Slot", AllOf((Related("sk:hasA", "kit", "slot"), Related("sk:in", "ball", "slot")))),
+    "-",
+    abstract=True,
+)
+AT_KIT = replace(
+    PLACE,
+    params=(*PLACE.params, Param("Kit", "tiny:Box", "Has the slot.", Kind.PLANNING)),
+    pre=(*PLACE.pre, HAS_SLOT("Kit", "Slot"), AT_LOCATION("Robot", "Kit")),
+)
+SKILLS = {skill.name: skill for skill in (DRIVE, PICK, AT_KIT)}
+SECONDS = {"drive": 5.0, "pick": 3.0, "place": 2.0}
+
+
+def kit_world(parts: int, robots: int, *facts: str) -> World:
+    """A ball in a box of its own for each slot of one kit."""
+    each = (
+        f"scene:part_{n} a tiny:Ball ; sk:in scene:store_{n} . scene:store_{n} a tiny:Box ; sk:on scene:floor . "
+        f"scene:hole_{n} a tiny:Slot . scene:kit sk:hasA scene:hole_{n} ."
+        for n in range(1, parts + 1)
+    )
+    return tiny_world("scene:kit a tiny:Box ; sk:on scene:floor .", *each, *facts, robots=robots)
+
+
+def filled(parts: int) -> tuple[Condition, ...]:
+    return tuple(IN_CONTAINER(f"part_{n}", f"hole_{n}") for n in range(1, parts + 1))
+
+
+def timed_task(view: WorldView, *goal: Condition, agents: Sequence[str] | None = None) -> PlanningTask:
+    task = tiny_task(view, *goal, skills=tuple(SKILLS.values()), agents=agents)
+    actions = tuple(replace(a, duration=SECONDS.get(a.skill or "")) for a in task.domain.actions)
+    return replace(task, domain=replace(task.domain, actions=actions))
+
+
+def parts_of(view: WorldView, task: PlanningTask) -> dict[str, tuple[int, ...]]:
+    return {share.robot: share.parts for share in shares(view, task)}
+
+
+@pytest.mark.parametrize(("parts", "robots"), [(4, 2), (8, 3), (16, 4), (1, 2)])
+def test_all_robots_get_a_fair_share(parts: int, robots: int) -> None:
+    world = kit_world(parts, robots)
+    counts = [len(own) for own in parts_of(world, timed_task(world, *filled(parts))).values()]
+
+    assert sum(counts) == parts
+    assert max(counts) - min(counts) <= 1
+
+
+def test_what_a_robot_holds_it_places_itself() -> None:
+    world = Overlay(kit_world(3, 2))
+    world.place("part_1", "sk:heldBy", "gripper_2")
+    world.place("part_2", "sk:heldBy", "gripper_1")
+
+    dealt = parts_of(world, timed_task(world, *filled(3)))
+
+    assert 0 in dealt["robot_2"]
+    assert 1 in dealt["robot_1"]
+
+
+def test_who_lacks_a_skill_gets_nothing_that_needs_it() -> None:
+    world = kit_world(4, 2)
+    task = timed_task(world, *filled(4), agents=["base_1", "base_2", "arm_2"])
+
+    assert parts_of(world, task) == {"robot_1": (), "robot_2": (0, 1, 2, 3)}
+
+
+def test_who_has_no_part_of_what_is_wanted_by_others_may_still_go_where_they_go() -> None:
+    world = kit_world(1, 2)
+    task = timed_task(world, *filled(1), AT_LOCATION("robot_2", "kit"))
+
+    assert not any(share.things & {"kit", "store_1"} for share in shares(world, task))
+    assert isinstance(solved(world, task), Solved)
+
+
+def test_one_robot_keeps_the_task_as_it_is() -> None:
+    world = kit_world(2, 1)
+    task = timed_task(world, *filled(2))
+
+    assert deal(world, task) is task
+
+
+def test_what_holds_already_is_nobodys_part() -> None:
+    world = Overlay(kit_world(2, 2))
+    world.place("part_1", "sk:in", "hole_1")
+
+    dealt = parts_of(world, timed_task(world, *filled(2)))
+
+    assert sorted(part for own in dealt.values() for part in own) == [1]
+
+
+def test_conditions_about_the_same_thing_go_to_one_robot() -> None:
+    world = kit_world(2, 2)
+    task = timed_task(world, *filled(2), FITS("part_1", "hole_1"), IN_KIT("part_1", "kit"))
+    dealt = parts_of(world, task)
+
+    assert sorted(map(len, dealt.values())) == [1, 3]
+    assert (0, 2, 3) in dealt.values()
+
+
+def test_any_thing_of_a_kind_is_dealt_out_too_and_what_is_left_over_is_left_alone() -> None:
+    world = kit_world(4, 2)
+    task = timed_task(world, IN_KIT("tiny:Ball", "kit"), IN_CONTAINER("tiny:Ball", "hole_2"))
+    dealt = shares(world, task)
+
+    assert [len(share.parts) for share in dealt] == [1, 1]
+
+
+def test_things_of_an_open_kind_are_chosen_one_for_each() -> None:
+    world = kit_world(4, 2, "scene:other a tiny:RedBall ; sk:in scene:store_1 .")
+    goal = IN_KIT("tiny:RedBall", "kit")
+    task = timed_task(world, goal)
+    first = next(share for share in shares(world, task) if share.parts)
+    facts = {atom for atom in deal(world, task).problem.init if atom.predicate == ASSIGNED}
+    arm = next(agent for agent in first.agents if agent.startswith("arm"))
+
+    assert first.things <= {"other", "red_ball_1"}
+    assert len(first.things) == 1
+    assert {atom for atom in facts if atom.arguments[1] in ("other", "red_ball_1")} == {
+        Atom(ASSIGNED, (arm, next(iter(first.things))))
+    }
+
+
+def test_the_task_that_was_dealt_out_is_the_same_every_time() -> None:
+    world = kit_world(6, 3)
+
+    assert deal(world, timed_task(world, *filled(6))) == deal(world, timed_task(world, *filled(6)))
+
+
+def test_subsystems_belong_to_the_robot_they_are_part_of() -> None:
+    world = kit_world(1, 2)
+
+    assert teams(world, timed_task(world, *filled(1))) == {
+        "robot_1": {"arm_1", "base_1"},
+        "robot_2": {"arm_2", "base_2"},
+    }
+
+
+# ------------------------------------------------------------ estimates
+
+
+def test_an_estimate_adds_up_what_is_to_be_done() -> None:
+    world = kit_world(1, 2)
+    cost = efforts(timed_task(world, *filled(1)), world.ontology)
+
+    assert cost[Atom("sk:at", ("robot_1", "store_1"))] == 5.0
+    assert cost[Atom("sk:heldBy", ("part_1", "gripper_1"))] == 8.0
+    assert cost[Atom("sk:in", ("part_1", "hole_1"))] == 15.0
+
+
+def test_what_nobody_allowed_can_do_has_no_estimate() -> None:
+    world = kit_world(1, 2)
+    cost = efforts(timed_task(world, *filled(1)), world.ontology, {"base_1", "arm_2"})
+
+    assert Atom("sk:at", ("robot_1", "store_1")) in cost
+    assert Atom("sk:in", ("part_1", "hole_1")) not in cost
+
+
+# ------------------------------------------------------------ how long it all takes
+
+
+def solved(view: WorldView, task: PlanningTask) -> object:
+    texts = write_pddl(*(lambda t: (t.domain, t.problem))(deal(view, task)), name="allocation")
+    return FastDownward().solve(texts.domain, texts.problem).result()
+
+
+def planned(view: WorldView, task: PlanningTask) -> Plan:
+    narrow = deal(view, task)
+    texts = write_pddl(narrow.domain, narrow.problem, name="allocation")
+    answer = FastDownward().solve(texts.domain, texts.problem).result()
+    assert isinstance(answer, Solved)
+    steps = read_plan(answer.steps, texts, {name: passed_keys(skill) for name, skill in SKILLS.items()})
+    steps = without_detours(view, steps, task)
+    return order(view, narrow, texts, Plan(steps, pddl_plan(narrow, texts, steps, view.ontology)))
+
+
+def without_detours(view: WorldView, steps: tuple[Step, ...], task: PlanningTask) -> tuple[Step, ...]:
+    for index in reversed(range(len(steps))):
+        shorter = steps[:index] + steps[index + 1 :]
+        if replay(view, shorter, task.conditions, SKILLS) is None:
+            steps = shorter
+    return steps
+
+
+@pytest.mark.parametrize(("parts", "robots", "best"), [(4, 2, 30.0), (8, 3, 45.0), (16, 4, 60.0)])
+def test_the_plan_takes_no_longer_than_the_best_known(parts: int, robots: int, best: float) -> None:
+    world = kit_world(parts, robots)
+    plan = planned(world, timed_task(world, *filled(parts)))
+    durations = [SECONDS[step.skill] for step in plan.steps]
+
+    assert replay(world, plan.steps, filled(parts), SKILLS) is None
+    assert makespan(schedule(plan.order, durations), durations) <= best
+
+
+def test_of_four_parts_each_of_two_robots_places_two() -> None:
+    world = kit_world(4, 2)
+    plan = planned(world, timed_task(world, *filled(4)))
+    placers = [step.arguments["Robot"] for step in plan.steps if step.skill == "place"]
+
+    assert sorted(placers) == ["robot_1", "robot_1", "robot_2", "robot_2"]
+
+
+def test_other_readers_accept_a_task_that_was_dealt_out() -> None:
+    world = kit_world(2, 2)
+    narrow = deal(world, timed_task(world, *filled(2)))
+    texts = write_pddl(narrow.domain, narrow.problem, name="allocation")
+
+    assert "(assigned ?arm ?ball)" in texts.domain
+    assert PDDLReader().parse_problem_string(texts.domain, texts.problem).fluent("assigned").arity == 2

@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_py.errors import DescriptionError
+from skiros_py.planning.durations import KEPT, duration_of, observe, timed
+from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
+from skiros_py.world.vocabulary import LEARNED_DURATION
+
+DECLARED = replace(DRIVE, duration=20.0)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of a skill."""
+
+    start: float
+    end: float
+    reason: str = ""
+    agent: str = "base_1"
+    skill: str = "drive"
+
+
+def test_what_an_author_declares_counts_until_something_is_learned() -> None:
+    world = tiny_world()
+
+    assert duration_of(world, DECLARED, "sk:Base") == 20.0
+    assert duration_of(world, DRIVE, "sk:Base") is None
+    observe(world, Run(10.0, 22.0))
+    assert duration_of(world, DECLARED, "sk:Base") == 12.0
+
+
+@given(st.lists(st.floats(0.5, 100.0), min_size=1, max_size=2 * KEPT))
+def test_the_median_of_the_last_runs_counts(times: list[float]) -> None:
+    world = tiny_world()
+    for seconds in times:
+        observe(world, Run(0.0, seconds))
+    last = sorted(times[-KEPT:])
+    learned = duration_of(world, DECLARED, "sk:Base")
+
+    assert learned == pytest.approx((last[(len(last) - 1) // 2] + last[len(last) // 2]) / 2)
+    assert len(world.abstracts(LEARNED_DURATION)) == 1
+
+
+@pytest.mark.parametrize("run", [Run(0.0, 9.0, reason="slipped"), Run(3.0, 3.0), Run(0.0, 9.0, agent="gone")])
+def test_runs_that_say_nothing_teach_nothing(run: Run) -> None:
+    world = tiny_world()
+    before = world.version
+
+    observe(world, run)
+
+    assert duration_of(world, DECLARED, "sk:Base") == 20.0
+    assert world.version == before
+
+
+def test_each_skill_and_class_of_agent_has_times_of_its_own() -> None:
+    world = tiny_world()
+    observe(world, Run(0.0, 4.0))
+    observe(world, Run(0.0, 7.0, skill="push"))
+    observe(world, Run(0.0, 9.0, agent="arm_1"))
+
+    assert duration_of(world, DECLARED, "sk:Base") == 4.0
+    assert duration_of(world, DECLARED, "sk:Arm") == 9.0
+    assert duration_of(world, replace(DECLARED, name="push"), "sk:Base") == 7.0
+
+
+def test_a_task_says_how_long_its_actions_take() -> None:
+    world = tiny_world()
+    observe(world, Run(0.0, 4.0))
+    task = timed(world, tiny_task(world, AT_LOCATION("robot_1", "box_a"), skills=[DECLARED]))
+
+    assert [action.duration for action in task.domain.actions if action.skill == "drive"] == [4.0]
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("inf"), float("nan")])
+def test_a_duration_that_is_none_is_refused(seconds: float) -> None:
+    with pytest.raises(DescriptionError, match="duration of skill 'drive'"):
+        replace(DRIVE, duration=seconds)

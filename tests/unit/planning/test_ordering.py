@@ -1,0 +1,237 @@
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import permutations
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from skiros_py.planning.durations import timed
+from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
+from skiros_py.planning.names import NameMap
+from skiros_py.planning.ordering import contrary, makespan, order, partial_order, schedule
+from skiros_py.planning.pddl import PddlTexts, write_pddl
+from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.regrounding import pddl_plan
+from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.validation import replay
+from skiros_py.skills.conditions import Condition
+from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
+
+SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
+WORLD = tiny_world(
+    *(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_{'ab'[n % 2]} ." for n in (2, 3, 4)),
+    *(f'scene:slot_{n} a tiny:Slot ; rdfs:label "slot {n}" ; sk:on scene:floor .' for n in (3, 4)),
+    robots=2,
+)
+BALLS = {"ball_1": "box_a", "ball_2": "box_a", "ball_3": "box_b", "ball_4": "box_a"}
+
+
+def drive(robot: int, location: str) -> Step:
+    return Step("drive", {"Base": f"base_{robot}", "Robot": f"robot_{robot}", "Location": location})
+
+
+def pick(robot: int, ball: str, box: str) -> Step:
+    return Step("pick", {**hand(robot), "Box": box, "Ball": ball})
+
+
+def place(robot: int, ball: str, slot: str) -> Step:
+    return Step("place", {**hand(robot), "Ball": ball, "Slot": slot})
+
+
+def hand(robot: int) -> dict[str, str]:
+    return {"Arm": f"arm_{robot}", "Gripper": f"gripper_{robot}", "Robot": f"robot_{robot}"}
+
+
+def delivery(robot: int, ball: str, slot: str) -> list[Step]:
+    return [drive(robot, BALLS[ball]), pick(robot, ball, BALLS[ball]), place(robot, ball, slot)]
+
+
+def ordered(steps: Sequence[Step], *goal: Condition) -> tuple[Plan, PlanningTask, PddlTexts]:
+    task = tiny_task(WORLD, *goal)
+    texts = write_pddl(task.domain, task.problem, name="tiny")
+    plan = Plan(tuple(steps), pddl_plan(task, texts, steps, WORLD.ontology))
+    return order(WORLD, task, texts, plan), task, texts
+
+
+def test_steps_of_one_robot_that_build_on_each_other_stay_in_order() -> None:
+    plan, _, _ = ordered(delivery(1, "ball_1", "slot_1"), IN_CONTAINER("ball_1", "slot_1"))
+
+    assert plan.after == (frozenset(), frozenset({0}), frozenset({1}))
+
+
+def test_steps_of_two_robots_that_have_nothing_in_common_run_side_by_side() -> None:
+    steps = [*delivery(1, "ball_1", "slot_1"), *delivery(2, "ball_3", "slot_2")]
+    plan, _, _ = ordered(steps, IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("ball_3", "slot_2"))
+
+    assert plan.after[:3] == (frozenset(), frozenset({0}), frozenset({1}))
+    assert plan.after[3:] == (frozenset(), frozenset({3}), frozenset({4}))
+
+
+def test_who_leaves_a_place_waits_for_those_who_need_him_there() -> None:
+    steps = [*delivery(1, "ball_1", "slot_1"), drive(1, "box_b")]
+    plan, _, _ = ordered(steps, IN_CONTAINER("ball_1", "slot_1"), AT_LOCATION("robot_1", "box_b"))
+
+    assert plan.after[3] == {1}, "once picked, the ball may be placed from anywhere"
+
+
+def test_bookkeeping_of_the_goal_orders_nothing() -> None:
+    steps = [*delivery(1, "ball_1", "slot_1"), *delivery(2, "ball_3", "slot_2")]
+    plan, task, _ = ordered(steps, IN_CONTAINER("tiny:Ball", "slot_1"), IN_CONTAINER("tiny:Ball", "slot_2"))
+
+    assert any(action.skill is None for action in task.domain.actions)
+    assert len(plan.after) == len(steps)
+    assert plan.after[3] == frozenset()
+
+
+def test_a_plan_says_when_its_steps_start_where_all_durations_are_known() -> None:
+    steps = [*delivery(1, "ball_1", "slot_1"), *delivery(2, "ball_3", "slot_2")]
+    goal = IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("ball_3", "slot_2")
+    task = tiny_task(WORLD, *goal, skills=[replace(skill, duration=2.0) for skill in SKILLS.values()])
+    task = timed(WORLD, task)
+    texts = write_pddl(task.domain, task.problem, name="tiny")
+    plan = order(WORLD, task, texts, Plan(tuple(steps), pddl_plan(task, texts, steps, WORLD.ontology)))
+
+    assert plan.starts == (0.0, 2.0, 4.0, 0.0, 2.0, 4.0)
+    assert ordered(steps, *goal)[0].starts == ()
+
+
+def test_a_plan_without_its_pddl_stays_strictly_sequential() -> None:
+    task = tiny_task(WORLD, IN_CONTAINER("ball_1", "slot_1"))
+    texts = write_pddl(task.domain, task.problem, name="tiny")
+    plan = Plan(tuple(delivery(1, "ball_1", "slot_1")))
+
+    assert order(WORLD, task, texts, plan) is plan
+    assert plan.order == (frozenset(), frozenset({0}), frozenset({1}))
+
+
+def test_an_order_that_the_conditions_do_not_bear_out_is_not_believed() -> None:
+    """PDDL lines that hide what the steps need of each other, as those of a task that knows less would."""
+    task = tiny_task(WORLD, IN_CONTAINER("ball_1", "slot_1"))
+    texts = write_pddl(task.domain, task.problem, name="tiny")
+    lines = tuple(f"(drive base_{n % 2 + 1} robot_{n % 2 + 1} box_a unknown_location)" for n in range(3))
+    plan = Plan(tuple(delivery(1, "ball_1", "slot_1")), lines)
+
+    assert order(WORLD, task, texts, plan) is plan
+
+
+def test_what_must_not_be_there_orders_who_brings_it_and_who_takes_it_away() -> None:
+    blocked = NoneSuch((Variable("?any", ""),), (Atom("blocks", ("?any", "?door")),))
+    actions = {
+        "open": Action("open", "drive", (Variable("?door", ""),), (), (Atom("open", ("?door",)),), (), none=(blocked,)),
+        "clear": Action(
+            "clear", "drive", (Variable("?x", ""), Variable("?y", "")), (), (), (Atom("blocks", ("?x", "?y")),)
+        ),
+    }
+    given_texts = PddlTexts("", "", NameMap(["ball_1", "box_a", "box_b"]), actions)
+    lines = ["(clear ball_1 box_a)", "(open box_a)", "(open box_b)"]
+
+    assert partial_order(given_texts, lines, SKILLS) == (frozenset(), frozenset({0}), frozenset())
+
+
+# ------------------------------------------------------------ every sequence that keeps to the order is as good
+
+deliveries = st.permutations(sorted(BALLS)).flatmap(
+    lambda balls: st.lists(st.sampled_from([1, 2]), min_size=1, max_size=4).map(
+        lambda robots: [(r, balls[i], f"slot_{i + 1}") for i, r in enumerate(robots)]
+    )
+)
+
+
+def linearisation(after: Sequence[frozenset[int]], seed: int) -> list[int]:
+    dice, taken = random.Random(seed), list[int]()
+    while len(taken) < len(after):
+        taken.append(dice.choice([i for i in range(len(after)) if i not in taken and after[i] <= set(taken)]))
+    return taken
+
+
+def shuffled(chosen: Sequence[tuple[int, str, str]], seed: int) -> list[Step]:
+    """The deliveries, those of one robot one after the other, those of different robots mixed."""
+    queues = {robot: [s for r, *rest in chosen if r == robot for s in delivery(r, *rest)] for robot in (1, 2)}
+    dice, steps = random.Random(seed), list[Step]()
+    while any(queues.values()):
+        steps.append(queues[dice.choice([robot for robot, queue in queues.items() if queue])].pop(0))
+    return steps
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(deliveries, st.integers(0, 2**16))
+def test_every_sequence_that_keeps_to_the_order_reaches_the_goal(chosen: list[tuple[int, str, str]], seed: int) -> None:
+    goal = [IN_CONTAINER(ball, slot) for _, ball, slot in chosen]
+    plan, task, _ = ordered(shuffled(chosen, seed), *goal)
+
+    assert len(plan.after) == len(plan.steps)
+    for draw in range(4):
+        sequence = [plan.steps[i] for i in linearisation(plan.after, seed + draw)]
+        assert replay(WORLD, sequence, task.conditions, SKILLS) is None
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.integers(0, 2**16))
+def test_no_sequence_at_all_that_keeps_to_a_small_order_fails(seed: int) -> None:
+    chosen = [(1, "ball_1", "slot_1"), (2, "ball_3", "slot_2")]
+    plan, task, _ = ordered(shuffled(chosen, seed), *(IN_CONTAINER(b, s) for _, b, s in chosen))
+    kept = [p for p in permutations(range(6)) if all(p.index(e) < p.index(i) for i in range(6) for e in plan.after[i])]
+
+    assert len(kept) == 20, "two chains of three"
+    assert all(replay(WORLD, [plan.steps[i] for i in p], task.conditions, SKILLS) is None for p in kept)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(deliveries, st.integers(0, 2**16))
+def test_no_wait_is_said_that_another_implies(chosen: list[tuple[int, str, str]], seed: int) -> None:
+    plan, _, _ = ordered(shuffled(chosen, seed), *(IN_CONTAINER(ball, slot) for _, ball, slot in chosen))
+    before: list[set[int]] = []
+    for waits in plan.after:
+        before.append(set(waits).union(*(before[i] for i in waits)))
+
+    for waits in plan.after:
+        assert not any(one in before[other] for one in waits for other in waits)
+
+
+# ------------------------------------------------------------ schedules
+
+graphs = st.integers(1, 8).flatmap(
+    lambda n: st.tuples(
+        st.tuples(*(st.frozensets(st.integers(0, max(i - 1, 0)), max_size=2 if i else 0) for i in range(n))),
+        st.lists(st.floats(0.0, 10.0), min_size=n, max_size=n),
+        st.lists(st.frozensets(st.sampled_from("ab"), max_size=1), min_size=n, max_size=n),
+    )
+)
+
+
+@given(graphs)
+def test_a_schedule_keeps_to_the_order_and_gives_nothing_to_two_at_once(
+    graph: tuple[tuple[frozenset[int], ...], list[float], list[frozenset[str]]],
+) -> None:
+    after, durations, needs = graph
+    starts = schedule(after, durations, needs)
+    ends = [s + d for s, d in zip(starts, durations, strict=True)]
+
+    for i, waits in enumerate(after):
+        assert all(ends[e] <= starts[i] for e in waits)
+        for j in range(i):
+            if needs[i] & needs[j]:
+                assert ends[i] <= starts[j] or ends[j] <= starts[i]
+    assert makespan(starts, durations) <= sum(durations) + 1e-9
+
+
+@given(graphs)
+def test_the_contrary_sequence_keeps_to_the_order(
+    graph: tuple[tuple[frozenset[int], ...], list[float], list[frozenset[str]]],
+) -> None:
+    sequence = contrary(graph[0])
+
+    assert sorted(sequence) == list(range(len(graph[0])))
+    assert all(sequence.index(e) < sequence.index(i) for i, waits in enumerate(graph[0]) for e in waits)
+
+
+@pytest.mark.parametrize(("needs", "end"), [(None, 5.0), ([frozenset("a")] * 3, 8.0)])
+def test_what_has_more_behind_it_goes_first(needs: list[frozenset[str]] | None, end: float) -> None:
+    starts = schedule((frozenset(), frozenset({0}), frozenset()), [2.0, 1.0, 5.0], needs)
+
+    assert makespan(starts, [2.0, 1.0, 5.0]) == end

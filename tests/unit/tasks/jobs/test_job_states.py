@@ -1,0 +1,59 @@
+"""The states of a job follow ISA-95 job control."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_py.errors import UsageError
+from skiros_py.tasks.jobs.states import JobState, Trigger, allowed, next_state
+
+S, T = JobState, Trigger
+
+STANDARD = [
+    (S.NOT_ALLOWED_TO_START, T.START, S.ALLOWED_TO_START),
+    (S.NOT_ALLOWED_TO_START, T.UPDATE, S.NOT_ALLOWED_TO_START),
+    (S.NOT_ALLOWED_TO_START, T.ABORT, S.ABORTED),
+    (S.ALLOWED_TO_START, T.REVOKE_START, S.NOT_ALLOWED_TO_START),
+    (S.ALLOWED_TO_START, T.UPDATE, S.ALLOWED_TO_START),
+    (S.ALLOWED_TO_START, T.DISPATCH, S.RUNNING),
+    (S.ALLOWED_TO_START, T.ABORT, S.ABORTED),
+    (S.RUNNING, T.PAUSE, S.INTERRUPTED),
+    (S.RUNNING, T.STOP, S.ENDED),
+    (S.RUNNING, T.ABORT, S.ABORTED),
+    (S.RUNNING, T.FINISH, S.ENDED),
+    (S.INTERRUPTED, T.RESUME, S.RUNNING),
+    (S.INTERRUPTED, T.STOP, S.ENDED),
+    (S.INTERRUPTED, T.ABORT, S.ABORTED),
+]
+"""The rows of the standard's table (OPC 10031-4, 6.2), as read there."""
+
+
+@pytest.mark.parametrize(("state", "trigger", "follows"), STANDARD, ids=lambda value: getattr(value, "name", value))
+def test_the_rows_of_the_standard_lead_where_it_says(state, trigger, follows):
+    assert next_state(state, trigger) is follows
+
+
+def test_the_numbers_are_those_of_the_standard():
+    assert [state.value for state in JobState] == [1, 2, 3, 4, 5, 6]
+
+
+@pytest.mark.parametrize("state", [S.ENDED, S.ABORTED])
+@pytest.mark.parametrize("trigger", list(Trigger))
+def test_nothing_happens_any_more_to_what_is_over(state, trigger):
+    with pytest.raises(UsageError, match="it is over"):
+        next_state(state, trigger)
+
+
+def test_a_refusal_says_what_is_possible_instead():
+    with pytest.raises(UsageError, match=r"allowed to start takes no pause; it takes .*revoke start"):
+        next_state(S.ALLOWED_TO_START, T.PAUSE)
+
+
+@given(st.lists(st.sampled_from(list(Trigger)), max_size=30))
+def test_what_has_begun_never_waits_for_its_start_again(triggers):
+    state, begun = S.NOT_ALLOWED_TO_START, False
+    for trigger in triggers:
+        if trigger in allowed(state):
+            state = next_state(state, trigger)
+            begun = begun or state.has_begun
+            assert not (begun and state in (S.NOT_ALLOWED_TO_START, S.ALLOWED_TO_START))

@@ -1,0 +1,106 @@
+"""Jobs outlive the process that took them."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from skiros_py.errors import FileError, UnknownName
+from skiros_py.tasks.jobs.job import Job, JobOrder
+from skiros_py.tasks.jobs.states import JobState, Trigger
+from skiros_py.tasks.jobs.store import JobStore
+
+
+@pytest.fixture
+def store(tmp_path):
+    store = JobStore(tmp_path / "jobs.db")
+    yield store
+    store.close()
+
+
+def job(id_="a", number=1, **changes):
+    return Job(
+        order=JobOrder(id=id_, goal=("InKit(Starter, kit_1)",)), number=number, state=JobState.RUNNING, **changes
+    )
+
+
+def test_what_was_kept_is_there_after_opening_again(tmp_path, store):
+    kept = job(reasons=("no starter",), plan=("drive(…)",))
+    store.keep(kept, Trigger.DISPATCH, "its turn")
+    store.close()
+    again = JobStore(tmp_path / "jobs.db")
+    assert again.all() == (kept,)
+    (moved,) = again.transitions("a")
+    assert (moved.trigger, moved.state, moved.comment) == ("dispatch", JobState.RUNNING, "its turn")
+    again.close()
+
+
+def test_jobs_come_in_the_order_in_which_they_were_ordered(store):
+    for name in "zma":
+        store.keep(job(name, store.next_number()))
+    assert [kept.id for kept in store.all()] == ["z", "m", "a"]
+
+
+def test_numbers_are_never_given_again(store):
+    first = store.next_number()
+    store.keep(job("a", first))
+    store.forget("a")
+    assert store.next_number() > first
+
+
+def test_an_intent_stays_open_until_it_is_settled(store):
+    one = store.intend("a", "pick", {"Object": "starter_1"})
+    two = store.intend("a", "drive", {"Location": "kit_1"})
+    store.settle("a", one, "done")
+    assert [(i.number, i.skill, i.ended) for i in store.intents("a")] == [(one, "pick", "done"), (two, "drive", None)]
+
+
+def test_settling_a_step_that_never_was_is_refused(store):
+    with pytest.raises(UnknownName, match="step '7'"):
+        store.settle("a", 7, "done")
+
+
+def test_forgetting_a_job_forgets_all_of_it(store):
+    store.keep(job(), Trigger.DISPATCH)
+    store.intend("a", "pick", {})
+    store.tell("a", [{"text": "begun"}])
+    store.forget("a")
+    assert (store.all(), store.transitions("a"), store.intents("a"), store.trace("a")) == ((), (), (), ())
+
+
+def test_a_trace_is_kept_in_its_order(store):
+    store.tell("a", [{"n": 1}, {"n": 2}])
+    store.tell("b", [{"n": 9}])
+    store.tell("a", [{"n": 3}])
+    assert [entry["n"] for entry in store.trace("a")] == [1, 2, 3]
+
+
+def test_a_file_of_another_program_is_refused(tmp_path):
+    (tmp_path / "jobs.db").write_bytes(b"x" * 4096)
+    with pytest.raises(FileError, match="damaged, or no list of jobs"):
+        JobStore(tmp_path / "jobs.db")
+
+
+def test_what_is_kept_outlives_a_kill(tmp_path):
+    """The writer is killed right after it says that it has kept the job."""
+    code = (
+        "import sys, time; from pathlib import Path\n"
+        "from skiros_py.tasks.jobs.job import Job, JobOrder\n"
+        "from skiros_py.tasks.jobs.states import JobState\n"
+        "from skiros_py.tasks.jobs.store import JobStore\n"
+        f"store = JobStore(Path({str(tmp_path / 'jobs.db')!r}))\n"
+        "order = JobOrder(id='a', goal=('InKit(Starter, kit_1)',))\n"
+        "store.keep(Job(order=order, number=store.next_number(), state=JobState.RUNNING))\n"
+        "store.intend('a', 'pick', {'Object': 'starter_1'})\n"
+        "print('kept', flush=True); time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as writer:
+        assert writer.stdout is not None
+        assert writer.stdout.readline() == "kept\n"
+        os.kill(writer.pid, signal.SIGKILL)
+    store = JobStore(tmp_path / "jobs.db")
+    assert [kept.id for kept in store.all()] == ["a"]
+    assert [intent.ended for intent in store.intents("a")] == [None]
+    store.close()

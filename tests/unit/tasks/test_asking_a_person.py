@@ -1,0 +1,154 @@
+"""A task that needs a person: it asks, waits, and does what it is told."""
+
+from __future__ import annotations
+
+import pytest
+
+from skiros_py.skills.composition import Wait
+from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.report import GoalReport, Outcome
+from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.testing import Bench, answers, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.world.world import World
+
+GOAL = "In(ball_1, slot_1)"
+GIANT = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."
+ASKING = Policy(ask=True)
+
+
+def begin(bench: Bench, *goal: str) -> Undertaking:
+    return bench.tasks.begin(bench.goal(*goal), name="kit 7", policy=ASKING)
+
+
+def finish(bench: Bench, undertaking: Undertaking) -> GoalReport:
+    bench.until(lambda: undertaking.done)
+    assert undertaking.report is not None
+    return undertaking.report
+
+
+def answer(bench: Bench, undertaking: Undertaking, choice: str) -> str:
+    """Waits for the question, answers it, and returns its text."""
+    bench.until(lambda: undertaking.question is not None)
+    assert undertaking.question is not None
+    assert undertaking.status == "waiting"
+    text = undertaking.question.text
+    bench.questions.answer(undertaking.question.id, choice, by="ann")
+    bench.cycle.step()
+    return text
+
+
+def with_a_giant() -> World:
+    return tiny_world(GIANT)
+
+
+def test_what_cannot_be_reached_is_asked_about_with_reason_and_choices() -> None:
+    with Bench(with_a_giant()) as bench:
+        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
+        bench.until(lambda: undertaking.question is not None)
+        bench.advance(5.0)
+        (question,) = bench.questions.open
+
+    assert question == undertaking.question
+    assert question.asker == "kit 7"
+    assert question.options == ("retry", "done by hand", "skip", "abort")
+    assert question.text.startswith("In(giant_1, slot_2) cannot be reached: ")
+    assert "fits in" in question.text
+    assert not undertaking.done
+
+
+def test_skip_gives_it_up_and_does_the_rest() -> None:
+    with Bench(with_a_giant()) as bench:
+        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
+        answer(bench, undertaking, "skip")
+        report = finish(bench, undertaking)
+
+    giant, ball = report.conditions
+    assert report.outcome is Outcome.PARTLY_REACHED
+    assert giant.reason.startswith("skipped by ann: ")
+    assert ball.believed
+
+
+def test_done_by_hand_is_believed_on_the_persons_word_and_the_rest_is_done() -> None:
+    with Bench(with_a_giant()) as bench:
+        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
+        answer(bench, undertaking, "done by hand")
+        report = finish(bench, undertaking)
+        change = next(c for c in bench.world.changes if c.author == "operator")
+
+        assert bench.world.related("giant_1", "sk:in", "slot_2")
+    assert change.reason == "done by hand, says ann"
+    assert report.outcome is Outcome.REACHED
+
+
+def test_done_by_hand_that_cannot_be_believed_is_asked_about_again_with_the_reason() -> None:
+    with Bench(with_a_giant()) as bench:
+        undertaking = begin(bench, "In(Giant, slot_2)")
+        answer(bench, undertaking, "done by hand")
+        again = answer(bench, undertaking, "skip")
+        report = finish(bench, undertaking)
+
+    assert again.startswith("In(Giant, slot_2) is still not believed")
+    assert not report.reached
+
+
+def test_retry_tries_again_with_what_is_so_now() -> None:
+    world = with_a_giant()
+    with Bench(world) as bench:
+        bench.managers.close("arm_1")
+        undertaking = begin(bench, GOAL)
+        first = answer(bench, undertaking, "retry")
+        second = answer(bench, undertaking, "retry")
+        bench.managers.open("arm_1")
+        report = finish(bench, undertaking)
+
+    assert first == second
+    assert report.reached
+
+
+def test_abort_ends_the_whole_task() -> None:
+    with Bench(with_a_giant()) as bench:
+        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
+        answer(bench, undertaking, "abort")
+        report = finish(bench, undertaking)
+
+    assert report.outcome is Outcome.STOPPED
+    assert [e.text for e in undertaking.trace.entries if e.what is Happening.STOPPED] == ["is stopped: aborted by ann"]
+
+
+@pytest.mark.parametrize("ending", ["stop", "halt"])
+def test_a_task_that_waits_for_a_person_can_be_ended_and_its_question_goes(ending: str) -> None:
+    with Bench(with_a_giant()) as bench:
+        undertaking = begin(bench, "In(giant_1, slot_2)")
+        bench.until(lambda: undertaking.question is not None)
+        if ending == "stop":
+            undertaking.stop()
+            finish(bench, undertaking)
+        else:
+            bench.cycle.stop_all("a hand was seen")
+
+        assert undertaking.done
+        assert bench.questions.open == ()
+        assert undertaking.question is None
+
+
+def test_a_target_that_keeps_failing_is_asked_about_before_it_is_given_up_and_a_retry_forgives() -> None:
+    lying = (pretend(DRIVE), pretend(PICK, Wait(0.1)), pretend(PLACE))
+    with Bench(tiny_world(), lying) as bench:
+        undertaking = begin(bench, GOAL)
+        text = answer(bench, undertaking, "retry")
+        answer(bench, undertaking, "skip")
+        report = finish(bench, undertaking)
+
+    assert "gave up on ball_1 after 3 failed tries" in text
+    assert [s.skill for s in report.steps].count("pick") == 6
+
+
+def test_somebody_who_listens_can_answer_at_once() -> None:
+    with Bench(with_a_giant()) as bench:
+        person = answers(bench.questions, {"giant_1": "skip"})
+        report = finish(bench, begin(bench, "In(giant_1, slot_2)", GOAL))
+
+    assert len(person.asked) == 1
+    assert report.outcome is Outcome.PARTLY_REACHED

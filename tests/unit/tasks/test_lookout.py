@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+from skiros_py.planning.plan import Step
+from skiros_py.tasks.lookout import Lookout, supposing
+from skiros_py.testing import tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
+from skiros_py.world.world import World
+
+SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
+HAND = {"Arm": "arm_1", "Gripper": "gripper_1", "Robot": "robot_1"}
+DRIVING = Step("drive", {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"})
+REST = (
+    Step("pick", {**HAND, "Box": "box_a", "Ball": "ball_1"}),
+    Step("place", {**HAND, "Ball": "ball_1", "Slot": "slot_1"}),
+)
+
+
+def lookout(world: World) -> Lookout:
+    return Lookout(world, (IN_CONTAINER("ball_1", "slot_1"),), SKILLS)
+
+
+def move(world: World, what: str, relation: str, place: str) -> None:
+    with world.transaction("somebody", "moved it") as tx:
+        tx.place(what, relation, place)
+
+
+def test_what_runs_is_supposed_to_succeed() -> None:
+    world = tiny_world()
+
+    assert lookout(world).look([DRIVING], REST) is None
+    flaw = lookout(world).look([], REST)
+    assert flaw is not None
+    assert (flaw.step, flaw.verdict.text) == (0, "At(robot_1, box_a)")
+
+
+def test_only_a_change_of_what_was_read_makes_another_look_worth_while() -> None:
+    world = tiny_world()
+    watch = lookout(world)
+    assert watch.stale
+    watch.look([DRIVING], REST)
+
+    move(world, "red_ball_1", "sk:in", "box_a")
+    assert not watch.stale
+    move(world, "ball_1", "sk:in", "box_b")
+    assert watch.stale
+    flaw = watch.look([DRIVING], REST)
+    assert flaw is not None
+    assert flaw.verdict.text == "In(ball_1, box_a)"
+
+
+def test_an_element_that_goes_is_heard_of() -> None:
+    world = tiny_world()
+    watch = lookout(world)
+    watch.look([DRIVING], REST)
+    with world.transaction("somebody", "threw it away") as tx:
+        tx.remove("ball_1")
+
+    assert watch.stale
+    assert watch.look([DRIVING], REST) is not None
+
+
+def test_after_its_end_it_hears_nothing() -> None:
+    world = tiny_world()
+    watch = lookout(world)
+    watch.look([DRIVING], REST)
+    watch.close()
+    move(world, "ball_1", "sk:in", "box_b")
+
+    assert not watch.stale
+
+
+def test_supposing_leaves_the_world_alone_and_knows_where_robots_will_have_been() -> None:
+    world = tiny_world()
+    version = world.version
+    overlay, reached = supposing(world, [DRIVING, REST[0]], SKILLS, {"robot_1": 2})
+
+    assert overlay.related("ball_1", "sk:heldBy", "gripper_1")
+    assert world.version == version
+    assert reached == {"robot_1": 2}, "nothing here has a number"

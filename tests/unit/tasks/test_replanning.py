@@ -1,0 +1,269 @@
+"""What a task does when the world, or who can do what, changes behind its plan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import pytest
+
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.report import Outcome as TaskOutcome
+from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+
+GOAL = "In(ball_1, slot_1)"
+BALLS = "".join(f'scene:ball_{n} a tiny:Ball ; rdfs:label "ball {n}" ; sk:in scene:box_b .\n' for n in (2, 3))
+SLOW = tuple(pretend(skill, Sequence.of(Wait(1.0), AssertEffects(0.0))) for skill in (DRIVE, PICK, PLACE))
+
+
+class Grasp(Primitive[Any]):
+    """Slips so often as told."""
+
+    name: ClassVar[str] = "grasp"
+    slips: ClassVar[dict[str, int]] = {}
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        ball: str = param("tiny:Ball", "What to grasp.")
+
+    def execute(self) -> Execution[Outcome]:
+        yield
+        left = self.slips.get(self.params.ball, 0)
+        self.slips[self.params.ball] = max(0, left - 1)
+        return Failure(f"{self.params.ball} slipped") if left else Success()
+
+
+GRASPING = (
+    pretend(DRIVE),
+    pretend(PICK, Sequence.of(Do.of("grasp", ball=P("Ball")), AssertEffects(0.02))),
+    pretend(PLACE),
+)
+LIAR = (pretend(DRIVE), pretend(PICK, Wait(0.1)), pretend(PLACE))
+"""The pick says that it worked, and nothing of what it promises is so."""
+
+
+@pytest.fixture(autouse=True)
+def _forget() -> None:
+    Grasp.slips.clear()
+
+
+def begin(bench: Bench, *goal: str, policy: Policy | None = None) -> Undertaking:
+    return bench.tasks.begin(bench.goal(*(goal or (GOAL,))), policy=policy)
+
+
+def finish(bench: Bench, undertaking: Undertaking, limit: float = 60.0) -> GoalReport:
+    bench.until(lambda: undertaking.done, limit=limit)
+    assert undertaking.report is not None
+    return undertaking.report
+
+
+def told(undertaking: Undertaking, what: Happening) -> list[str]:
+    return [entry.text for entry in undertaking.trace.entries if entry.what is what]
+
+
+# ------------------------------------------------------------------ what fails
+
+
+def test_a_step_that_failed_is_repeated_without_planning_where_the_plan_is_still_right() -> None:
+    Grasp.slips["ball_1"] = 2
+    with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
+        undertaking = begin(bench)
+        report = finish(bench, undertaking)
+
+    assert report.reached
+    assert len(bench.plans) == 1
+    assert told(undertaking, Happening.RETRIED) == ["pick failed: ball_1 slipped: it is tried again"] * 2
+    failed = next(s for s in report.steps if s.reason)
+    again = next(s for s in report.steps if s.start > failed.start)
+    assert again.start == pytest.approx(failed.end)
+
+
+def test_a_skill_whose_declared_effect_does_not_happen_is_retried_and_given_up_with_the_reason() -> None:
+    with Bench(tiny_world(), LIAR) as bench:
+        undertaking = begin(bench)
+        report = finish(bench, undertaking)
+
+        assert bench.world.related("ball_1", "sk:in", "box_a"), "what a plan supposes is never believed"
+    assert report.outcome is TaskOutcome.NOT_REACHED
+    assert [s.skill for s in report.steps] == ["drive", "pick", "pick", "pick"]
+    assert "postcondition Holding(gripper_1, ball_1)" in report.conditions[0].reason
+    assert "gave up on ball_1 after 3 failed tries" in report.conditions[0].reason
+
+
+def test_the_rest_is_done_where_that_is_the_policy() -> None:
+    Grasp.slips["ball_1"] = 99
+    with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
+        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=True))
+        report = finish(bench, undertaking)
+
+    given_up, done = report.conditions
+    assert report.outcome is TaskOutcome.PARTLY_REACHED
+    assert "slipped" in given_up.reason
+    assert done.believed
+    assert len(told(undertaking, Happening.GIVEN_UP)) == 1
+
+
+def test_the_rest_is_left_where_that_is_the_policy() -> None:
+    Grasp.slips["ball_1"] = 99
+    with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
+        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=False, attempts=1))
+        report = finish(bench, undertaking)
+
+    picks = [s.arguments["Ball"] for s in report.steps if s.skill == "pick"]
+    assert picks[-1] == "ball_1"
+    assert not report.reached
+    assert all(c.reason for c in report.conditions if not c.believed)
+
+
+# ------------------------------------------------------------------ a world that changes
+
+
+def when(bench: Bench, skill: str, status: Status, action: Callable[[], None]) -> None:
+    """Does something once, at the first event of a kind."""
+    happened: list[ModuleEvent] = []
+
+    def listen(event: ModuleEvent) -> None:
+        if event.module == skill and event.status is status and not happened:
+            happened.append(event)
+            action()
+
+    bench.monitor.subscribe(listen)
+
+
+def move(bench: Bench, ball: str, relation: str, place: str) -> None:
+    with bench.world.transaction("somebody", "moved it by hand") as tx:
+        tx.place(ball, relation, place)
+
+
+def test_a_part_that_is_moved_is_planned_for_anew_and_the_trace_says_why() -> None:
+    with Bench(tiny_world(), SLOW) as bench:
+        when(bench, "drive", Status.STARTED, lambda: move(bench, "ball_1", "sk:in", "box_b"))
+        undertaking = begin(bench)
+        report = finish(bench, undertaking)
+
+    assert report.reached
+    assert told(undertaking, Happening.REPLANS) == ["plans anew: In(ball_1, box_a)"]
+    assert len(bench.plans) == 2
+
+
+def test_a_part_that_is_removed_leaves_a_goal_that_names_it_out_of_reach() -> None:
+    def remove() -> None:
+        with bench.world.transaction("somebody", "threw it away") as tx:
+            tx.remove("ball_1")
+
+    with Bench(tiny_world(), SLOW) as bench:
+        when(bench, "drive", Status.STARTED, remove)
+        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)")
+        report = finish(bench, undertaking)
+
+    assert report.outcome is TaskOutcome.PARTLY_REACHED
+    assert "ball_1" in report.conditions[0].reason
+
+
+def test_a_finished_part_that_is_taken_out_again_is_put_back() -> None:
+    with Bench(tiny_world(), SLOW) as bench:
+        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)")
+        bench.until(lambda: bench.world.related("ball_1", "sk:in", "slot_1") or undertaking.done)
+        bench.advance(0.5)
+        move(bench, "ball_1", "sk:in", "box_a")
+        report = finish(bench, undertaking)
+
+    assert report.reached
+
+
+def test_a_world_that_flips_for_ever_ends_the_task_after_a_bounded_number_of_plans() -> None:
+    with Bench(tiny_world()) as bench:
+
+        def tease(event: ModuleEvent) -> None:
+            if event.module == "drive" and event.status is Status.STARTED:
+                here = bench.world.objects("ball_1", "sk:in")[0]
+                move(bench, "ball_1", "sk:in", "box_b" if here == "box_a" else "box_a")
+
+        bench.monitor.subscribe(tease)
+        undertaking = begin(bench)
+        report = finish(bench, undertaking)
+
+    assert not report.reached
+    assert len(bench.plans) <= 9
+    assert report.conditions[0].reason == "gave up: plan after plan did not lead there"
+
+
+def test_changes_that_nothing_of_the_plan_reads_are_not_even_looked_at() -> None:
+    with Bench(tiny_world(BALLS), SLOW) as bench:
+        undertaking = begin(bench)
+        bench.until(lambda: "drive" in bench.managers["base_1"].running)
+        for _ in range(20):
+            move(bench, "ball_2", "sk:in", "box_a")
+            bench.cycle.step()
+            move(bench, "ball_2", "sk:in", "box_b")
+            bench.cycle.step()
+        report = finish(bench, undertaking)
+
+    assert report.reached
+    assert [s.skill for s in report.steps] == ["drive", "pick", "place"]
+    assert told(undertaking, Happening.REPLANS) == []
+
+
+def test_what_makes_the_goal_hold_ends_the_task_and_what_runs_for_it() -> None:
+    with Bench(tiny_world(), SLOW) as bench:
+        when(bench, "drive", Status.STARTED, lambda: move(bench, "ball_1", "sk:in", "slot_1"))
+        undertaking = begin(bench)
+        report = finish(bench, undertaking, limit=0.5)
+
+    assert report.outcome is TaskOutcome.REACHED
+    assert report.steps[0].reason == "nothing more is to be done"
+
+
+# ------------------------------------------------------------------ managers that come and go
+
+
+def test_a_manager_lost_in_mid_step_has_its_step_stopped_and_another_robot_does_it() -> None:
+    with Bench(tiny_world(robots=2), SLOW) as bench:
+        undertaking = begin(bench)
+        bench.until(lambda: any("pick" in m.running for m in bench.managers.values()))
+        lost = next(a for a, m in bench.managers.items() if "pick" in m.running)
+        bench.advance(0.3)
+        bench.managers[lost].lose("its host is gone")
+        bench.advance(0.1)
+        assert "pick" not in bench.managers[lost].running
+        report = finish(bench, undertaking)
+
+    assert report.reached
+    assert report.steps[-1].agent not in (lost, "")
+    assert next(s for s in report.steps if s.reason).agent == lost
+
+
+def test_a_manager_lost_that_the_rest_of_the_plan_counts_on_is_replanned_at_once() -> None:
+    with Bench(tiny_world(robots=2), SLOW) as bench:
+        undertaking = begin(bench)
+        bench.until(lambda: any("drive" in m.running for m in bench.managers.values()))
+        base = next(a for a, m in bench.managers.items() if "drive" in m.running)
+        arm = base.replace("base", "arm")
+        bench.managers[arm].lose("its host is gone")
+        report = finish(bench, undertaking)
+
+    assert report.reached
+    assert told(undertaking, Happening.REPLANS) == [f"plans anew: {arm} has no skill pick any more"]
+    assert report.steps[-1].agent != arm
+
+
+def test_a_manager_that_appears_helps_where_nobody_could() -> None:
+    with Bench(tiny_world(), SLOW) as bench:
+        bench.managers.close("arm_1")
+        undertaking = begin(bench, policy=Policy(ask=True))
+        bench.until(lambda: undertaking.status == "waiting")
+        bench.managers.open("arm_1")
+        report = finish(bench, undertaking)
+
+        assert bench.questions.open == ()
+    assert report.reached

@@ -1,0 +1,216 @@
+from __future__ import annotations
+
+import pytest
+
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.planning.plan import Plan
+from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.tasks.report import Outcome
+from skiros_py.tasks.sequences import StepSequence
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.world.world import World
+
+SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
+HAND = {"Arm": "arm_1", "Gripper": "gripper_1", "Robot": "robot_1"}
+
+
+def sequence(world: World) -> StepSequence:
+    """Drive, pick, place of ball_1, from scratch."""
+    made = StepSequence(world, SKILLS)
+    made.add("drive", Base="base_1", Robot="robot_1", Location="box_a")
+    made.add("pick", **HAND, Box="box_a", Ball="ball_1")
+    made.add("place", **HAND, Ball="ball_1", Slot="slot_1")
+    return made
+
+
+# ------------------------------------------------------------------ editing
+
+
+def test_a_sequence_from_scratch_is_checked_step_by_step() -> None:
+    made = StepSequence(tiny_world(), SKILLS)
+
+    (alone,) = made.add("pick", **HAND, Box="box_a", Ball="ball_1")
+    assert alone.problems == ("At(robot_1, box_a)",)
+    drive, pick = made.insert(0, "drive", Base="base_1", Robot="robot_1", Location="box_a")
+    assert (drive.works, pick.works, made.works) == (True, True, True)
+
+
+def test_a_removed_step_breaks_what_needs_it_and_only_that() -> None:
+    made = sequence(tiny_world())
+
+    drive, place = made.remove(1)
+    assert drive.works
+    assert place.problems == ("Holding(gripper_1, ball_1)",)
+
+
+def test_steps_can_be_moved_and_moved_back() -> None:
+    made = sequence(tiny_world())
+
+    assert [check.works for check in made.move(0, 2)] == [False, True, True]
+    assert [step.skill for step in made.steps] == ["pick", "place", "drive"]
+    assert all(check.works for check in made.move(2, 0))
+
+
+def test_a_changed_parameter_is_checked_too() -> None:
+    made = sequence(tiny_world())
+
+    assert [check.works for check in made.change(0, Location="box_b")] == [True, False, True]
+    assert [check.works for check in made.change(0, Location="box_a")] == [True, True, True]
+    made.change(0, Robot=None)
+    assert dict(made.steps[0].arguments) == {"Base": "base_1", "Location": "box_a"}
+
+
+def test_a_check_is_of_the_world_as_it_is_now() -> None:
+    world = tiny_world()
+    made = sequence(world)
+    with world.transaction("somebody", "moved it") as tx:
+        tx.place("ball_1", "sk:in", "box_b")
+
+    assert made.checks[1].problems == ("In(ball_1, box_a)",)
+    assert made.checks[1].as_json()["works"] is False
+
+
+@pytest.mark.parametrize(
+    ("edit", "says"),
+    [
+        (lambda s: s.add("fly"), "unknown skill 'fly'"),
+        (lambda s: s.add("drive", Wings="base_1"), "Wings"),
+        (lambda s: s.add("drive", Base="base_7"), "base_7"),
+        (lambda s: s.add("drive", Base="box_a"), "box_a"),
+        (lambda s: s.remove(3), "a number from 0 to 2, not 3"),
+        (lambda s: s.remove(-1), "a number from 0 to 2, not -1"),
+        (lambda s: s.insert(4, "drive"), "a number from 0 to 3, not 4"),
+        (lambda s: s.move(0, 3), "a number from 0 to 2, not 3"),
+        (lambda s: s.change(9, Location="box_b"), "a number from 0 to 2, not 9"),
+        (lambda s: s.remove("1"), "not '1'"),
+        (lambda s: s.remove(True), "not True"),
+    ],
+)
+def test_an_edit_that_names_what_is_not_there_is_refused_and_changes_nothing(edit: object, says: str) -> None:
+    made = sequence(tiny_world())
+    before = made.steps
+
+    with pytest.raises(UsageError) as refusal:
+        edit(made)  # type: ignore[operator]
+    assert says in str(refusal.value)
+    assert made.steps == before
+
+
+def test_an_empty_sequence_has_no_place_for_an_edit_and_cannot_be_run() -> None:
+    empty = StepSequence(tiny_world(), SKILLS)
+
+    with pytest.raises(UsageError, match="there is none"):
+        empty.remove(0)
+    with pytest.raises(UsageError, match="no steps"):
+        empty.require_works()
+
+
+def test_a_sequence_reads_as_text() -> None:
+    made = sequence(tiny_world())
+    made.remove(0)
+
+    assert str(made).splitlines() == [
+        " 1. pick box_a ball_1 - At(robot_1, box_a)",
+        " 2. place ball_1 slot_1",
+    ]
+
+
+# ------------------------------------------------------------------ running
+
+
+def test_a_plan_can_be_edited_and_run() -> None:
+    with Bench(tiny_world()) as bench:
+        plan = bench.plan("In(ball_1, slot_1)").outcome
+        assert isinstance(plan, Plan)
+        made = StepSequence(bench.world, SKILLS, plan)
+        made.change(2, Slot="slot_2")
+        undertaking = bench.tasks.execute(made)
+        bench.until(lambda: undertaking.done)
+
+        assert bench.world.related("ball_1", "sk:in", "slot_2")
+    assert undertaking.report is not None
+    assert undertaking.report.outcome is Outcome.REACHED
+    assert [step.skill for step in undertaking.report.steps] == ["drive", "pick", "place"]
+
+
+def test_an_edited_plan_that_cannot_work_is_refused_with_the_step_and_the_reason() -> None:
+    with Bench(tiny_world()) as bench:
+        made = sequence(bench.world)
+        made.remove(0)
+
+        with pytest.raises(UsageError) as refusal:
+            bench.tasks.execute(made)
+        assert bench.tasks.undertakings == ()
+    assert "step 1 (pick box_a ball_1): At(robot_1, box_a)" in str(refusal.value)
+
+
+def test_what_cannot_work_can_be_asked_for_all_the_same_and_fails_at_that_step() -> None:
+    with Bench(tiny_world()) as bench:
+        made = sequence(bench.world)
+        made.remove(0)
+        undertaking = bench.tasks.execute(made, anyway=True)
+        bench.until(lambda: undertaking.done)
+
+    report = undertaking.report
+    assert report is not None
+    assert not report.reached
+    assert report.fault.startswith("arm_1: pick box_a ball_1 failed 3 times: precondition At(robot_1, box_a)")
+    assert [step.skill for step in report.steps] == ["pick"] * 3
+
+
+def test_a_sequence_is_repeated_so_often_as_wanted() -> None:
+    with Bench(tiny_world()) as bench:
+        made = bench.tasks.sequence()
+        made.add("drive", Base="base_1", Robot="robot_1", Location="box_a")
+        made.add("drive", Base="base_1", Robot="robot_1", Location="box_b")
+        undertaking = bench.tasks.execute(made, iterate=3)
+        bench.until(lambda: undertaking.done)
+
+    assert undertaking.report is not None
+    assert [step.arguments["Location"] for step in undertaking.report.steps] == ["box_a", "box_b"] * 3
+
+
+def test_a_sequence_is_repeated_until_it_is_stopped() -> None:
+    with Bench(tiny_world(), (pretend(DRIVE, Sequence.of(Wait(0.2), AssertEffects(0.0))),)) as bench:
+        made = bench.tasks.sequence()
+        made.add("drive", Base="base_1", Robot="robot_1", Location="box_a")
+        undertaking = bench.tasks.execute(made, iterate=None)
+        bench.advance(3.0)
+        assert not undertaking.done
+        undertaking.stop("enough")
+        bench.until(lambda: undertaking.done, limit=0.1)
+
+    report = undertaking.report
+    assert report is not None
+    assert report.outcome is Outcome.STOPPED
+    assert len(report.steps) > 10
+
+
+def test_a_second_round_that_cannot_work_is_not_begun() -> None:
+    with Bench(tiny_world()) as bench:
+        undertaking = bench.tasks.execute(sequence(bench.world), iterate=2)
+        bench.until(lambda: undertaking.done)
+
+    report = undertaking.report
+    assert report is not None
+    assert len(report.steps) == 3
+    assert report.fault == "round 2 cannot work: pick box_a ball_1: In(ball_1, box_a)"
+
+
+@pytest.mark.parametrize("often", [0, -1, 1.5, True, "2"])
+def test_how_often_is_a_whole_number(often: object) -> None:
+    with Bench(tiny_world()) as bench, pytest.raises(UsageError, match="iterate"):
+        bench.tasks.execute(sequence(bench.world), iterate=often)  # type: ignore[arg-type]
+
+
+def test_a_skill_that_goes_away_is_a_problem_of_its_step() -> None:
+    with Bench(tiny_world()) as bench:
+        undertaking = bench.tasks.execute(sequence(bench.world))
+        bench.managers.close("arm_1")
+        bench.until(lambda: undertaking.done)
+
+    assert undertaking.report is not None
+    assert "pick" in undertaking.report.fault
+    with pytest.raises(UnknownName):
+        bench.tasks.sequence().add("pick")

@@ -1,0 +1,60 @@
+"""The first instances of a class, without the others: the same in every form of a world."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skiros_py.errors import UnknownName
+from skiros_py.skills.conditions import Exists, Related
+from skiros_py.skills.conditions.reads import ReadingView
+from skiros_py.testing import tiny_world
+from skiros_py.world.overlay import Overlay
+from skiros_py.world.sensors import NO_SENSORS
+from skiros_py.world.view import WorldView
+from skiros_py.world.without import Without
+
+WORLD = tiny_world(
+    *(f"scene:ball_{n} a tiny:{'Red' * (n % 3 == 0)}Ball ; sk:in scene:box_a ." for n in range(100, 180))
+)
+LEFT_OUT = frozenset({"ball_1", "ball_103", "ball_150"})
+VIEWS: tuple[WorldView, ...] = (
+    WORLD,
+    WORLD.snapshot(),
+    Overlay(WORLD),
+    Without(WORLD, LEFT_OUT),
+    ReadingView(WORLD.snapshot(), NO_SENSORS),
+)
+classes = st.sampled_from(["tiny:Ball", "tiny:RedBall", "tiny:Box", "tiny:Key", "sk:SpatialThing"])
+
+
+@pytest.mark.parametrize("view", VIEWS, ids=lambda view: type(view).__name__)
+@given(class_=classes, limit=st.integers(0, 120), after=st.sampled_from(["", "a", "ball_1", "ball_150", "red", "zz"]))
+def test_the_first_instances_are_the_beginning_of_all(view: WorldView, class_: str, limit: int, after: str) -> None:
+    expected = tuple(name for name in view.instances(class_) if name > after)[:limit]
+
+    assert view.some_instances(class_, limit, after) == expected
+
+
+@pytest.mark.parametrize("view", VIEWS, ids=lambda view: type(view).__name__)
+def test_of_some_ids_those_of_a_class_are_told(view: WorldView) -> None:
+    ids = ("slot_1", "red_ball_1", "ball_103", "ball_100")
+
+    assert view.instances_among("tiny:Ball", ids) == tuple(i for i in ids if i in view.instances("tiny:Ball"))
+
+
+def test_a_class_that_is_none_is_named() -> None:
+    with pytest.raises(UnknownName, match="tiny:Baal"):
+        WORLD.some_instances("tiny:Baal", 1)
+
+
+@pytest.mark.parametrize(("ball", "there"), [("ball_103", False), ("ball_104", True)])
+def test_what_does_not_take_part_is_not_found_by_what_it_is_related_to(ball: str, there: bool) -> None:
+    overlay = Overlay(WORLD)
+    overlay.place(ball, "sk:in", "slot_1")
+    found = Exists("b", "tiny:Ball", Related("sk:in", "b", "slot")).evaluate(
+        Without(overlay, LEFT_OUT), {"slot": "slot_1"}
+    )
+
+    assert found.holds is there
