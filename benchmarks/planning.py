@@ -24,7 +24,7 @@ from planning_replan import replanning_times
 from planning_worlds import PART_CLASSES, able, crowded, kitting_world
 from table import Figure, finish
 
-from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.planning.fast_downward import FastDownward, driver_path
 from skiros_py.planning.kairos import Kairos
 from skiros_py.planning.pddl import write_pddl
 from skiros_py.planning.plan import Plan
@@ -178,7 +178,7 @@ def _write(world: WorldView, *, whole: bool) -> None:
 
 def _run_bare(folder: str) -> None:
     """Runs the planner alone, as it would be typed."""
-    command = FastDownward().command("domain.pddl", "problem.pddl")
+    command = [sys.executable, str(driver_path()), "--alias", "lama-first", "domain.pddl", "problem.pddl"]
     subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=True, env=dict(os.environ))
 
 

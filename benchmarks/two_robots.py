@@ -9,6 +9,7 @@ simulator's truth; the bar is for four parts, eight parts in two kits are report
 from __future__ import annotations
 
 import argparse
+import math
 import statistics
 import sys
 import time
@@ -20,6 +21,7 @@ from table import Figure, finish
 
 from skiros_py.runtime import Options, Session
 from skiros_py.simulation.truth import Truth
+from skiros_py.skills.outcome import Failure
 
 _SCENE = "kitting_two"
 _RATIO = 0.65
@@ -53,18 +55,20 @@ def _figures(seeds: Sequence[int], kits: int) -> list[Figure]:
     parts, goal = 4 * kits, _goal(kits)
     two = [_run(goal, seed, None) for seed in seeds]
     one = [_run(goal, seed, "robot_1") for seed in seeds]
-    ratio = _median(two) / _median(one)
+    by_hand = [_by_hand(kits, seed) for seed in seeds]
+    best = min(_median(one), statistics.median(by_hand))
+    ratio = _median(two) / best
     every = f"{len(two)} of {len(two)}"
     reached = sum(run.reached for run in two)
     touches = sorted({touch for run in two for touch in run.touches})
-    alone = f"one robot: {_median(one):.0f} s, {sum(run.reached for run in one)} of {len(one)} reached"
+    alone = f"one robot: {_median(one):.0f} s, in the best order by hand {statistics.median(by_hand):.0f} s"
     barred = kits == 1
     return [
         Figure(f"{parts} parts, goal reached by the truth", f"{reached} of {len(two)}", every, reached == len(two)),
         Figure(f"{parts} parts, robots touch", ", ".join(touches) or "never", "never", not touches),
         Figure(
             f"{parts} parts, makespan of two robots, simulated",
-            f"median {_median(two):.0f} s, {ratio:.2f} of one robot's",
+            f"median {_median(two):.0f} s, {ratio:.2f} of one robot's best",
             f"<= {_RATIO:.2f}" if barred else "",
             ratio <= _RATIO or not barred,
             alone,
@@ -107,6 +111,22 @@ def _run(goal: Sequence[str], seed: int, robot: str | None) -> _Run:
     who = robot or "both robots"
     print(f"{len(goal)} parts, {who}, seed {seed}: {run.makespan:.0f} s", file=sys.stderr, flush=True)
     return run
+
+
+def _by_hand(kits: int, seed: int) -> float:
+    """Returns how long one robot takes that always takes the shortest way [s]: planners know of no distances."""
+    sides = {"starter": "north", "alternator": "north", "compressor": "south", "relay_box": "south"}
+    with Session(_SCENE, Options(seed=seed, robot="robot_1")) as session:
+        for n in range(1, kits + 1):
+            for (part, side), compartment in zip(sides.items(), "abcd", strict=True):
+                pallet = {"north": "ab", "south": "cd"}[side][n - 1]
+                place = {"Object": f"{part}_{n}", "Compartment": f"kit_{n}_{compartment}"}
+                session.run_module("drive", {"Location": f"pallet_{pallet}"}, "base_1")
+                session.run_module("pick", {"Object": f"{part}_{n}"}, "arm_1")
+                session.run_module("drive", {"Location": f"kit_{n}_{side}"}, "base_1")
+                if isinstance(session.run_module("place", place, "arm_1"), Failure):
+                    return math.inf
+        return session.cycle.board.snapshot.time
 
 
 def _memory() -> float:

@@ -9,7 +9,8 @@ from skiros_py.robot.cell import CellSpec
 from skiros_py.simulation.pybullet.cell import PyBulletCell
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
-from skiros_py.world.overlay import Overlay
+from skiros_py.world.element import Element
+from skiros_py.world.enlarged import Enlarged
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import (
@@ -44,9 +45,13 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
         goal: Conditions over elements and classes.
     """
     truth = Truth(cell)
-    real = Overlay(view)
+    real = Enlarged(view)
     placements = truth.placements()
-    for part in view.instances(MANIPULATABLE):
+    types = {body.id: body.type for body in spec.bodies}
+    for body in placements.keys() & types.keys():
+        if not view.has(body):  # in stock, or taken from there: nobody can tell as which individual
+            real.enlarge(Element(body, types[body], body))
+    for part in real.instances(MANIPULATABLE):
         place = placements.get(part)
         if place is None:
             real.unplace(part)
@@ -54,7 +59,9 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
             real.place(part, _relation(view, place), place if view.has(place) else _floor(view))
     for robot in spec.robots:
         real.place(robot.id, AT, _location(view, truth, robot.base.id))
-    return tuple(bool(c.evaluate(real)) if _is_physical(c.pattern, view) else None for c in goal)
+    unknown = {part for part in view.instances(MANIPULATABLE) if part not in types}
+    can_tell = (_is_physical(c.pattern, view) and unknown.isdisjoint(c.arguments) for c in goal)
+    return tuple(bool(c.evaluate(real)) if can else None for c, can in zip(goal, can_tell, strict=True))
 
 
 def _is_physical(pattern: Pattern, view: WorldView) -> bool:

@@ -1,31 +1,37 @@
-"""Pictures of a run from outside: a contact sheet of the key moments, or an animation."""
+"""What is kept of a run: its record, and on request a contact sheet of the key moments or an animation."""
 
 from __future__ import annotations
 
 import math
+import platform
+import re
+import time
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from skiros_py.errors import UsageError
-from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.errors import FileError, UsageError
+from skiros_py.records.pictures import HEIGHT, WIDTH, KeyMoments, over_the_shoulder
+from skiros_py.records.reader import RUNS, SUFFIX
+from skiros_py.records.recorder import RunRecorder
 from skiros_py.robot.pending import Pending
+from skiros_py.robot.values import Snapshot
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
     from skiros_py.runtime import Session
 
-__all__ = ["Recorder", "check_recording"]
+__all__ = ["Recorder", "check_recording", "run_recorder"]
 
 _SHEET, _ANIMATIONS = ".png", (".gif", ".webp")
-_WIDTH, _HEIGHT = 480, 360
 _EVERY = 1.0
 """Time between two pictures of an animation [s]."""
-_WHILE = 1.0
-"""A primitive that took at least so long is worth a picture when it ends [s]."""
 _COLUMNS = 4
-_WORDS = {Status.TERMINATED: "done", Status.ERROR: "failed"}
+_PACKAGES = ("skiros-py", "pybullet", "numpy", "up-fast-downward", "kairos-planner")
+"""Whose versions a record names."""
 
 
 def check_recording(path: Path, *, fake: bool) -> None:
@@ -68,38 +74,20 @@ class Recorder:
         self._path = path
         self._shots: list[_Shot] = []
         self._next = 0.0
-        self._started: dict[str, float] = {}
         if path.suffix == _SHEET:
-            session.monitor.subscribe(self._on_event)
+            KeyMoments(session.monitor, self._shoot)
         else:
             session.cycle.observe(self._on_cycle)
-
-    def _on_event(self, event: ModuleEvent) -> None:
-        if event.status is Status.STARTED:
-            self._started[event.module] = event.time
-        telling = event.kind == "skill" or event.time - self._started.get(event.module, event.time) >= _WHILE
-        if telling and event.status in _WORDS:
-            self._shots.append(self._shoot(f"{event.module} {event.target} {_WORDS[event.status]}"))
 
     def _on_cycle(self) -> None:
         now = self._session.cycle.board.snapshot.time
         if now >= self._next:
             self._next = now + _EVERY
-            self._shots.append(self._shoot(""))
+            self._shoot("", "")
 
-    def _shoot(self, caption: str) -> _Shot:
-        """Looks over the robot's shoulder at where it works."""
-        board = self._session.cycle.board.snapshot
-        base = next(iter(board.bases.values())).pose
-        x, y, _ = base.position
-        eye = base.apply(_vector(-0.9, -1.5, 1.7))
-        picture = self._session.simulation.picture(
-            (float(eye[0]), float(eye[1]), float(eye[2])),
-            (x + 0.5 * math.cos(base.yaw), y + 0.5 * math.sin(base.yaw), 0.5),
-            width=_WIDTH,
-            height=_HEIGHT,
-        )
-        return _Shot(board.time, caption, picture)
+    def _shoot(self, caption: str, agent: str) -> None:
+        snapshot = self._session.cycle.board.snapshot
+        self._shots.append(_Shot(snapshot.time, caption, _picture(self._session, snapshot, agent)))
 
     def write(self) -> None:
         """Writes what was recorded.
@@ -117,10 +105,65 @@ class Recorder:
             raise UsageError(f"--record {self._path} cannot be written: {error.strerror or error}") from error
 
 
-def _vector(x: float, y: float, z: float) -> Any:
-    import numpy as np
+def _picture(session: Session, snapshot: Snapshot, agent: str) -> Pending[Any]:
+    """Looks over a robot's shoulder at where it works; over the first one's where nobody knows whose."""
+    robots = session.station.context.cell.robots
+    own = (robot.base.id for robot in robots if agent in {robot.base.id, *(arm.id for arm in robot.arms)})
+    eye, target = over_the_shoulder(snapshot.bases[next(own, robots[0].base.id)])
+    return session.simulation.picture(eye, target, width=WIDTH, height=HEIGHT)
 
-    return np.array([x, y, z])
+
+def run_recorder(session: Session, data: Path) -> RunRecorder:
+    """Makes the recorder of a run, whose record goes into a data directory.
+
+    Args:
+        session: The session, not yet running.
+        data: The data directory.
+
+    Raises:
+        FileError: The record cannot be made there.
+    """
+    folder = data / RUNS
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(folder, f"cannot be made: {error.strerror or error}") from error
+    physics = session.options.driver is None and not session.options.fake
+    camera = (lambda snapshot, agent: _picture(session, snapshot, agent)) if physics else None
+    return RunRecorder(
+        _free(folder, Path(session.scene).stem), session.station, session.tasks, _about(session), camera=camera
+    )
+
+
+def _free(folder: Path, scene: str) -> Path:
+    """Returns a file of a name that is free: date, time and scene."""
+    name = f"{time.strftime('%Y-%m-%d_%H%M%S')}_{re.sub(r'[^A-Za-z0-9.-]+', '_', scene)}"
+    names = (name if number == 1 else f"{name}-{number}" for number in count(1))
+    return next(path for name in names if not (path := folder / f"{name}{SUFFIX}").exists())
+
+
+def _about(session: Session) -> dict[str, Any]:
+    options = session.options
+    return {
+        "scene": Path(session.scene).stem,
+        "seed": options.seed,
+        "driver": session.cell.kind,
+        "pace": options.pace,
+        "goal": [str(condition) for condition in session.goal],
+        "config": dict(options.config),
+        "planner": options.planner or options.planner_command or "",
+        "versions": {"python": platform.python_version()} | _versions(),
+    }
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:  # not every installation has all of them
+            continue
+    return found
 
 
 def _captioned(shot: _Shot) -> Image:
@@ -138,7 +181,7 @@ def _contact_sheet(pictures: list[Image]) -> Image:
     from PIL import Image
 
     rows = max(1, math.ceil(len(pictures) / _COLUMNS))
-    sheet = Image.new("RGB", (_COLUMNS * _WIDTH, rows * _HEIGHT), (255, 255, 255))
+    sheet = Image.new("RGB", (_COLUMNS * WIDTH, rows * HEIGHT), (255, 255, 255))
     for index, picture in enumerate(pictures):
-        sheet.paste(picture, ((index % _COLUMNS) * _WIDTH, (index // _COLUMNS) * _HEIGHT))
+        sheet.paste(picture, ((index % _COLUMNS) * WIDTH, (index // _COLUMNS) * HEIGHT))
     return sheet

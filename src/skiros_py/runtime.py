@@ -30,6 +30,7 @@ from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
 from skiros_py.system import check_system_libraries
 from skiros_py.tasks.goals import parse_goal
+from skiros_py.tasks.learning import learn_durations
 from skiros_py.tasks.pursuit import pursue
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
@@ -147,6 +148,8 @@ class Session:
         planners = self._stack.enter_context(closing(self._planners()))
         title = scene_title(scene)
         self.tasks = TaskManager.of(self.station, planners, title, on_plan=self._tell_plan, leaving=self._is_stopping)
+        if not self.options.fake:
+            learn_durations(self.tasks, self.station)
 
     def _open_world(self, scene: str) -> tuple[World, tuple[PluginFault, ...]]:
         if self.options.data is None:

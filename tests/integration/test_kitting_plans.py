@@ -62,7 +62,7 @@ def test_a_kit_on_the_table_is_driven_to_and_one_on_the_deck_is_not() -> None:
 @pytest.mark.parametrize(
     ("goal", "reason"),
     [
-        ("ObjectAtLocation(starter_1, kit_1_a) and ObjectAtLocation(starter_1, kit_1_b)", "not all of them together"),
+        ("ObjectAtLocation(starter_1, kit_1_a) and ObjectAtLocation(starter_1, kit_1_b)", "exclude each other: starter_1 has one place only"),
         ("RobotAtLocation(robot_1, floor)", "needs that floor has a driving pose"),
         ("ObjectAtLocation(starter_1, pallet_b)", "pallet_b is not a Compartment, which skill 'place' needs"),
     ],
@@ -120,13 +120,11 @@ def test_a_session_may_be_closed_twice() -> None:
     session.close()
 
 
-def test_that_something_is_not_so_is_refused_before_anything_moves(kitting: Session) -> None:
-    before = kitting.world.version
+def test_that_something_is_no_longer_so_is_planned_and_done(kitting: Session) -> None:
+    report = kitting.run(["not ObjectAtLocation(relay_box_1, pallet_a)"])
 
-    with pytest.raises(UsageError, match="say what should be so instead"):
-        kitting.run(["not ObjectAtLocation(starter_1, pallet_a)"])
-
-    assert kitting.world.version == before
+    assert report.reached
+    assert [step.skill for step in report.steps] == ["drive", "pick"]
 
 
 def test_that_something_is_not_so_may_be_asked_where_it_holds_already(kitting: Session) -> None:

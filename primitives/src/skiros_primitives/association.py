@@ -1,7 +1,7 @@
 """Which believed part is which seen one.
 
 Same type and place; nearest believed pose first, else an individual nobody has seen yet, else one seen elsewhere in the
-place or missing, else a new one.
+place, else one of the place's stock, which stays without an individual, else a missing one, else a new one.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from skiros_py.geometry import Pose
 from skiros_py.robot.perception import Detection
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose
+from skiros_py.world.stock import stocks
 from skiros_py.world.vocabulary import IN, MISSING
 
 __all__ = ["Association", "associate"]
@@ -48,10 +49,14 @@ def associate(context: RunContext, place: str, types: Sequence[str], detections:
     for type_ in types:
         poses = [d.pose for d in detections if d.type == type_]
         known = [e for e in context.world.subjects(IN, place) if context.world.element(e).type == type_]
-        known += [e for e in _missing(context, type_) if e not in known]
-        here = sum(context.world.related(e, IN, place) for e in known)
+        stocked = sum(s.count for s in stocks(context.world) if (s.class_, s.placement.place) == (type_, place))
+        more = max(0, len(poses) - len(known) - stocked)
+        here = len(known)
+        known += [e for e in _missing(context, type_) if e not in known][:more]
         pairs = _pair(known, here, poses, {e: map_pose(context, e) for e in known})
-        seen += [(pairs.get(index), type_, pose) for index, pose in enumerate(poses)]
+        unknown = [index for index in range(len(poses)) if index not in pairs]
+        in_stock = frozenset(unknown[:stocked])
+        seen += [(pairs.get(index), type_, pose) for index, pose in enumerate(poses) if index not in in_stock]
         unseen += [e for e in known if e not in pairs.values() and context.world.related(e, IN, place)]
     return Association(tuple(seen), tuple(unseen))
 

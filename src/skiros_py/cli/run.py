@@ -7,7 +7,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ import click
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.ending import end_unless
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import CONFIG, PACE, planner_options
+from skiros_py.cli.options import CONFIG, PACE, data_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.errors import UsageError
@@ -48,6 +48,7 @@ __all__ = ["command", "stopping"]
     metavar="FILE",
     help="Contact sheet of the key moments (.png) or animation (.gif, .webp).",
 )
+@data_option(required=False)
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
 @click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
 @CONFIG
@@ -62,6 +63,7 @@ def command(
     pace: float | None,
     gui: bool,
     record: Path | None,
+    data: Path | None,
     fake: bool,
     driver: str | None,
     config: dict[str, str],
@@ -91,6 +93,7 @@ def command(
         config=config,
         planner=planner,
         planner_command=planner_command,
+        data=data,
     )
     with Session(scene, options) as session:
         status = _run(session, record, ask=ask, as_json=as_json)
@@ -100,16 +103,24 @@ def command(
 
 def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
     from skiros_py.cli.display import RunDisplay
-    from skiros_py.recording import Recorder
+    from skiros_py.recording import Recorder, run_recorder
 
     recorder = Recorder(session, record) if record is not None else None
+    data = session.options.data
+    kept = run_recorder(session, data) if data is not None else None
     with (
+        kept or nullcontext(),
         RunDisplay(session, to_stderr=as_json) as display,
         stopping(session, as_json=as_json),
         answering(session.questions, ask=ask),
     ):
         report = session.run()
+        if kept is not None:
+            kept.conclude(report)
     display.show_report(report)
+    if kept is not None:
+        fault = kept.writer.fault
+        display.say(f"warning not recorded: {fault}" if fault else f"record  {kept.writer.path}")
     if recorder is not None:
         try:
             recorder.write()

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from skiros_py.planning.effort import efforts
 from skiros_py.planning.handling import Handling, columns
 from skiros_py.planning.model import Atom
+from skiros_py.planning.placing import moved_and_place
 from skiros_py.planning.task import PlanningTask
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
@@ -21,6 +22,9 @@ __all__ = ["ASSIGNED", "Share", "deal", "shares", "teams"]
 
 ASSIGNED = "assigned"
 """Predicate that says that an agent may handle a thing."""
+
+_SAME = 1e-6
+"""Estimates that differ by less are the same [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +130,7 @@ class _Dealing:
         sketch = self._sketched()
         self._costs = [efforts(sketch, view.ontology, agents) for agents in robots.values()]
         self._loads = [0.0] * len(robots)
+        self._fair = 0.0
         self._parts: list[list[int]] = [[] for _ in robots]
         self._things: list[set[str]] = [set() for _ in robots]
 
@@ -138,6 +143,8 @@ class _Dealing:
     def run(self) -> None:
         """Deals everything out."""
         wanted = {group: [self._effort(group, cost) for cost in self._costs] for group in self._groups}
+        self._fair = sum(least for efforts in wanted.values() if (least := min(efforts)) < float("inf"))
+        self._fair /= len(self._robots)
         open_kinds: set[str] = set()
         for group in sorted(self._groups, key=lambda g: (not g.things, -min(wanted[g]), g.parts)):
             if 0.0 < min(wanted[group]) < float("inf") and self._give(group, wanted[group]) and group.kind:
@@ -145,12 +152,23 @@ class _Dealing:
         self.surplus = frozenset(thing for kind in open_kinds for thing in self._free(kind))
 
     def _give(self, group: _Group, wanted: Sequence[float]) -> bool:
-        robot = min(range(len(wanted)), key=lambda r: (self._loads[r] + wanted[r], r))
+        places = self._places(group.things)
+        loads = [load + effort for load, effort in zip(self._loads, wanted, strict=True)]
+        # Whoever goes to a place anyway takes what else is there, up to a fair share: two would be in each other's way.
+        there = [bool(places & self._places(things)) for things in self._things]
+        goes = [is_there and load <= self._fair + _SAME for is_there, load in zip(there, loads, strict=True)]
+        robot = min(range(len(wanted)), key=lambda r: (not goes[r], loads[r], r))
         things = group.things or self._nearest(group.kind, robot)
         self._loads[robot] += wanted[robot]
         self._parts[robot] += group.parts
         self._things[robot] |= things
         return bool(things)
+
+    def _places(self, things: Collection[str]) -> set[str]:
+        """Where some things are."""
+        facts = (atom for atom in self._task.problem.init if atom.predicate in self._ontology.relations)
+        placed = (moved_and_place(a, self._ontology) for a in facts if self._ontology.is_placement(a.predicate))
+        return {place for thing, place in placed if thing in things}
 
     def _group(self, part: int) -> _Group:
         condition, atoms = self._task.goal[part]

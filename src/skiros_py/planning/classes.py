@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from skiros_py.planning.model import Action, Atom, Variable
+from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
 from skiros_py.world.ontology import Ontology
 
 __all__ = ["IS", "common_class", "primary_line", "with_class_predicates"]
@@ -34,7 +34,7 @@ def with_class_predicates(
     actions: Sequence[Action], objects: Mapping[str, str], ontology: Ontology
 ) -> tuple[Action, ...]:
     """Widens parameters whose class some object has by a secondary parent, and asks for the class by a predicate."""
-    asked = {v.type for action in actions for v in action.parameters if v.type}
+    asked = {v.type for action in actions for v in action.variables if v.type}
     wide = {class_: _widened(class_, set(objects.values()), ontology) for class_ in asked}
     return tuple(_widen(action, wide) for action in actions)
 
@@ -48,12 +48,27 @@ def _widened(class_: str, present: set[str], ontology: Ontology) -> str:
 
 
 def _widen(action: Action, wide: Mapping[str, str]) -> Action:
-    changed = [v for v in action.parameters if v.type and wide[v.type] != v.type]
+    changed = [v for v in action.variables if v.type and wide[v.type] != v.type]
     if not changed:
         return action
-    parameters = tuple(Variable(v.name, wide.get(v.type, v.type)) for v in action.parameters)
-    asks = tuple(Atom(IS + v.type, (v.name,)) for v in changed)
+    parameters, asks = _widened_variables(action.parameters, wide)
+    none = ((_widened_variables(such.variables, wide), such.atoms) for such in action.none)
     notes = tuple(
-        f"{v.name}: class {v.type} is asked for by a predicate, some have it by a second parent" for v in changed
+        f"{v.name.lstrip('?')}: class {v.type} is asked for by a predicate, some have it by a second parent"
+        for v in changed
     )
-    return replace(action, parameters=parameters, pre=(*asks, *action.pre), notes=(*action.notes, *notes))
+    return replace(
+        action,
+        parameters=parameters,
+        pre=(*asks, *action.pre),
+        none=tuple(NoneSuch(variables, (*own, *atoms)) for (variables, own), atoms in none),
+        notes=(*action.notes, *notes),
+    )
+
+
+def _widened_variables(
+    variables: Sequence[Variable], wide: Mapping[str, str]
+) -> tuple[tuple[Variable, ...], tuple[Atom, ...]]:
+    """Returns variables of wider classes, and what asks for the narrower ones."""
+    asks = tuple(Atom(IS + v.type, (v.name,)) for v in variables if v.type and wide[v.type] != v.type)
+    return tuple(Variable(v.name, wide.get(v.type, v.type)) for v in variables), asks

@@ -51,7 +51,9 @@ def _maintained(action: Action, wanted: frozenset[str], ontology: Ontology) -> t
 
 def _check_unique(action: Action, new: Atom, ended: Sequence[Atom], ontology: Ontology) -> None:
     """Refuses what may end one thing and bring about another of which there may be several."""
-    if not is_placement(new, ontology) or any(old not in action.pre for old in ended):
+    functional = ontology.relations[new.predicate].functional
+    unique = is_placement(new, ontology) or (functional and all(o.arguments[0] == new.arguments[0] for o in ended))
+    if not unique or any(old not in action.pre for old in ended):
         raise PlanningError(
             f"skill '{action.skill}' ends {shown(ended[0])} and brings about {shown(new)}, which may be the same, and "
             "others ask that it is not so: make two skills of it"

@@ -1,6 +1,8 @@
 """Fast Downward as a program.
 
-The planner is GPL-licensed and comes with the ``up-fast-downward`` package; it is started, never imported.
+The planner is GPL-licensed and comes with the ``up-fast-downward`` package; it is started, never imported. Its two
+parts, translator and search, are started one after the other, without the driver that usually does that: the driver is
+one more Python to start.
 """
 
 from __future__ import annotations
@@ -16,7 +18,21 @@ from skiros_py.planning.planner import Answer, Unsolvable
 from skiros_py.planning.program_planner import ProgramPlanner
 from skiros_py.planning.programs import Ended, Limits
 
-__all__ = ["FastDownward", "driver_path"]
+__all__ = ["LAMA_FIRST", "FastDownward", "driver_path"]
+
+LAMA_FIRST = (
+    "let(hlm, "
+    "eval_modify_costs(landmark_sum(lm_factory=lm_reasonable_orders_hps(lm_rhw()), pref=false), cost_type=one), "
+    "let(hff, eval_modify_costs(ff(), cost_type=one), "
+    "lazy_greedy([hff, hlm], preferred=[hff, hlm], cost_type=one, reopen_closed=false)))"
+)
+"""What the driver calls lama-first: the first search of LAMA (Richter & Westphal 2010); it ends at the first plan."""
+
+_PARTS = (
+    '"$0" -S -m fast_downward.translate "$1" "$2" --sas-file task.sas && '
+    'exec "$3" --search "$4" --internal-plan-file plan < task.sas'
+)
+"""For the shell: Python, domain, problem, the search, what it shall search with."""
 
 _PLAN_FOUND = 0
 _PROVED_UNSOLVABLE = {10, 11}
@@ -43,7 +59,7 @@ class FastDownward(ProgramPlanner):
     """Runs Fast Downward, by default its lama-first configuration, which stops by itself at the first plan.
 
     Args:
-        options: Arguments before the files, such as ``("--alias", "lama-first")``.
+        search: What it searches with, such as ``"astar(lmcut())"``.
         time_limit: Wall time after which a call is given up [s]; a guard, not a means of control.
         memory: Address space of each of its processes [bytes].
     """
@@ -60,19 +76,18 @@ class FastDownward(ProgramPlanner):
 
     def __init__(
         self,
-        options: tuple[str, ...] = ("--alias", "lama-first"),
+        search: str = LAMA_FIRST,
         time_limit: float = 120.0,
         memory: int = 4 << 30,
     ) -> None:
         super().__init__(Limits(time_limit, memory))
-        self._options = options
+        self._search = search
 
     def command(self, domain: str, problem: str) -> Sequence[str]:
-        """Returns the command line for two files.
-
-        Its driver needs the standard library only: without ``-S`` Python takes longer to look for more than to drive.
-        """
-        return [sys.executable, "-S", str(driver_path()), "--plan-file", "plan", *self._options, domain, problem]
+        """Returns the command line for two files."""
+        parts = driver_path().parent / "builds" / "release" / "bin"
+        python = ["env", f"PYTHONPATH={parts}", "sh", "-c", _PARTS, sys.executable]
+        return [*python, domain, problem, str(parts / "downward"), self._search]
 
     def read(self, ended: Ended, folder: Path) -> Answer:
         """Reads the answer."""

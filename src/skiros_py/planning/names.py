@@ -8,10 +8,10 @@ from types import MappingProxyType
 
 __all__ = ["RESERVED", "NameMap"]
 
-RESERVED = frozenset(
-    "and or not exists forall when imply object either define domain problem number total-cost total-time "
-    "increase decrease assign minimize maximize".split()
-)
+_LOGIC = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "either"})
+_STRUCTURE = frozenset({"object", "define", "domain", "problem"})
+_NUMBERS = frozenset({"number", "total-cost", "total-time", "increase", "decrease", "assign", "minimize", "maximize"})
+RESERVED = _LOGIC | _STRUCTURE | _NUMBERS
 """Words of PDDL itself; a variable, with its question mark, may be called like one."""
 
 

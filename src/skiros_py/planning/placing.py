@@ -1,17 +1,18 @@
 """Implicit deletes (paper §6.2): whatever gets a new place loses its old one, over the whole placement family.
 
-Written for relations in general: which relations move something, and which end moves, is said by the ontology.
+So does what has one thing only, by a functional relation, and gets another. Written for relations in general: which of
+them move something, and which end moves, is said by the ontology.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from skiros_py.planning.model import Action, Atom, Variable
+from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
 from skiros_py.planning.normal import storable
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import End
-from skiros_py.world.vocabulary import PLACEMENT
+from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 
 __all__ = ["is_placement", "moved_and_place", "shown", "with_implicit_deletes"]
 
@@ -36,26 +37,47 @@ def with_implicit_deletes(action: Action, ontology: Ontology) -> tuple[Action, .
         that is possible; the one by which it gets its new place comes first.
     """
     variants: tuple[Action, ...] = (action,)
-    for added in (atom for atom in action.add if is_placement(atom, ontology)):
-        variants = tuple(v for variant in variants for v in _leaving(variant, added, ontology))
+    for added in action.add:
+        if is_placement(added, ontology):
+            variants = tuple(v for variant in variants for v in _leaving(variant, added, ontology))
+        elif added.predicate in ontology.relations and ontology.relations[added.predicate].functional:
+            variants = tuple(v for variant in variants for v in _replacing(variant, added, ontology))
     return variants
+
+
+def _replacing(action: Action, added: Atom, ontology: Ontology) -> tuple[Action, ...]:
+    """Makes the variant in which something had another such thing before, and the one in which it had none."""
+    subject, new = added.arguments
+    old = tuple(a for a in action.pre if a.predicate == added.predicate and a.arguments[0] == subject)
+    if old:
+        return (_without(action, old, f"{subject} has one such thing only"),)
+    variable = Variable(_unused(f"{new}_before", action), ontology.relations[added.predicate].range or "")
+    fact = Atom(added.predicate, (subject, variable.name))
+    note = f"parameter {variable.name}, precondition {shown(fact)}: what {subject} has had until then"
+    had = replace(action, parameters=(*action.parameters, variable), pre=(*action.pre, fact))
+    none = NoneSuch((replace(variable, type=variable.type or ELEMENT),), (fact,))
+    note_none = f"precondition no {shown(fact)}: the other variant is for when there is one"
+    return (
+        _without(replace(had, notes=(*action.notes, note)), (fact,), f"{subject} has one such thing only"),
+        replace(action, none=(*action.none, none), notes=(*action.notes, note_none)),
+    )
 
 
 def _leaving(action: Action, added: Atom, ontology: Ontology) -> tuple[Action, ...]:
     moved, _ = moved_and_place(added, ontology)
     old = tuple(a for a in action.pre if is_placement(a, ontology) and moved_and_place(a, ontology)[0] == moved)
     if old:
-        return (_without(action, old, moved),)
+        return (_without(action, old, f"{moved} has one place only"),)
     relations = _possible(action.types[moved], added.predicate, ontology)
     variants = (_with_old_place(action, relation, moved, ontology) for relation in relations)
-    return tuple(_without(variant, variant.pre[-1:], moved) for variant in variants)
+    return tuple(_without(variant, variant.pre[-1:], f"{moved} has one place only") for variant in variants)
 
 
-def _without(action: Action, old: tuple[Atom, ...], moved: str) -> Action:
+def _without(action: Action, old: tuple[Atom, ...], why: str) -> Action:
     missing = tuple(atom for atom in old if atom not in action.delete)
     if not missing:
         return action
-    note = f"effect not {', not '.join(map(shown, missing))}: {moved} has one place only"
+    note = f"effect not {', not '.join(map(shown, missing))}: {why}"
     return replace(action, delete=action.delete + missing, notes=(*action.notes, note))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from skiros_py.errors import PlanningError
@@ -24,6 +24,12 @@ class Step:
 
     skill: str
     arguments: Mapping[str, str]
+
+    def renamed(self, names: Mapping[str, str]) -> Step:
+        """Returns the same step on other elements, where there are other names for its own."""
+        if names.keys().isdisjoint(self.arguments.values()):
+            return self
+        return replace(self, arguments=MappingProxyType({k: names.get(v, v) for k, v in self.arguments.items()}))
 
     def __str__(self) -> str:
         return f"{self.skill}({', '.join(f'{key}={value}' for key, value in self.arguments.items())})"
@@ -50,6 +56,10 @@ class Plan:
     def order(self) -> tuple[frozenset[int], ...]:
         """For each step the indices of the steps that must have ended before it starts."""
         return self.after or tuple(frozenset({i - 1} if i else ()) for i in range(len(self.steps)))
+
+    def renamed(self, names: Mapping[str, str]) -> Plan:
+        """Returns the same plan on other elements, where there are other names for its own."""
+        return replace(self, steps=tuple(step.renamed(names) for step in self.steps))
 
     def __str__(self) -> str:
         return "\n".join(f"{i:2}. {step}" for i, step in enumerate(self.steps, start=1))

@@ -19,6 +19,7 @@ from skiros_py.planning.proving import Wrong, proved
 from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.planning.rounds import arranged
 from skiros_py.planning.sequence import counts, without_numbers
+from skiros_py.planning.stock import lacks_stock, with_stock
 from skiros_py.planning.task import Capability, PlanningTask
 from skiros_py.planning.validation import out_of_sequence
 from skiros_py.skills.conditions import Condition
@@ -101,12 +102,18 @@ class PlanningService:
         gone = sorted({a for c in goal for a in c.arguments if a not in view.ontology.classes and not view.has(a)})
         if gone:
             return Planned(NoPlan(tuple(f"there is no {name} any more" for name in gone)), None, 0.0)
-        wanted = Wanted(view, tuple(capabilities), tuple(goal), reached or {}, self._temporal, self._name)
-        planned = yield from self._planned(wanted)
+        stocked = with_stock(view, goal)
+        wanted = Wanted(stocked, tuple(capabilities), tuple(goal), reached or {}, self._temporal, self._name)
+        planned = yield from self._planned(wanted, with_stock(view, goal, whole=True) if lacks_stock(stocked) else None)
         return replace(planned, wall=time.perf_counter() - started)
 
-    def _planned(self, wanted: Wanted) -> Generator[None, None, Planned]:
-        """Asks for a plan of the task in ever more complete forms; no plan is said of the complete one only."""
+    def _planned(self, wanted: Wanted, whole: WorldView | None = None) -> Generator[None, None, Planned]:
+        """Asks for a plan of the task in ever more complete forms; no plan is said of the complete one only.
+
+        Args:
+            wanted: What shall be planned.
+            whole: The world with more of its stock than the goal speaks of; None where there is no more.
+        """
         notes: list[str] = []
         found: _Found | None = None
         for task, texts in attempts(wanted):
@@ -116,6 +123,8 @@ class PlanningService:
                 plan = arranged(wanted.view, task, texts, found.plan, wanted.reached)
                 plan = order(wanted.view, task, texts, plan)
                 return Planned(plan, texts, 0.0, found.planner, tuple(dict.fromkeys(notes)))
+            if task.complete and whole is not None:
+                return (yield from self._planned(replace(wanted, view=whole)))
             if task.complete:
                 outcome = yield from self._explained(wanted, task, found)
                 return Planned(outcome, texts, 0.0, found.planner, tuple(dict.fromkeys(notes)))

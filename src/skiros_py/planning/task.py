@@ -171,7 +171,7 @@ class _Building:
 
 def _everything(view: WorldView, actions: Sequence[Action]) -> Relevant:
     """Takes all actions, and every element that some parameter could be."""
-    classes = dict.fromkeys(v.type for action in actions for v in action.parameters if v.type)
+    classes = dict.fromkeys(v.type for action in actions for v in action.variables if v.type)
     constants = {c.name for action in actions for c in action.constants}
     return Relevant(tuple(actions), frozenset(constants.union(*(view.instances(class_) for class_ in classes))))
 

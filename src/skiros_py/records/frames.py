@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.robot.values import Snapshot
 
-__all__ = ["Frame", "Layout", "decode_block", "encode_block"]
+__all__ = ["Frame", "Layout", "decode_block", "encode_block", "key_block"]
 
 _QUANTUM = 1e-5
 """What numbers are rounded to [m, rad]."""
 _TICK = 1e-4
 """What times are rounded to [s]."""
 _LEVEL = 6
+_WIDTH = struct.Struct("<H")
+"""A block begins with how many numbers a row has, the time among them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,23 +61,18 @@ class Layout:
         return cls(arms, tuple(snapshot.grippers), tuple(snapshot.bases))
 
     @classmethod
-    def from_json(cls, data: dict[str, list[list[object]]]) -> Layout:
+    def from_json(cls, data: Mapping[str, Any]) -> Layout:
         """Reads what :meth:`as_json` gave.
 
         Raises:
             KeyError, TypeError, ValueError: It is no such thing.
         """
-        arms = tuple((str(name), int(str(count))) for name, count in data["arms"])
+        arms = tuple((str(name), int(count)) for name, count in data["arms"])
         return cls(arms, tuple(map(str, data["grippers"])), tuple(map(str, data["bases"])))
 
     def as_json(self) -> dict[str, object]:
         """Returns plain data."""
         return {"arms": [list(arm) for arm in self.arms], "grippers": list(self.grippers), "bases": list(self.bases)}
-
-    @property
-    def width(self) -> int:
-        """How many numbers a row has."""
-        return sum(count for _, count in self.arms) + len(self.grippers) + 3 * len(self.bases)
 
     def row(self, snapshot: Snapshot) -> list[float]:
         """Returns the numbers of a snapshot."""
@@ -97,21 +96,40 @@ class Layout:
 
 def encode_block(times: Sequence[float], rows: Sequence[Sequence[float]]) -> bytes:
     """Packs rows: as differences from one to the next, number by number, which are mostly zeros."""
-    table = np.column_stack([np.asarray(times) / _TICK, np.asarray(rows, dtype=float).reshape(len(times), -1) / _QUANTUM])
-    whole = np.rint(np.nan_to_num(table)).astype("<i8")
-    steps = np.diff(whole, axis=0, prepend=np.zeros((1, whole.shape[1]), dtype="<i8"))
-    return zlib.compress(np.ascontiguousarray(steps.T).tobytes(), _LEVEL)
+    numbers = np.asarray(rows, dtype=float).reshape(len(times), -1) / _QUANTUM
+    return _packed(np.column_stack([np.asarray(times) / _TICK, numbers]))
 
 
-def decode_block(data: bytes, layout: Layout) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def decode_block(data: bytes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Unpacks times [s] and rows.
 
     Raises:
         ValueError: It is no such block.
     """
-    try:
-        steps = np.frombuffer(zlib.decompress(data), dtype="<i8").reshape(layout.width + 1, -1).T
-    except (zlib.error, TypeError) as error:
-        raise ValueError(f"no block of snapshots: {error}") from None
-    whole = np.cumsum(steps, axis=0)
+    whole = _unpacked(data).astype(np.float64)
     return whole[:, 0] * _TICK, whole[:, 1:] * _QUANTUM
+
+
+def key_block(data: bytes) -> tuple[bytes, int]:
+    """Returns a block with the first snapshot alone, and how many others there were.
+
+    Raises:
+        ValueError: It is no such block.
+    """
+    whole = _unpacked(data)
+    return _packed(whole[:1]), len(whole) - 1
+
+
+def _packed(table: NDArray[Any]) -> bytes:
+    whole = np.rint(np.nan_to_num(table)).astype("<i8")
+    steps = np.diff(whole, axis=0, prepend=np.zeros((1, whole.shape[1]), dtype="<i8"))
+    return _WIDTH.pack(whole.shape[1]) + zlib.compress(np.ascontiguousarray(steps.T).tobytes(), _LEVEL)
+
+
+def _unpacked(data: bytes) -> NDArray[np.int64]:
+    try:
+        (width,) = _WIDTH.unpack_from(data)
+        steps = np.frombuffer(zlib.decompress(data[_WIDTH.size :]), dtype="<i8").reshape(width, -1)
+    except (zlib.error, struct.error, TypeError) as error:
+        raise ValueError(f"no block of snapshots: {error}") from None
+    return np.cumsum(steps.T, axis=0, dtype=np.int64)

@@ -5,18 +5,14 @@ from __future__ import annotations
 import math
 from sqlite3 import Connection
 
+from skiros_py.records.frames import key_block
 from skiros_py.records.schema import THINNED
 
 __all__ = ["Room"]
 
 _FULL = 0.8
 """Share of the limit from which on something is thinned out; the rest is for what comes meanwhile."""
-_SHARE = 0.45
-"""Share of the limit that one kind of thing may take before another has to make room for it."""
 _ROUNDS = 20
-_COARSEST = 4
-"""How often a block of snapshots is thinned before it goes whole: what is left of 20 Hz are 2 Hz, or the block's first.
-"""
 
 
 class Room:
@@ -49,19 +45,31 @@ class Room:
 
     def _thin(self, db: Connection, table: str) -> None:
         """Takes every second one of the older half away; of changes the whole half, for gaps would be lies."""
+        if table == "frames" and self._leave_keys(db):
+            return
         ids = [row for (row,) in db.execute(f"SELECT id FROM {table} ORDER BY id")]  # noqa: S608 - our own names
         older = ids[: math.ceil(len(ids) / 2)]
         going = older if table == "changes" else older[1::2] or older
         db.executemany(f"DELETE FROM {table} WHERE id = ?", ((one,) for one in going))  # noqa: S608 - the same
         self.note(db, table, len(going))
 
+    def _leave_keys(self, db: Connection) -> bool:
+        """Leaves one snapshot of each block in the older half of those that are whole; False when there are none."""
+        whole = db.execute("SELECT id, data FROM frames WHERE thinned = 0 ORDER BY id").fetchall()
+        older = [(row, *key_block(data)) for row, data in whole[: math.ceil(len(whole) / 2)]]
+        db.executemany("UPDATE frames SET thinned = 1, data = ? WHERE id = ?", ((key, row) for row, key, _ in older))
+        self.note(db, "snapshots", sum(gone for _, _, gone in older))
+        return bool(older)
+
 
 def _used(db: Connection) -> int:
     """Returns the bytes of the file that are in use."""
-    pages, free, size = (db.execute(f"PRAGMA {name}").fetchone()[0] for name in ("page_count", "freelist_count", "page_size"))
+    names = "page_count", "freelist_count", "page_size"
+    pages, free, size = (db.execute(f"PRAGMA {name}").fetchone()[0] for name in names)
     return int((pages - free) * size)
 
 
 def _size(db: Connection, table: str) -> int:
-    ((size,),) = db.execute(f"SELECT coalesce(sum(length(data)), 0) FROM {table}").fetchall()  # noqa: S608 - our own names
+    sql = f"SELECT coalesce(sum(length(data)), 0) FROM {table}"  # noqa: S608 - our own names
+    ((size,),) = db.execute(sql).fetchall()
     return int(size)

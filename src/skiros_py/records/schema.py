@@ -12,7 +12,7 @@ CREATE TABLE beginning (part INTEGER PRIMARY KEY, data BLOB NOT NULL);
 CREATE TABLE frames (
     id INTEGER PRIMARY KEY,
     start REAL NOT NULL,            -- run time of its first snapshot [s]
-    thinned INTEGER NOT NULL,       -- how often all but every second one was taken out
+    thinned INTEGER NOT NULL,       -- 1 where only the first is left of a block
     data BLOB NOT NULL
 );
 CREATE TABLE events (id INTEGER PRIMARY KEY, time REAL NOT NULL, data TEXT NOT NULL);

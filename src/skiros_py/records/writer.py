@@ -7,6 +7,7 @@ import json
 import logging
 import threading
 import zlib
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -42,8 +43,9 @@ _LOG_PAGES = 250
 """Pages after which the write-ahead log is worked into the file (1 MB)."""
 _LONGEST_QUEUE = 100_000
 """Items that wait for a disk that does not keep up; what comes then is left out."""
+_LONGEST_BATCH = 2000
+"""Items in one commit."""
 _QUALITY = 70
-_JSON = {"separators": (",", ":"), "default": str}
 
 _Work = Callable[[Connection], None]
 
@@ -75,7 +77,7 @@ class RecordWriter:
         self.fault = ""
         self._room = Room(limit)
         self._queue: SimpleQueue[_Work | None] = SimpleQueue()
-        self._pictures: list[tuple[float, str, Pending[NDArray[Any]]]] = []
+        self._pictures: deque[tuple[float, str, Pending[NDArray[Any]]]] = deque()
         self._dropped = 0
         self._database = Database(path, SCHEMA, shared=True)
         self._database.rows(f"PRAGMA wal_autocheckpoint = {_LOG_PAGES}")
@@ -86,7 +88,7 @@ class RecordWriter:
 
     def put_meta(self, key: str, value: object) -> None:
         """Takes what is said once of the whole run, as plain data; later ones replace earlier ones."""
-        text = json.dumps(value, **_JSON)
+        text = _text(value)
         self._put(lambda db: _run(db, "INSERT OR REPLACE INTO meta VALUES (?, ?)", key, text))
 
     def put_beginning(self, index: Index) -> None:
@@ -101,16 +103,16 @@ class RecordWriter:
     def put_event(self, time: float, event: Mapping[str, Any]) -> None:
         """Takes a module event."""
         sql = "INSERT INTO events (time, data) VALUES (?, ?)"
-        self._put(lambda db: _run(db, sql, time, json.dumps(event, **_JSON)))
+        self._put(lambda db: _run(db, sql, time, _text(event)))
 
     def put_trace(self, time: float, task: int, entry: Mapping[str, Any]) -> None:
         """Takes an entry of a task's trace."""
         sql = "INSERT INTO trace (time, task, data) VALUES (?, ?, ?)"
-        self._put(lambda db: _run(db, sql, time, task, json.dumps(entry, **_JSON)))
+        self._put(lambda db: _run(db, sql, time, task, _text(entry)))
 
     def put_task(self, number: int, task: Mapping[str, Any]) -> None:
         """Takes what is known of a task; later ones replace earlier ones."""
-        text = json.dumps(task, **_JSON)
+        text = _text(task)
         self._put(lambda db: _run(db, "INSERT OR REPLACE INTO tasks VALUES (?, ?)", number, text))
 
     def put_change(self, change: Change) -> None:
@@ -163,6 +165,8 @@ class RecordWriter:
             work = self._queue.get(timeout=_PAUSE)
             while work is not None:
                 batch.append(work)
+                if len(batch) == _LONGEST_BATCH:
+                    return batch, True
                 work = self._queue.get(timeout=_PAUSE) if len(batch) == 1 else self._queue.get_nowait()
         except Empty:
             return batch, True
@@ -173,21 +177,17 @@ class RecordWriter:
         if not (batch or pictures or self._dropped):
             return
         with self._database.transaction() as connection:
-            for work in batch:
+            for work in (*batch, *map(_picture, pictures)):
                 work(connection)
-            for time, caption, data in pictures:
-                sql = "INSERT INTO pictures (time, caption, data) VALUES (?, ?, ?)"
-                _run(connection, sql, time, caption, data)
+                self._room.keep(connection)
             dropped, self._dropped = self._dropped, 0
             self._room.note(connection, "everything", dropped)
-            self._room.keep(connection)
 
     def _taken(self, *, last: bool) -> list[tuple[float, str, bytes]]:
         """Returns the pictures that have arrived; at the end it waits for all."""
-        ready = [shot for shot in self._pictures if last or shot[2].done()]
-        self._pictures = [shot for shot in self._pictures if shot not in ready] if ready else self._pictures
         taken = []
-        for time, caption, picture in ready:
+        while self._pictures and (last or self._pictures[0][2].done()):
+            time, caption, picture = self._pictures.popleft()
             try:
                 taken.append((time, caption, _webp(picture.result())))
             except SkirosError as error:  # the simulation is gone
@@ -210,8 +210,16 @@ class RecordWriter:
             _run(db, "INSERT INTO changes (time, data) VALUES (?, ?)", change.time, data)
 
 
+def _picture(picture: tuple[float, str, bytes]) -> _Work:
+    return lambda db: _run(db, "INSERT INTO pictures (time, caption, data) VALUES (?, ?, ?)", *picture)
+
+
 def _run(db: Connection, sql: str, *values: object) -> None:
     db.execute(sql, values)
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, separators=(",", ":"), default=str)
 
 
 def _packed(texts: Sequence[str]) -> bytes:

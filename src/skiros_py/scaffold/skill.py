@@ -22,7 +22,7 @@ from skiros_py.scaffold.robots import find_robot
 from skiros_py.scaffold.spelling import check_distinct, constant_name, module_name, sentence, words_of
 from skiros_py.scaffold.stage import Stage
 from skiros_py.scaffold.trial import open_questions, tried
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Condition, Not, Related
 from skiros_py.skills.parameters import Kind
 
 __all__ = ["NewSkill", "draft_skill"]
@@ -130,12 +130,16 @@ def _staged(known: Knowledge, said: NewSkill, skill: Described) -> tuple[Stage, 
         if _is_plannable(known, condition):
             stage.goals.append(str(replace(wanted, arguments=tuple(cast[argument] for argument in wanted.arguments))))
     if not stage.goals:
-        raise UsageError(f"skill '{said.name}': nobody can plan for what is not so; give a --post of what is so then")
+        raise UsageError(
+            f"skill '{said.name}': its first goal cannot be what is not so; give a --post of what is so then"
+        )
     return stage, cast
 
 
 def _is_plannable(known: Knowledge, condition: Condition) -> bool:
-    """True when somebody may want it: that a relation does not hold is brought about, but is no goal."""
+    """True when a first goal can be made of it: that a relation does not hold any more is a poor one."""
+    if isinstance(condition.pattern, Not) and isinstance(condition.pattern.pattern, Related):
+        return False
     try:
         expand(condition.pattern, str(condition), known.ontology, count(1))
     except PlanningError:

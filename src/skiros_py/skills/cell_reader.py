@@ -13,6 +13,7 @@ from skiros_py.geometry import Pose
 from skiros_py.robot.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
 from skiros_py.skills.surroundings import solid_of
 from skiros_py.world import vocabulary as v
+from skiros_py.world.stock import Stocked, stocks
 from skiros_py.world.view import WorldView
 
 __all__ = ["read_cell"]
@@ -31,6 +32,7 @@ def read_cell(view: WorldView, robots: Sequence[str]) -> CellSpec:
         if not view.instances(root):
             raise DescriptionError(f"the scene has no {root}: things that fall or get lost need a place")
     bodies = [_body(view, e) for e in view.instances(v.SPATIAL_THING) if _is_body(view, e)]
+    bodies += [body for stock in view.instances(v.STOCK) for body in _stocked(view, stock)]
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
     return CellSpec(tuple(bodies), tuple(_robot(view, robot) for robot in robots))
 
@@ -62,6 +64,26 @@ def _body(view: WorldView, element: str) -> BodySpec:
         half, (x, y, z) = _vector(view, element, v.SUPPORT_HALF_EXTENTS, 2), _vector(view, element, v.SUPPORT_OFFSET, 3)
         return replace(body, support=(half[0], half[1]), support_centre=(x, y), support_height=z)
     return body
+
+
+def _stocked(view: WorldView, element: str) -> list[BodySpec]:
+    """Returns the bodies of things that have no individuals; where in their container they lie is not known."""
+    class_, count = view.value(element, v.STOCK_OF), view.value(element, v.STOCK_COUNT)
+    if not isinstance(class_, str) or not view.ontology.is_a(class_, v.MANIPULATABLE):
+        raise DescriptionError(f"{element}: sk:stockOf is {class_}, not a class of {v.MANIPULATABLE}")
+    if not isinstance(count, int):
+        raise DescriptionError(f"{element} has no sk:stockCount: say how many {class_} there are")
+    if not view.subjects(v.HAS_A, element):
+        raise DescriptionError(f"{element} is a stock of no place: let a container have it by sk:hasA")
+    own = next((stock for stock in stocks(view) if stock.id == element), None)
+    if own is None:
+        return []  # used up
+    shown = Stocked(view, {own: [own.token(1)]})
+    solid = solid_of(shown, own.token(1))
+    if solid is None:
+        return []
+    mass, place = _mass(shown, own.token(1)), own.placement.place
+    return [BodySpec(own.token(n), class_, solid, mass, place=place) for n in range(1, count + 1)]
 
 
 def _check_start(view: WorldView, element: str, pose: Pose | None, place: str | None) -> None:

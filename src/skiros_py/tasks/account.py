@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from skiros_py.skills.conditions import Condition, judge
+from skiros_py.planning.stock import believed
+from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import ConditionReport, GoalReport
@@ -36,7 +37,7 @@ class Account:
         self._setting = setting
         self._history = history
         self._moments = Moments(setting.world, undertaking.goal, setting.cycle)
-        self._held = {c for c in undertaking.goal if judge(c, setting.world)}
+        self._held = {c for c in undertaking.goal if believed(c, setting.world)}
 
     @property
     def kept(self) -> tuple[Condition, ...]:
@@ -66,7 +67,7 @@ class Account:
         return GoalReport(conditions, tuple(self._history.steps), *self._moments.used, stopped=not why, fault=why)
 
     def _condition(self, c: Condition, given_up: Mapping[Condition, str]) -> ConditionReport:
-        holds = bool(judge(c, self._setting.world))
+        holds = bool(believed(c, self._setting.world))
         tries = 0 if c in self._held else self._history.tries(c, holds=holds)
         reason = "" if holds else self._history.why_missing(c, given_up)
         return ConditionReport(str(c), holds, None, tries, reason, *self._moments.since(c))

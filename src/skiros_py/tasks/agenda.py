@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from skiros_py.planning.plan import Step
 
@@ -57,6 +57,10 @@ class Agenda:
         """Notes that a step has ended, and is to be done once more."""
         del self._running[index]
         self._waiting = dict.fromkeys(sorted((*self._waiting, index)))
+
+    def rename(self, names: Mapping[str, str]) -> None:
+        """Gives what the steps speak of other names."""
+        self.steps = [step.renamed(names) for step in self.steps]
 
     def leads_to(self, earlier: int, later: int) -> bool:
         """Tells whether a step has to wait, by however many others, for another one."""

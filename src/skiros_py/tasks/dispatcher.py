@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import UsageError, WorldError
 from skiros_py.execution.running import Running
 from skiros_py.planning.plan import Step
+from skiros_py.planning.stock import tokens_of
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
@@ -19,6 +20,7 @@ from skiros_py.tasks.setting import Setting
 from skiros_py.tasks.telling import Telling
 from skiros_py.tasks.trace import Happening
 from skiros_py.tasks.undertaking import StepRun, Undertaking
+from skiros_py.world.stock import take
 
 __all__ = ["Active", "Dispatcher"]
 
@@ -210,6 +212,9 @@ class Dispatcher:
         return True
 
     def _start(self, index: int) -> list[tuple[Step, Failure]]:
+        refusal = self._take_from_stock(index)
+        if refusal is not None:
+            return [(self.agenda.steps[index], refusal)]
         step = self.agenda.steps[index]
         self._started += 1
         run = StepRun(self._started, step, self.telling.agent(step), self._setting.now)
@@ -226,6 +231,23 @@ class Dispatcher:
         self._active.append(Active(index, run, robot_of(self._setting.world, run.agent), running))
         self.telling.tell_of(Happening.STARTED, f"{self.telling.said(step)} starts", run)
         return []
+
+    def _take_from_stock(self, index: int) -> Failure | None:
+        """Gives things that a step takes from stock individuals of their own; this and later steps speak of these."""
+        step = self.agenda.steps[index]
+        tokens = tokens_of((step,))
+        if not tokens:
+            return None
+        try:
+            with self._setting.world.transaction(self._undertaking.name, f"{self.telling.said(step)} is next") as tx:
+                taken = {token: take(tx, token) for token in tokens}
+        except WorldError as refusal:
+            return Failure(str(refusal), BROKEN_OFF)  # the plan is to blame, not the step
+        self.agenda.rename(taken)
+        if self._undertaking.plan is not None:
+            self._undertaking.plan = self._undertaking.plan.renamed(taken)
+        self._reserve()
+        return None
 
     def _begin(self, run: StepRun) -> Running:
         managers = self._setting.managers

@@ -8,7 +8,8 @@ from typing import TypeVar
 from skiros_py.errors import SkirosError
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.service import Planned
-from skiros_py.skills.conditions import Condition, judge
+from skiros_py.planning.stock import believed
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.account import Account
@@ -108,7 +109,7 @@ class GoalRun:
         self._rounds = self._task.policy.attempts * (len(self._task.goal) + 2)
 
     def _all_hold(self, goal: Sequence[Condition]) -> bool:
-        return all(judge(c, self._setting.world) for c in goal)
+        return all(believed(c, self._setting.world) for c in goal)
 
     def _carry_out(self) -> Execution[None]:
         """Runs the plan until it is done or something is not as planned."""
@@ -214,7 +215,7 @@ class GoalRun:
         """Returns conditions that name a target left out and do not hold, with the reason."""
         out, attempts = self.history.left_out, self._task.policy.attempts
         concerned = (c for c in goal if out.intersection(c.arguments))
-        return {c: f"gave up after {attempts} tries" for c in concerned if not judge(c, self._setting.world)}
+        return {c: f"gave up after {attempts} tries" for c in concerned if not believed(c, self._setting.world)}
 
     def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
         """Finds a subset of the goal that can be reached together and returns the rest with reasons."""

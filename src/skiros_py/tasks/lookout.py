@@ -9,6 +9,7 @@ from skiros_py.execution.contained import contained
 from skiros_py.planning.needs import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.planning.sequence import Round
+from skiros_py.planning.stock import tokens_of, with_stock
 from skiros_py.planning.validation import Flaw, apply_effects, replay
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.conditions.reads import Key, ReadingView, touched_by
@@ -74,7 +75,12 @@ class Lookout:
     def _replay(
         self, view: WorldView, running: Sequence[Step], rest: Sequence[Step], reached: Mapping[str, int] | None
     ) -> Flaw | None:
-        overlay, visited = supposing(view, running, self._skills, reached)
+        stocked = with_stock(view, self._goal, tokens_of(rest))
+        for index, step in enumerate(rest):
+            gone = [name for name in tokens_of((step,)) if not stocked.has(name)]
+            if gone:
+                return Flaw(index, Verdict(False, f"nothing is left in stock for {gone[0]}"))
+        overlay, visited = supposing(stocked, running, self._skills, reached)
         return replay(overlay, rest, self._goal, self._skills, reached=visited)
 
     def _hear(self, change: Change) -> None:

@@ -6,7 +6,8 @@ import time
 from collections.abc import Sequence
 
 from skiros_py.execution.cycle import ControlCycle
-from skiros_py.skills.conditions import Condition, judge
+from skiros_py.planning.stock import believed
+from skiros_py.skills.conditions import Condition
 from skiros_py.world.world import World
 
 __all__ = ["Moments"]
@@ -50,7 +51,7 @@ class Moments:
             return
         self._version = self._world.version
         for condition in self._goal:
-            if not judge(condition, self._world):
+            if not believed(condition, self._world):
                 self._since.pop(condition, None)
             elif condition not in self._since:
                 self._since[condition] = self.used

@@ -7,7 +7,8 @@ from contextlib import suppress
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.execution.composing import why
-from skiros_py.skills.conditions import Condition, effects_of, judge, write_effects
+from skiros_py.planning.stock import believed
+from skiros_py.skills.conditions import Condition, effects_of, write_effects
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import QuestionKind
@@ -70,7 +71,7 @@ def believe_done(setting: Setting, condition: Condition, by: str) -> Failure | N
                 write_effects(tx, world.ontology, effects_of(condition))
         except SkirosError as error:
             refused = f": {error}"
-    verdict = judge(condition, world)
+    verdict = believed(condition, world)
     return None if verdict else Failure(f"{condition} is still not believed{refused or f': {why(verdict)}'}")
 
 

@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 
 from skiros_py.execution.station import Station
-from skiros_py.skills.conditions import Condition, judge
+from skiros_py.planning.stock import believed
+from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 
@@ -34,6 +35,6 @@ def pursue(
     if station.finish(task, leave):
         return task.result
     why = station.cycle.halted
-    conditions = tuple(ConditionReport(str(c), bool(judge(c, station.world)), None, 0, why or "stopped") for c in goal)
+    conditions = tuple(ConditionReport(str(c), bool(believed(c, station.world)), None, 0, why or "stopped") for c in goal)
     used = station.context.board.now - started[1], time.perf_counter() - started[0]
     return GoalReport(conditions, tuple(tasks.steps), *used, stopped=not why)

@@ -10,6 +10,7 @@ from skiros_py.skills.conditions import Assign, Condition, Effect, Relate, Unrel
 from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import owner
+from skiros_py.world.stock import is_token
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 
@@ -100,7 +101,8 @@ def robot_of(view: WorldView, agent: str) -> str:
 def used_by(steps: Sequence[Step], skills: Mapping[str, SkillDescription], view: WorldView) -> frozenset[str]:
     """Returns what steps use so that nobody else may meanwhile: robots, what is moved, and where it is put."""
     robots = {robot_of(view, step.arguments[skills[step.skill].agent]) for step in steps}
-    return frozenset(robots.union(*(_changed(step, skills[step.skill], view) for step in steps)))
+    changed = (id_ for step in steps for id_ in _changed(step, skills[step.skill], view) if not is_token(id_))
+    return frozenset(robots.union(changed))  # of things in stock whoever comes first takes one
 
 
 def _changed(step: Step, skill: SkillDescription, view: WorldView) -> set[str]:

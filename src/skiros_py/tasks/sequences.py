@@ -10,6 +10,7 @@ from typing import Any
 from skiros_py.errors import SkirosError, UnknownName, UsageError
 from skiros_py.planning.needs import needs_of, with_defaults
 from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.stock import tokens_of, with_stock
 from skiros_py.planning.validation import apply_effects
 from skiros_py.skills.conditions import judge
 from skiros_py.skills.inference import applying
@@ -166,7 +167,8 @@ class StepSequence:
         if skill not in self._skills:
             raise UnknownName("skill", skill, self._skills)
         given = {key: value for key, value in arguments.items() if value is not None}
-        values = read_arguments(self._skills[skill].params, given, self._view)
+        view = with_stock(self._view, named=tokens_of((Step(skill, given),)))
+        values = read_arguments(self._skills[skill].params, given, view)
         return Step(skill, MappingProxyType({key: values[key] for key in given}))
 
     def _index(self, at: int, last: int) -> int:
@@ -180,7 +182,7 @@ def check_steps(
     view: WorldView, steps: Sequence[Step], skills: Mapping[str, SkillDescription]
 ) -> tuple[StepCheck, ...]:
     """Checks steps in turn; what comes after one that cannot work is judged as if it had worked."""
-    overlay = Overlay(view)
+    overlay = Overlay(with_stock(view, named=tokens_of(steps)))
     return tuple(StepCheck(step, tuple(_problems(overlay, step, skills))) for step in steps)
 
 

@@ -93,6 +93,9 @@ __all__ = [
     "SPATIAL_THING",
     "START_LOCATION",
     "STATION",
+    "STOCK",
+    "STOCK_COUNT",
+    "STOCK_OF",
     "STRUCTURE",
     "SUPPORT_HALF_EXTENTS",
     "SUPPORT_OFFSET",
@@ -158,6 +161,10 @@ SPATIAL_THING: Final = ClassName("sk:SpatialThing")
 """Anything that is somewhere."""
 STATION: Final = ClassName("sk:Station")
 """A named spot that a robot can stand at."""
+STOCK: Final = ClassName("sk:Stock")
+"""So many things of one class (sk:stockOf, sk:stockCount) in a container that have no individuals of their own; a
+piece (sk:hasA) of the container, which may have several. Planning takes any of them; one gets an individual when a
+robot sets about taking it."""
 SURFACE: Final = ClassName("sk:Surface")
 """Something that things stand on."""
 TAUGHT_DRIVING_POSE: Final = ClassName("sk:TaughtDrivingPose")
@@ -307,6 +314,10 @@ SIZE: Final = PropertyName("sk:size")
 SOLID: Final = PropertyName("sk:solid")
 """Shape: a list of boxes (size x, y, z) and cylinders (size radius, length along z) with their centres 'at' and
 fixed-axis 'rpy', in the element's frame, which lies on the support plane [m, rad]."""
+STOCK_COUNT: Final = PropertyName("sk:stockCount")
+"""How many of them there are that have no individual of their own."""
+STOCK_OF: Final = PropertyName("sk:stockOf")
+"""The class of the things."""
 SUPPORT_HALF_EXTENTS: Final = PropertyName("sk:supportHalfExtents")
 """Half extents x y of the flat area on which parts may lie [m]."""
 SUPPORT_OFFSET: Final = PropertyName("sk:supportOffset")

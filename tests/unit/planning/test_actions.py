@@ -341,3 +341,32 @@ def test_a_hold_condition_that_cannot_be_written_is_refused_by_name() -> None:
 
     with pytest.raises(PlanningError, match=r"skill 'load', precondition Never\(Ball\): any of no conditions"):
         actions_of(replace(LOAD, hold=(never("Ball"),)), tiny_ontology())
+
+
+START = ConditionType(
+    "StartsAt",
+    (Role("robot", "sk:Robot"), Role("location", "sk:Location")),
+    Related("sk:startLocation", "robot", "location"),
+    "A relation of which a robot has one only.",
+)
+_PLACE = Param("Place", "sk:Location", "Where.")
+MOVE_IN = SkillDescription("move_in", "-", "Robot", "Place", (_ROBOT, _PLACE), (), (), (START("Robot", "Place"),))
+
+
+def test_what_something_has_one_of_only_replaces_the_old_one_where_there_is_one() -> None:
+    had, had_none = actions_of(MOVE_IN, tiny_ontology())
+    before = Atom("sk:startLocation", ("?Robot", "?Place_before"))
+
+    assert before in had.pre
+    assert had.delete == (before,)
+    assert [none.atoms for none in had_none.none] == [(before,)]
+    assert had_none.delete == ()
+
+
+def test_the_one_thing_that_a_precondition_names_is_replaced() -> None:
+    other = Param("Other", "sk:Location", "The old one.")
+    (move,) = actions_of(
+        replace(MOVE_IN, params=(*MOVE_IN.params, other), pre=(START("Robot", "Other"),)), tiny_ontology()
+    )
+
+    assert move.delete == (Atom("sk:startLocation", ("?Robot", "?Other")),)

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from skiros_py.planning.classes import common_class, primary_line
-from skiros_py.planning.model import Atom, Variable
+from skiros_py.planning.classes import common_class, primary_line, with_class_predicates
+from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
 from skiros_py.testing import Bench, tiny_ontology, tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 
@@ -38,6 +38,16 @@ def test_a_class_had_by_a_second_parent_is_asked_for_by_a_predicate() -> None:
     assert Variable("?Box", "sk:SpatialThing") in pick.parameters
     members = {atom.arguments[0] for atom in task.problem.init if atom.predicate == "is tiny:Box"}
     assert members == {"bench_1", "box_a", "box_b"}
+
+
+def test_what_there_must_not_be_is_asked_for_by_the_predicate_too() -> None:
+    none = NoneSuch((Variable("?b", "tiny:Box"),), (Atom("sk:in", ("?x", "?b")),))
+    action = Action("look", "look", (Variable("?x", "tiny:Ball"),), (), (), (), none=(none,))
+
+    (widened,) = with_class_predicates([action], {"bench_1": "tiny:Bench", "box_a": "tiny:Box"}, tiny_ontology())
+
+    wider = (Variable("?b", "sk:SpatialThing"),)
+    assert widened.none == (NoneSuch(wider, (Atom("is tiny:Box", ("?b",)), Atom("sk:in", ("?x", "?b")))),)
 
 
 def test_an_object_is_listed_once_under_its_own_class() -> None:

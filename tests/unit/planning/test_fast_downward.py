@@ -78,10 +78,7 @@ class Blind(FastDownward):
     """Searches blindly for the shortest plan."""
 
     def __init__(self, time_limit: float = 60.0) -> None:
-        super().__init__((), time_limit)
-
-    def command(self, domain: str, problem: str) -> list[str]:
-        return [*super().command(domain, problem), "--search", "astar(blind())"]
+        super().__init__("astar(blind())", time_limit)
 
 
 def endless() -> PddlTexts:
@@ -122,7 +119,7 @@ def test_closing_kills_the_whole_search_and_its_result_says_that_it_was_stopped(
 
     planner.close()
 
-    assert len(running) >= 2, "driver and search"
+    assert running, "the search"
     _, alive = psutil.wait_procs(running, timeout=5.0)
     assert alive == []
     with pytest.raises(PlanningError, match="Fast Downward was stopped"):

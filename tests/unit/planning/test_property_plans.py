@@ -163,7 +163,7 @@ def test_a_door_without_a_key_of_its_kind_is_the_reason() -> None:
 
 def test_a_goal_nobody_can_bring_about_says_what_is_the_case() -> None:
     assert why_not(WORLD, FULL("robot_1")) == (
-        "Full(robot_1) cannot be reached: the charge of robot_1 is 40, not 100, and no skill brings it about"
+        "Full(robot_1) cannot be reached: the charge of robot_1 is 40, not 100, and no skill changes it"
     )
 
 

@@ -138,8 +138,8 @@ def test_a_skill_whose_only_way_asks_for_more_is_planned_with_what_it_asks_for()
     assert isinstance(outcome, NoPlan)
     (reason,) = outcome.reasons
     assert reason == (
-        "At(robot_1, box_a) cannot be reached: skill 'drive' would do it, but needs that robot_1 is at box_a; "
-        "robot_1 is at unknown_location, and no skill takes it from there"
+        "At(robot_1, box_a) cannot be reached: skill 'drive' would do it, but needs that robot_1 is at box_a, "
+        "and robot_1 is at unknown_location, and no skill takes it from there"
     )
     assert not report.steps
 
@@ -166,7 +166,7 @@ def test_any_one_of_the_ways_is_enough() -> None:
     both = (REACHABLE("Location"), AT_LOCATION("Robot", "Location"))
     either = ways((FREE("Location"),), both, both)
 
-    assert [str(c) for c in either.pre[len(DRIVE.pre) :]] == ["Free or Reachable and At(Location, Robot)"]
+    assert [str(c) for c in either.pre[len(DRIVE.pre) :]] == ["Free(Location) or (Reachable(Location) and At(Robot, Location))"]
     names = [
         action.name
         for action in tiny_task(tiny_world(), HOLDING("gripper_1", "ball_1"), skills=(either,)).domain.actions

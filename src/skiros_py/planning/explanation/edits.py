@@ -8,6 +8,7 @@ from skiros_py.planning.explanation.supposition import Supposition
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.literals import shown
 from skiros_py.world.names import local_name
+from skiros_py.world.stock import is_token, take
 from skiros_py.world.transaction import Transaction
 
 __all__ = ["Add", "Assign", "Move", "Relate", "Remove", "SceneEdit"]
@@ -36,7 +37,7 @@ class Move:
 
     def write(self, tx: Transaction) -> None:
         """Writes it."""
-        tx.place(self.element, self.relation, self.place)
+        tx.place(_individual(tx, self.element), self.relation, self.place)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ class Remove:
 
     def write(self, tx: Transaction) -> None:
         """Writes it."""
-        tx.remove(self.element)
+        tx.remove(_individual(tx, self.element))
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +111,7 @@ class Assign:
 
     def write(self, tx: Transaction) -> None:
         """Writes it."""
-        tx.set(self.element, self.property, self.value)
+        tx.set(_individual(tx, self.element), self.property, self.value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +135,13 @@ class Relate:
 
     def write(self, tx: Transaction) -> None:
         """Writes it."""
-        tx.relate(self.subject, self.relation, self.object)
+        tx.relate(_individual(tx, self.subject), self.relation, _individual(tx, self.object))
 
 
 SceneEdit = Move | Remove | Add | Assign | Relate
 """Any of them."""
+
+
+def _individual(tx: Transaction, name: str) -> str:
+    """Returns the element that a name stands for; a thing of a stock gets one."""
+    return take(tx, name) if is_token(name) else name

@@ -98,7 +98,8 @@ class Leaves:
         for argument in atom.arguments:
             if not self._things(argument, types):
                 return self.none_of(types.get(argument, argument))
-        text = f"{self._instead(atom, types)}, and no skill changes it"
+        only = {a: things[0] for a in atom.arguments if len(things := self._things(a, types)) == 1}
+        text = f"{self._instead(atom.bind(only), types)}, and no skill changes it"
         return Obstacle(kind, text, elements=named, missing=atom, types=types)
 
     def _instead(self, atom: Atom, types: Types) -> str:

@@ -49,9 +49,11 @@ class Relaxation:
     # ------------------------------------------------------------ asking
 
     def fits(self, element: str, class_: str) -> bool:
-        """Tells whether an object is of a class; the empty one is any."""
+        """Tells whether an object is of a class; the empty one is any. What there is no longer is of none."""
         if class_ in ("", "object"):
             return True
+        if element not in self._types:
+            return False
         key = self._types[element], class_
         if key not in self._fitting:
             self._fitting[key] = self._ontology.is_a(*key)

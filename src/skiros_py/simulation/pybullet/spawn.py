@@ -17,6 +17,8 @@ _MIN_DISTANCE = 0.13  # between the middles of parts on one place [m], so that a
 _DROP = 0.0005  # above the surface, from where a drawn part settles [m]
 _TRIES = 200
 _ARRANGEMENTS = 100
+_NAMED = 8
+"""So many bodies are named in a message."""
 
 
 def start_poses(spec: CellSpec, seed: int) -> dict[str, Pose]:
@@ -57,7 +59,7 @@ def _carrier_pose(spec: CellSpec, body: BodySpec) -> Pose:
 
 
 def _place(spec: CellSpec, poses: Mapping[str, Pose], bodies: Sequence[BodySpec]) -> BodySpec:
-    names = ", ".join(body.id for body in bodies)
+    names = _names(bodies)
     if bodies[0].place is None:
         raise DescriptionError(f"{names}: give a pose, or a place to lie on")
     place = next((body for body in spec.bodies if body.id == bodies[0].place), None)
@@ -79,8 +81,13 @@ def _arrange(
             drawn[body.id] = pose
         else:
             return drawn
-    names = ", ".join(body.id for body in bodies)
+    names = _names(bodies)
     raise DescriptionError(f"no room on '{place.id}' for {names} with {_MIN_DISTANCE} m between their middles")
+
+
+def _names(bodies: Sequence[BodySpec]) -> str:
+    more = f" and {len(bodies) - _NAMED} more" if len(bodies) > _NAMED else ""
+    return ", ".join(body.id for body in bodies[:_NAMED]) + more
 
 
 def _draw(place: BodySpec, body: BodySpec, others: Sequence[Pose], rng: np.random.Generator) -> Pose | None:

@@ -1,0 +1,89 @@
+"""What of the world's stock a goal can use: as many interchangeable things as that are shown, never all (paper §6.3)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from itertools import islice
+
+from skiros_py.planning.plan import Step
+from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Verdict, judge
+from skiros_py.world.stock import Stock, Stocked, is_token, stocks
+from skiros_py.world.view import WorldView
+
+__all__ = ["believed", "lacks_stock", "tokens_of", "with_stock"]
+
+_SPARE = 2
+"""So many more than a goal speaks of: a skill may use one up, and a place with stock is not empty."""
+_MOST = 100
+"""More of one stock no plan handles."""
+
+
+def with_stock(
+    view: WorldView, goal: Sequence[Condition] = (), named: Iterable[str] = (), *, whole: bool = False
+) -> WorldView:
+    """Returns the world with the things of its stocks that may matter; the world itself where it has no stock.
+
+    Args:
+        view: The world.
+        goal: What is wanted.
+        named: Tokens that a plan speaks of already: these are shown first, as long as there is something for them.
+        whole: True to show all, as far as any plan could handle that many.
+    """
+    found = stocks(view)
+    if not found:
+        return view
+    spoken = tuple(dict.fromkeys(named))
+    patterns = [condition.closed_pattern(view.ontology) for condition in goal]
+    return Stocked(view, {stock: _shown(stock, view, patterns, spoken, whole) for stock in found})
+
+
+def lacks_stock(view: WorldView) -> bool:
+    """Tells whether a world from :func:`with_stock` has more of a stock than it shows."""
+    return isinstance(view, Stocked) and view.short
+
+
+def believed(condition: Condition, view: WorldView) -> Verdict:
+    """Tells whether a condition holds as believed: also by what has no individual of its own."""
+    return judge(condition, with_stock(view, (condition,)))
+
+
+def tokens_of(steps: Iterable[Step]) -> tuple[str, ...]:
+    """Returns the tokens that steps speak of, in order."""
+    return tuple(dict.fromkeys(a for step in steps for a in step.arguments.values() if isinstance(a, str) and is_token(a)))
+
+
+def _shown(
+    stock: Stock, view: WorldView, patterns: Iterable[Pattern], named: Sequence[str], whole: bool
+) -> tuple[str, ...]:
+    own = [name for name in named if name.startswith(stock.token(0)[:-1])][: stock.count]
+    wanted = math.inf if whole else _SPARE + sum(_used(p, stock, view, wanted=True) for p in patterns)
+    number = int(max(len(own), min(stock.count, wanted, _MOST)))
+    others = (stock.token(n) for n in range(1, stock.count + 1) if stock.token(n) not in own)
+    return (*own, *islice(others, number - len(own)))
+
+
+def _used(pattern: Pattern, stock: Stock, view: WorldView, *, wanted: bool) -> float:
+    """Returns how many things of a stock a pattern can speak of at once; infinite where it speaks of all.
+
+    Args:
+        pattern: The pattern.
+        stock: The stock.
+        view: The world.
+        wanted: Whether it shall hold, rather than not hold.
+    """
+    match pattern:
+        case Not(inner):
+            return _used(inner, stock, view, wanted=not wanted)
+        case AllOf(patterns) | AnyOf(patterns):
+            return sum(_used(part, stock, view, wanted=wanted) for part in patterns)
+        case Exists(_, class_, inner):
+            own = view.ontology.is_a(stock.class_, class_)
+            within = _used(inner, stock, view, wanted=wanted)
+            if wanted:
+                return within + own
+            return math.inf if own else within and within * len(view.instances(class_))
+        case Nothing(relation, _) if wanted and relation == stock.placement.relation:
+            return math.inf
+        case _:
+            return 0

@@ -1,0 +1,121 @@
+"""A page about a run: one file with timeline, pictures and sentences, that opens from the disk without a network."""
+
+from __future__ import annotations
+
+import base64
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from itertools import islice
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, UndefinedError
+
+from skiros_py.errors import FileError
+from skiros_py.records.drawing import draw
+from skiros_py.records.edits import edit_sentence
+from skiros_py.records.reader import Picture, Record
+from skiros_py.records.timeline import lanes, span
+
+__all__ = ["report_page"]
+
+_MOST_PICTURES = 120
+_MOST_ROWS = 3000
+"""Changes, and entries of the trace, that a page shows."""
+_MOST_EDITS = 12
+_KIND_OF_TASK = {"reached": "good", "held already": "good", "partly reached": "part", "stopped": "part"}
+
+
+def report_page(record: Record) -> str:
+    """Returns the page about a run as HTML.
+
+    Raises:
+        FileError: The record is damaged.
+    """
+    try:
+        return _page(record)
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, UndefinedError) as error:
+        raise FileError(record.path, f"the record is damaged: {type(error).__name__}: {error}") from error
+
+
+def _page(record: Record) -> str:
+    meta, events, trace = record.meta, record.events, record.trace
+    ended = meta.get("ended", {})
+    begin, end = span(events, trace, meta.get("start", 0.0), ended.get("time"))
+    pictures = _spread(list(record.pictures()), _MOST_PICTURES)
+    rows = lanes(events, trace, meta.get("robots", {}), end)
+    changes, more_changes = _first(record.changes(), _MOST_ROWS)
+    sentences, more_sentences = _first(trace, _MOST_ROWS)
+    return (
+        _environment()
+        .get_template("report.html.j2")
+        .render(
+            meta=meta,
+            record=record.path.name,
+            complete=record.complete,
+            fault=ended.get("fault", ""),
+            lasted=end - begin,
+            wall=_wall(meta),
+            began=_clock(meta.get("wall")),
+            tasks=[_task(task) for task in record.tasks],
+            drawing=draw(rows, begin, end, [shot.time for shot in pictures]),
+            failures=[(lane, bar) for lane in rows for bar in lane.bars if bar.how == "bad"],
+            trace=sentences,
+            more_trace=more_sentences,
+            changes=[_change(change) for change in changes],
+            more_changes=more_changes,
+            pictures=[(number, shot, _inline(shot)) for number, shot in enumerate(pictures, 1)],
+            forgotten=record.forgotten,
+        )
+    )
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("skiros_py.records"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        autoescape=True,
+    )
+
+
+def _task(task: Mapping[str, Any]) -> dict[str, Any]:
+    report = task["report"]
+    outcome = report["outcome"] if report else "not over"
+    return {"name": task["name"], "outcome": outcome, "kind": _KIND_OF_TASK.get(outcome, "bad"), "report": report} | {
+        "goal": task["goal"]
+    }
+
+
+def _change(change: Any) -> dict[str, Any]:
+    shown = [edit_sentence(edit) for edit in change.edits[:_MOST_EDITS]]
+    left = len(change.edits) - len(shown)
+    return {"change": change, "writer": change.writer.value, "edits": shown + ([f"and {left} more"] if left else [])}
+
+
+def _first(rows: Iterable[Any], most: int) -> tuple[list[Any], int]:
+    """Returns the first rows, and how many others there are."""
+    rest = iter(rows)
+    return list(islice(rest, most)), sum(1 for _ in rest)
+
+
+def _spread(pictures: Sequence[Picture], most: int) -> list[Picture]:
+    """Returns at most so many pictures, evenly spread."""
+    if len(pictures) <= most:
+        return list(pictures)
+    return [pictures[number * len(pictures) // most] for number in range(most)]
+
+
+def _inline(picture: Picture) -> str:
+    return "data:image/webp;base64," + base64.b64encode(picture.data).decode()
+
+
+def _wall(meta: Mapping[str, Any]) -> float | None:
+    ended = meta.get("ended", {})
+    return ended["wall"] - meta["wall"] if "wall" in ended and "wall" in meta else None
+
+
+def _clock(wall: float | None) -> str:
+    return "" if wall is None else time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(wall))

@@ -1,0 +1,145 @@
+"""What ran when, put into rows: one lane for each subsystem, its skills as bars, what they consist of below."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from skiros_py.execution.monitor import Status
+from skiros_py.tasks.trace import Happening
+
+__all__ = ["Bar", "Lane", "lanes", "span"]
+
+_OVER = {Status.TERMINATED.value: "good", Status.ERROR.value: "bad", Status.PREEMPTED.value: "cut"}
+_WAIT_ENDS = {Happening.STARTED, Happening.FINISHED, Happening.STOPPED, Happening.REPLANS, Happening.NO_PLAN}
+_ROWS = ("skill", "part", "primitive", "wait")
+"""The order of rows in a lane: what was started by itself, skills within, primitives, waits."""
+
+
+@dataclass(slots=True)
+class Bar:
+    """Something that took a while.
+
+    Attributes:
+        kind: "skill", "part" (a skill within a skill), "primitive" or "wait".
+        label: What stands on it.
+        start, end: Run time [s].
+        how: "good", "bad", "cut" (broken off), "open" (the record ends before it) or "wait".
+        text: All that is known of it.
+        row: Number of its row in its lane, from the top.
+    """
+
+    kind: str
+    label: str
+    start: float
+    end: float
+    how: str
+    text: str
+    row: int = 0
+
+
+@dataclass(slots=True)
+class Lane:
+    """What one subsystem did.
+
+    Attributes:
+        robot: The robot that it belongs to; empty where nobody knows.
+        agent: Its id.
+        bars: What it did, in the order of their beginnings.
+        rows: Number of rows.
+    """
+
+    robot: str
+    agent: str
+    bars: list[Bar] = field(default_factory=list)
+    rows: int = 0
+
+
+def span(
+    events: Sequence[Mapping[str, Any]], trace: Sequence[Mapping[str, Any]], begin: float, end: float | None
+) -> tuple[float, float]:
+    """Returns the run times between which everything is [s]; never an empty span."""
+    times = [begin, *(event["time"] for event in events), *(entry["time"] for entry in trace)]
+    last = max(times) if end is None else max(end, *times)
+    return min(times), max(last, min(times) + 0.1)
+
+
+def lanes(
+    events: Iterable[Mapping[str, Any]],
+    trace: Iterable[Mapping[str, Any]],
+    robots: Mapping[str, Sequence[str]],
+    end: float,
+) -> list[Lane]:
+    """Puts what happened into lanes.
+
+    Args:
+        events: What the modules told of themselves, in order.
+        trace: What happened in the tasks, in order: what waited.
+        robots: The devices and subsystems of each robot.
+        end: Run time at which the record ends [s].
+    """
+    owners = {device: robot for robot, devices in robots.items() for device in devices}
+    found: dict[str, Lane] = {}
+    for agent, bar in [*_bars(events, end), *_waits(trace, end)]:
+        found.setdefault(agent, Lane(owners.get(agent, ""), agent)).bars.append(bar)
+    ordered = sorted(found.values(), key=lambda lane: (lane.robot, lane.agent))
+    for lane in ordered:
+        _arrange(lane)
+    return ordered
+
+
+def _bars(events: Iterable[Mapping[str, Any]], end: float) -> list[tuple[str, Bar]]:
+    """Pairs the beginnings of modules with their ends."""
+    bars: list[tuple[str, Bar]] = []
+    running: dict[tuple[str, ...], list[Bar]] = {}
+    for event in events:
+        key = (event["kind"], event["module"], event["agent"], event["caller"])
+        if event["status"] == Status.STARTED.value:
+            bar = _begun(event, end)
+            running.setdefault(key, []).append(bar)
+            bars.append((event["agent"], bar))
+        elif event["status"] in _OVER and running.get(key):
+            _end(running[key].pop(), event)
+    return bars
+
+
+def _begun(event: Mapping[str, Any], end: float) -> Bar:
+    kind = "primitive" if event["kind"] == "primitive" else "part" if event["caller"] else "skill"
+    label = " ".join(filter(None, (event["module"], event["target"])))
+    return Bar(kind, label, event["time"], end, "open", event["text"])
+
+
+def _end(bar: Bar, event: Mapping[str, Any]) -> None:
+    bar.end, bar.how = event["time"], _OVER[event["status"]]
+    said = {"good": "done", "bad": "failed", "cut": "broken off"}[bar.how]
+    bar.text = "\n".join(filter(None, (bar.text, f"{said}: {event['text']}" if event["text"] else said)))
+
+
+def _waits(trace: Iterable[Mapping[str, Any]], end: float) -> list[tuple[str, Bar]]:
+    """Returns what waited: until the step started, or there was another plan."""
+    waits: list[tuple[str, Bar]] = []
+    open_: dict[tuple[object, ...], list[Bar]] = {}
+    for entry in trace:
+        step = (entry["task"], entry["skill"], *sorted(entry["arguments"].items()))
+        if entry["what"] == Happening.WAITS and entry["agent"]:
+            bar = Bar("wait", f"{entry['skill']} waits", entry["time"], end, "wait", entry["text"])
+            open_.setdefault(step, []).append(bar)
+            waits.append((entry["agent"], bar))
+        elif entry["what"] in _WAIT_ENDS:
+            over = [step] if entry["step"] is not None else [key for key in open_ if key[0] == entry["task"]]
+            for bar in (bar for key in over for bar in open_.pop(key, ())):
+                bar.end = entry["time"]
+    return waits
+
+
+def _arrange(lane: Lane) -> None:
+    """Gives each bar a row in which it overlaps no other."""
+    lane.bars.sort(key=lambda bar: bar.start)
+    for kind in _ROWS:
+        ends: list[float] = []
+        for bar in (bar for bar in lane.bars if bar.kind == kind):
+            free = next((row for row, end in enumerate(ends) if end <= bar.start + 1e-9), len(ends))
+            ends[free : free + 1] = [bar.end]
+            bar.row = lane.rows + free
+        lane.rows += len(ends)

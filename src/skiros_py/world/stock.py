@@ -1,0 +1,105 @@
+"""Stock: so many things of a class in a container that have no individuals of their own until one is taken (paper §6.3).
+
+A token stands for one of them where it has not been taken yet, in plans: "bolts_a#2". Tokens of one stock are
+interchangeable: its number says nothing but that "bolts_a#3" is another one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from skiros_py.errors import WorldError
+from skiros_py.world.element import Element, Placement
+from skiros_py.world.enlarged import Enlarged
+from skiros_py.world.names import local_name
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import CONTAINER, HAS_A, IN, ON, STOCK, STOCK_COUNT, STOCK_OF
+
+__all__ = ["Stock", "Stocked", "is_token", "stocks", "take"]
+
+_MARK = "#"
+"""Parts a token's stock from its number; no id has it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stock:
+    """What one place holds of one class.
+
+    Attributes:
+        id: Its element id.
+        class_: CURIE of the class of the things.
+        count: How many there are without an individual, one at least.
+        placement: Where they are.
+    """
+
+    id: str
+    class_: str
+    count: int
+    placement: Placement
+
+    def token(self, number: int) -> str:
+        """Returns the name of one of the things, numbered from 1."""
+        return f"{self.id}{_MARK}{number}"
+
+
+class Stocked(Enlarged):
+    """A world in which some things of its stocks are elements, under the names of their tokens.
+
+    Attributes:
+        short: True where a stock has more than are shown.
+    """
+
+    def __init__(self, base: WorldView, shown: Mapping[Stock, Iterable[str]]) -> None:
+        super().__init__(base)
+        self.short = False
+        for stock, tokens in shown.items():
+            names = tuple(tokens)
+            self.short = self.short or len(names) < stock.count
+            for name in names:
+                label = f"{local_name(stock.class_)} of {base.element(stock.id).label}"
+                self.enlarge(Element(name, stock.class_, label), stock.placement)
+
+
+def stocks(view: WorldView) -> tuple[Stock, ...]:
+    """Returns every stock that has something left; one that is described badly has nothing."""
+    if STOCK not in view.ontology.classes:
+        return ()
+    found = (_stock(view, element) for element in view.instances(STOCK))
+    return tuple(stock for stock in found if stock is not None)
+
+
+def is_token(name: str) -> bool:
+    """Tells whether a name stands for a thing that has no individual yet."""
+    return _MARK in name
+
+
+def take(tx: Transaction, token: str) -> str:
+    """Gives a thing of a stock an individual of its own, where the stock is; one less is without one.
+
+    Args:
+        tx: Where it is written.
+        token: What stands for the thing.
+
+    Returns:
+        The id of the new element.
+
+    Raises:
+        WorldError: The stock is used up or gone.
+    """
+    name = token.partition(_MARK)[0]
+    stock = _stock(tx.view, name) if tx.view.has(name) else None
+    if stock is None:
+        raise WorldError(f"nothing is left of stock {name}")
+    tx.set(stock.id, STOCK_COUNT, stock.count - 1)
+    return tx.add(stock.class_, placement=stock.placement)
+
+
+def _stock(view: WorldView, element: str) -> Stock | None:
+    class_, count = view.value(element, STOCK_OF), view.value(element, STOCK_COUNT)
+    places = view.subjects(HAS_A, element)
+    if not places or not isinstance(class_, str) or not isinstance(count, int) or count < 1:
+        return None
+    relation = IN if view.ontology.is_a(view.element(places[0]).type, CONTAINER) else ON
+    return Stock(element, class_, count, Placement(relation, places[0]))

@@ -1,0 +1,35 @@
+"""``skiros plan --explain-domain``: what an author reads of what was made of his skills."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+
+def skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "skiros_py.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_an_author_reads_what_was_added_to_each_skill_and_why() -> None:
+    result = skiros("plan", "kitting", "--explain-domain")
+
+    assert result.returncode == 0, result.stderr
+    told = " ".join(result.stdout.replace("│", " ").split())
+    assert "can_pick(Arm): who has the skill" in told
+    assert "Robot_from" in told
+    assert "bookkeeping of the goal" in told
+    assert "(define" not in told
+
+
+def test_a_program_gets_it_as_data_beside_domain_and_plan() -> None:
+    result = skiros("plan", "kitting", "--explain-domain", "--json")
+
+    answer = json.loads(result.stdout)
+    skills = {told["skill"]: told for told in answer["skills"]}
+    assert {"drive", "pick", "place"} <= set(skills)
+    assert "CanBeWorkedAt(Location)" in skills["drive"]["pre"]
+    assert all(action["notes"] for told in answer["skills"] for action in told["actions"])
+    assert answer["steps"]
+    assert answer["domain"].startswith("(define")

@@ -1,0 +1,83 @@
+"""``skiros run --data`` keeps a record of each run, and ``skiros report`` tells of it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SKIROS = Path(sys.executable).parent / "skiros"
+
+
+def skiros(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([str(SKIROS), *arguments], capture_output=True, text=True, check=False, cwd=folder)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a data directory in which two goals were pursued."""
+    folder = tmp_path_factory.mktemp("work")
+    for part in ("Starter", "Alternator"):
+        run = skiros(folder, "run", "kitting", "--fake", "--data", "data", "--goal", f"InKit({part}, kit_1)")
+        assert run.returncode == 0, run.stderr
+        assert "record  data/runs/" in run.stdout
+    return folder
+
+
+def test_each_run_has_a_record_and_the_world_outlives_both(folder: Path) -> None:
+    first, second = sorted((folder / "data" / "runs").iterdir())
+    data = [json.loads(skiros(folder, "report", str(record), "--json").stdout) for record in (first, second)]
+
+    assert [one["meta"]["scene"] for one in data] == ["kitting", "kitting"]
+    assert [one["meta"]["goal"] for one in data] == [["InKit(Starter, kit_1)"], ["InKit(Alternator, kit_1)"]]
+    assert all(one["complete"] and one["tasks"][0]["report"]["outcome"] == "reached" for one in data)
+    assert data[1]["snapshots"]["count"] > 100
+    assert data[1]["meta"]["version"] > data[0]["meta"]["version"]
+
+
+def test_a_data_directory_gives_the_page_of_its_latest_run(folder: Path) -> None:
+    made = skiros(folder, "report", "data", "--output", "page.html")
+    page = (folder / "page.html").read_text()
+
+    assert (made.returncode, made.stdout) == (0, "page.html\n")
+    assert "InKit(Alternator, kit_1)" in page
+    assert "InKit(Starter, kit_1)" not in page.split("Changes of the world")[0]
+
+
+def test_a_page_goes_into_the_present_folder_under_the_name_of_its_record(folder: Path) -> None:
+    record = min((folder / "data" / "runs").iterdir())
+    made = skiros(folder, "report", str(record))
+
+    assert made.stdout == f"{record.stem}.html\n"
+    assert (folder / made.stdout.strip()).exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("none.record", None, "there is no such record"),
+        ("text.record", b"hello", "the file is damaged, or no record of a run"),
+        ("data/journal.db", None, "is the file of another program, not the record of a run"),
+        (".", None, "there is no record of a run in it"),
+    ],
+)
+def test_what_is_no_record_ends_with_status_two_and_one_message(
+    folder: Path, name: str, content: bytes | None, said: str
+) -> None:
+    if content is not None:
+        (folder / name).write_bytes(content)
+    result = skiros(folder, "report", name)
+
+    assert result.returncode == 2
+    assert said in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_a_page_that_cannot_be_written_is_said(folder: Path) -> None:
+    result = skiros(folder, "report", "data", "--output", "no/such/folder.html")
+
+    assert result.returncode == 2
+    assert "no/such/folder.html: cannot be written: No such file or directory" in result.stderr

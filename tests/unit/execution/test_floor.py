@@ -1,0 +1,164 @@
+"""Areas of the floor: no two robots are ever promised the same place, and somebody always goes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from skiros_py.execution.floor import FloorAreas, FloorWay
+from skiros_py.geometry import Pose
+from skiros_py.robot.cell import CellSpec, RobotSpec
+from skiros_py.robot.devices import DeviceBoard
+from skiros_py.robot.motion import BaseLeg, BasePath
+from skiros_py.simulation.fake.cell import FakeCell
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.testing.worlds import world_of
+
+OUTLINE = ((-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3))
+
+
+@cache
+def robots(count: int) -> tuple[RobotSpec, ...]:
+    world = world_of("", robots=count)
+    return read_cell(world, world.instances("sk:Robot")).robots
+
+
+def floor_with(*places: tuple[float, float]) -> FloorAreas:
+    """Returns the floor of a cell whose robots stand at these places [m], heading along x."""
+    there = zip(robots(len(places)), places, strict=True)
+    specs = tuple(replace(r, base=replace(r.base, start=Pose((x, y, 0.0)))) for r, (x, y) in there)
+    return FloorAreas(DeviceBoard(FakeCell(CellSpec((), specs))), specs)
+
+
+def straight(floor: FloorAreas, number: int, start: tuple[float, float], end: tuple[float, float]) -> FloorWay:
+    """Asks for the straight way of a robot between two places."""
+    heading = math.atan2(end[1] - start[1], end[0] - start[0])
+    path = BasePath((BaseLeg(*end),), heading)
+    return floor.ask(f"robot_{number}", OUTLINE, Pose((start[0], start[1], 0.0)), path)
+
+
+def test_a_way_that_nobody_else_is_on_is_free_at_once() -> None:
+    floor = floor_with((0.0, 0.0), (0.0, 5.0))
+
+    way = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+
+    assert way.free
+    assert floor.is_driving("robot_1")
+    assert not floor.is_driving("robot_2")
+
+
+def test_a_robot_that_stands_on_a_way_blocks_it() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.2))
+
+    way = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+
+    assert not way.free
+    assert way.blocked
+    assert way.waits_for() == ("robot_2",)
+
+
+def test_a_robot_waits_for_one_that_drives_and_goes_when_it_has_arrived_elsewhere() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, -2.0))
+    first = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    second = straight(floor, 2, (2.0, -2.0), (2.0, 2.0))
+    assert (second.free, second.blocked, second.waits_for()) == (False, False, ("robot_1",))
+
+    first.release()
+
+    assert second.free
+
+
+def test_what_lies_behind_a_robot_is_free_before_it_has_arrived() -> None:
+    floor = floor_with((0.0, 0.0), (0.0, -2.0))
+    first = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    second = straight(floor, 2, (0.0, -2.0), (0.0, 2.0))
+
+    first.passed(0.1)
+    assert not second.free
+    first.passed(0.5)
+    assert second.free
+    assert floor.is_driving("robot_1")
+
+
+def test_who_asked_first_goes_first() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, -2.0), (3.0, 2.0))
+    crossing = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    waiting = straight(floor, 2, (2.0, -2.0), (2.0, 4.0))
+    later = straight(floor, 3, (3.0, 2.0), (0.0, 2.0))
+    assert later.waits_for() == ("robot_2",)
+
+    crossing.release()
+
+    assert waiting.free
+    assert not later.free
+
+
+def test_a_wish_that_is_taken_back_keeps_nobody_waiting() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, -2.0), (3.0, 2.0))
+    straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    waiting = straight(floor, 2, (2.0, -2.0), (2.0, 4.0))
+    later = straight(floor, 3, (3.0, 2.0), (0.0, 2.0))
+
+    waiting.release()
+
+    assert later.free
+
+
+def test_a_turn_on_the_spot_takes_all_that_corners_sweep() -> None:
+    floor = floor_with((0.0, 0.0), (0.0, 0.7))
+    turning = BasePath((), math.pi / 2)
+
+    standing = BasePath((), 0.0)
+    with floor.ask("robot_1", OUTLINE, Pose(), standing) as way:
+        assert way.free
+    assert not floor.ask("robot_1", OUTLINE, Pose(), turning).free
+
+
+PLACES = st.tuples(st.integers(0, 6), st.integers(0, 6)).map(lambda p: (float(p[0]), float(p[1])))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(PLACES, min_size=2, max_size=4, unique=True), st.data())
+def test_ways_that_are_free_at_the_same_time_never_meet(
+    places: Sequence[tuple[float, float]], data: st.DataObject
+) -> None:
+    floor = floor_with(*places)
+    ways = []
+    for number, place in enumerate(places, start=1):
+        end = data.draw(PLACES.filter(lambda p, place=place: p != place))
+        ways.append(straight(floor, number, place, end))
+        if data.draw(st.booleans()):
+            ways.pop(data.draw(st.integers(0, len(ways) - 1))).release()
+
+    areas = [way.area for way in ways if way.free]
+
+    assert not any(one.intersects(other) for n, one in enumerate(areas) for other in areas[:n])
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(PLACES, min_size=2, max_size=4, unique=True), st.data())
+def test_somebody_always_goes_unless_all_are_blocked(
+    places: Sequence[tuple[float, float]], data: st.DataObject
+) -> None:
+    floor = floor_with(*places)
+    ends = [data.draw(PLACES.filter(lambda p, place=place: p != place)) for place in places]
+
+    ways = [straight(floor, number, *ride) for number, ride in enumerate(zip(places, ends, strict=True), start=1)]
+
+    assert any(way.free or way.blocked for way in ways)
+
+
+@pytest.mark.parametrize("legs", [0.0, 0.3, 1.0])
+def test_giving_back_what_lies_behind_never_adds_to_a_way(legs: float) -> None:
+    way = straight(floor_with((0.0, 0.0), (0.0, 5.0)), 1, (0.0, 0.0), (4.0, 0.0))
+    whole = way.area
+
+    way.passed(legs)
+
+    assert whole.buffer(1e-9).contains(way.area)

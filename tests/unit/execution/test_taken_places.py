@@ -1,0 +1,23 @@
+"""What a module takes as a whole: the devices of a robot, or a place at which one at a time works."""
+
+from __future__ import annotations
+
+from skiros_py.execution.hardware import devices_of
+from skiros_py.skills.parameters import Kind, Param
+from skiros_py.testing.worlds import world_of
+
+PARAMS = (
+    Param("Arm", "sk:Arm", "The arm.", Kind.HARDWARE),
+    Param("Robot", "sk:Robot", "The robot.", Kind.PLANNING),
+    Param("Place", "sk:Container", "Where.", Kind.PLANNING),
+)
+
+
+def test_a_robot_is_taken_with_all_its_devices() -> None:
+    assert devices_of(world_of(""), PARAMS, ("Robot",), {"Robot": "robot_1"}) == {"arm_1", "base_1", "gripper_1"}
+
+
+def test_a_place_is_taken_itself() -> None:
+    world = world_of("scene:kit_1 a sk:Container ; sk:on scene:floor .")
+
+    assert devices_of(world, PARAMS, ("Place",), {"Arm": "arm_1", "Place": "kit_1"}) == {"arm_1", "kit_1"}

@@ -1,0 +1,129 @@
+"""What a record says of a run is what happened in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skiros_py.errors import FileError
+from skiros_py.records import Record, RunRecorder
+from skiros_py.robot.pending import Done
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.world.index import Index
+
+GOAL = "In(Ball, slot_1)"
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Bench, Path]]:
+    path = tmp_path_factory.mktemp("runs") / "one.record"
+    with Bench(tiny_world()) as bench:
+        recorder = RunRecorder(
+            path,
+            bench.station,
+            bench.tasks,
+            {"scene": "tiny"},
+            camera=lambda _snapshot, _agent: Done(np.zeros((6, 8, 3), dtype=np.uint8)),
+        )
+        with recorder:
+            recorder.conclude(bench.pursue(GOAL))
+        yield bench, path
+
+
+@pytest.fixture
+def record(run: tuple[Bench, Path]) -> Iterator[Record]:
+    with Record(run[1]) as record:
+        yield record
+
+
+def test_a_record_has_every_module_event_and_every_entry_of_the_trace(run: tuple[Bench, Path], record: Record) -> None:
+    bench, _ = run
+
+    assert [(e["time"], e["module"], e["status"]) for e in record.events] == [
+        (e.time, e.module, e.status.value) for e in bench.events
+    ]
+    assert [e["what"] for e in record.trace][:2] == ["begun", "planned"]
+    assert record.trace[-1]["what"] == "finished"
+
+
+def test_a_record_has_the_outcome_of_each_task(record: Record) -> None:
+    (task,) = record.tasks
+
+    assert task["report"]["outcome"] == "reached"
+    assert [c["believed"] for c in task["report"]["conditions"]] == [True]
+    assert record.complete
+    assert record.meta["scene"] == "tiny"
+
+
+def test_snapshots_are_taken_twenty_times_a_second_and_tell_where_the_devices_were(
+    run: tuple[Bench, Path], record: Record
+) -> None:
+    bench, _ = run
+    frames = list(record.frames())
+    steps = np.diff([frame.time for frame in frames])
+    last = bench.cycle.board.snapshot
+
+    assert np.allclose(steps, 0.05, atol=0.006)
+    assert len(frames) == pytest.approx(20.0 * last.time, abs=2)
+    assert {name: arm.positions for name, arm in last.arms.items()} == {
+        name: pytest.approx(positions, abs=1e-5) for name, positions in frames[-1].arms.items()
+    }
+    assert record.frame(frames[-2].time) == frames[-2]
+    assert record.frame(-1.0) == frames[0]
+
+
+def test_the_world_at_any_time_is_what_was_believed_then(run: tuple[Bench, Path], record: Record) -> None:
+    bench, _ = run
+    beginning = Index(bench.world.ontology)
+    ball = next(p for p in bench.world.instances("tiny:Ball") if _place(bench.world.snapshot(), p) == "slot_1")
+    seen = [_place(record.world_at(time, beginning), ball) for time in (0.0, float("inf"))]
+    moved = [c.time for c in record.changes() if any(getattr(e, "element", "") == ball for e in c.edits)]
+
+    assert seen[0] != "slot_1"
+    assert seen[1] == "slot_1"
+    assert _place(record.world_at(moved[-1] - 0.01, beginning), ball) != "slot_1"
+    assert _place(record.world_at(moved[-1], beginning), ball) == "slot_1"
+
+
+def test_a_picture_is_taken_when_a_skill_ends_and_says_which(record: Record) -> None:
+    pictures = list(record.pictures())
+    ends = [e["time"] for e in record.events if e["kind"] == "skill" and e["status"] == "terminated"]
+
+    assert [picture.time for picture in pictures] == ends
+    assert all(picture.data.startswith(b"RIFF") and picture.caption.endswith("done") for picture in pictures)
+
+
+def test_a_run_with_a_record_is_the_same_run(run: tuple[Bench, Path]) -> None:
+    with Bench(tiny_world()) as bench:
+        bench.pursue(GOAL)
+
+    assert [str(event) for event in bench.events] == [str(event) for event in run[0].events]
+
+
+def test_a_run_that_breaks_leaves_a_record_that_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "broken.record"
+    with Bench(tiny_world()) as bench:
+        with pytest.raises(KeyError, match="gone"), RunRecorder(path, bench.station, bench.tasks, {}):
+            {}["gone"]
+        bench.cycle.step()  # it is recorded no longer
+
+    with Record(path) as record:
+        assert record.complete
+        assert record.meta["ended"]["fault"] == "KeyError: 'gone'"
+
+
+def test_a_record_is_never_written_over(tmp_path: Path) -> None:
+    path = tmp_path / "one.record"
+    path.write_text("mine")
+
+    with Bench(tiny_world()) as bench, pytest.raises(FileError, match="there is a record already"):
+        RunRecorder(path, bench.station, bench.tasks, {})
+    assert path.read_text() == "mine"
+
+
+def _place(index: Index, element: str) -> str:
+    placement = index.placement(element)
+    return "" if placement is None else placement.place
