@@ -59,7 +59,7 @@ def test_a_page_goes_into_the_present_folder_under_the_name_of_its_record(folder
     ("name", "content", "said"),
     [
         ("none.record", None, "there is no such record"),
-        ("text.record", b"hello", "the file is damaged, or no record of a run"),
+        ("text.txt", b"hello", "the file is damaged, or no record of a run"),
         ("data/journal.db", None, "is the file of another program, not the record of a run"),
         (".", None, "there is no record of a run in it"),
     ],

@@ -134,3 +134,28 @@ def test_however_things_lie_everyone_is_seen_once_or_unseen_and_types_agree(sees
     for type_ in TYPES:
         new = any(element is None and t == type_ for element, t, _ in found.seen)
         assert not (new and any(types[e] == type_ for e in found.unseen)), "nobody is new while one is missing"
+
+
+STOCK = 'scene:box_a sk:hasA scene:stock . scene:stock a sk:Stock ; sk:stockOf "tiny:Ball" ; sk:stockCount 2 .'
+LOST = "scene:lost a tiny:Ball ; sk:on scene:floor ; sk:missing true ."
+
+
+def test_what_is_in_stock_stays_without_an_individual() -> None:
+    assert names(look(STOCK, ball("a", 1.0), sees=[at(2.0), at(1.01), at(3.0)])) == ["a"]
+
+
+def test_what_was_taken_from_stock_and_not_seen_yet_is_one_of_those_seen() -> None:
+    assert names(look(STOCK, ball("a"), sees=[at(1.0), at(2.0), at(3.0)])) == ["a"]
+
+
+def test_what_is_more_than_the_stock_is_new() -> None:
+    assert names(look(STOCK, sees=[at(1.0), at(2.0), at(3.0)])) == [None]
+
+
+def test_what_may_be_of_the_stock_is_nothing_that_went_missing_and_what_is_more_is() -> None:
+    assert names(look(STOCK, LOST, sees=[at(1.0), at(2.0)])) == []
+    assert names(look(STOCK, LOST, sees=[at(1.0), at(2.0), at(3.0)])) == ["lost"]
+
+
+def test_stock_of_one_type_explains_nothing_of_another() -> None:
+    assert names(look(STOCK, sees=[at(1.0, "tiny:RedBall")])) == [None]

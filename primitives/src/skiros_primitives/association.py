@@ -50,9 +50,9 @@ def associate(context: RunContext, place: str, types: Sequence[str], detections:
         poses = [d.pose for d in detections if d.type == type_]
         known = [e for e in context.world.subjects(IN, place) if context.world.element(e).type == type_]
         stocked = sum(s.count for s in stocks(context.world) if (s.class_, s.placement.place) == (type_, place))
-        more = max(0, len(poses) - len(known) - stocked)
         here = len(known)
-        known += [e for e in _missing(context, type_) if e not in known][:more]
+        missing = [e for e in _missing(context, type_) if e not in known]
+        known += missing[: max(0, len(poses) - here - stocked)] if stocked else missing
         pairs = _pair(known, here, poses, {e: map_pose(context, e) for e in known})
         unknown = [index for index in range(len(poses)) if index not in pairs]
         in_stock = frozenset(unknown[:stocked])

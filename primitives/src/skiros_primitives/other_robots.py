@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from skiros_py.geometry import Pose, Solid
 from skiros_py.robot.cell import RobotSpec
@@ -43,7 +44,7 @@ def _body(context: RunContext, robot: RobotSpec, margin: float) -> Obstacle:
     return Obstacle(robot.id, Solid.box(*size, _HEIGHT), context.board.snapshot.bases[robot.base.id].pose @ middle)
 
 
-def standing(primitive: Primitive[object], robot: str, *, margin: float) -> Execution[tuple[Obstacle, ...]]:
+def standing(primitive: Primitive[Any], robot: str, *, margin: float) -> Execution[tuple[Obstacle, ...]]:
     """Returns the other robots that do not drive, with their arms as they are stretched out now.
 
     Args:
@@ -69,7 +70,7 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
     return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
 
 
-def outline(primitive: Primitive[object], robot: RobotSpec) -> Execution[Outline]:
+def outline(primitive: Primitive[Any], robot: RobotSpec) -> Execution[Outline]:
     """Returns what a robot covers of the floor while it drives: its base, and its hands in their travelling posture."""
     points = list(robot.base.footprint)
     for tip in (yield from _tips(primitive, robot, now=False)):
@@ -83,11 +84,13 @@ def reach(points: Outline) -> float:
     return max(math.hypot(x, y) for x, y in points)
 
 
-def _tips(primitive: Primitive[object], robot: RobotSpec, *, now: bool) -> Execution[list[Pose]]:
+def _tips(primitive: Primitive[Any], robot: RobotSpec, *, now: bool) -> Execution[list[Pose]]:
     """Returns where the tips of a robot's arms are in the frame of its base, now or at home."""
     planner, states = primitive.context.libraries.arm_planner, primitive.context.board.snapshot.arms
-    tips = []
-    for arm in robot.arms if planner is not None else ():
+    tips: list[Pose] = []
+    if planner is None:
+        return tips
+    for arm in robot.arms:
         positions = states[arm.id].positions if now else arm.home
         tips.append((yield from primitive.wait(planner.frame_pose(arm.id, positions, arm.tip))))
     return tips

@@ -29,13 +29,12 @@ from skiros_py.skills.composition import (
     Timeout,
     Wait,
 )
-from skiros_py.skills.conditions import Verdict
 from skiros_py.skills.conditions.watch import Watch
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure, Outcome, Success
 
-__all__ = ["lost", "run_node", "run_until", "why"]
+__all__ = ["lost", "run_node", "run_until"]
 
 
 def run_node(node: Node, scope: Scope) -> Execution[Outcome]:
@@ -155,7 +154,7 @@ def _guard(node: Guard, scope: Scope) -> Execution[Outcome]:
 def lost(watch: Watch, what: str) -> Failure | None:
     """Returns that a watched condition holds no longer; what it is to whoever watches comes first."""
     broken = watch.broken()
-    return None if broken is None else Failure(f"{what} {broken.text}: {why(broken)}")
+    return None if broken is None else Failure(f"{what} {broken.sentence}")
 
 
 def run_until(node: Node, scope: Scope, end: Callable[[Execution[Outcome]], Outcome | None]) -> Execution[Outcome]:
@@ -202,13 +201,8 @@ def _check(node: Check, scope: Scope) -> Execution[Outcome]:
     for condition in applying(node.conditions, scope.arguments):
         verdict = condition.evaluate(scope.context.world, scope.arguments)
         if not verdict:
-            return Failure(f"{verdict.text}: {why(verdict)}")
+            return Failure(verdict.sentence)
     return Success()
-
-
-def why(verdict: Verdict) -> str:
-    """Returns the reasons below a verdict, in one line."""
-    return "; ".join(line.strip() for line in verdict.lines()[1:])
 
 
 def _wait(node: Wait, scope: Scope) -> Execution[Outcome]:

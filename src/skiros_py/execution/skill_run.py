@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from skiros_py.execution.claims import Claim
-from skiros_py.execution.composing import lost, run_until, why
+from skiros_py.execution.composing import lost, run_until
 from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import complete, devices_of
 from skiros_py.execution.monitor import Status
@@ -198,7 +198,7 @@ class SkillRun:
             if isinstance(verdict, Failure):
                 return verdict
             if not verdict:
-                return Failure(f"{kind} {verdict.text}: {why(verdict)}")
+                return Failure(f"{kind} {verdict.sentence}")
         return None
 
     def _target(self) -> str:

@@ -1,4 +1,4 @@
-"""What of the world's stock a goal can use: as many interchangeable things as that are shown, never all (paper §6.3)."""
+"""What of the world's stock a goal can use: as many interchangeable things are shown, never all (paper §6.3)."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ def believed(condition: Condition, view: WorldView) -> Verdict:
 
 def tokens_of(steps: Iterable[Step]) -> tuple[str, ...]:
     """Returns the tokens that steps speak of, in order."""
-    return tuple(dict.fromkeys(a for step in steps for a in step.arguments.values() if isinstance(a, str) and is_token(a)))
+    return tuple(
+        dict.fromkeys(a for step in steps for a in step.arguments.values() if isinstance(a, str) and is_token(a))
+    )
 
 
 def _shown(

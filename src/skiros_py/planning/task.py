@@ -113,7 +113,7 @@ class _Building:
         actions = with_class_predicates(found.actions, objects, self._ontology)
         actions, predicates, init = self._stated(actions, atoms, objects, compiled.init)
         if width is None and not whole:
-            objects, init = self._merged(objects, init, actions)
+            objects, init = self._merged(objects, init, actions, atoms)
         types = _types(objects, actions, predicates, self._ontology)
         return PlanningTask(
             Domain(types, predicates, actions),
@@ -159,10 +159,11 @@ class _Building:
         return ", ".join(dict.fromkeys(map(str, asking)))
 
     def _merged(
-        self, objects: Mapping[str, str], init: Iterable[Atom], actions: Sequence[Action]
+        self, objects: Mapping[str, str], init: Iterable[Atom], actions: Sequence[Action], goal: Iterable[Atom]
     ) -> tuple[dict[str, str], set[Atom]]:
         """Leaves out what is there in plenty."""
-        spoken = {argument for action in actions for atom in action.atoms for argument in atom.arguments}
+        said = (*(atom for action in actions for atom in action.atoms), *goal)
+        spoken = {argument for atom in said for argument in atom.arguments}
         lifted = Lifted(actions, self._ontology, self._asked)
         gone = superfluous(objects, init, actions, lifted, spoken | self._named)
         left = {name: type_ for name, type_ in objects.items() if name not in gone}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from skiros_py.records.timeline import Bar, Lane
 
-__all__ = ["Drawing", "draw"]
+__all__ = ["Band", "Box", "Drawing", "draw"]
 
 _MARGIN, _TOP = 130.0, 26.0
 _ROW, _GAP = 20.0, 10.0

@@ -13,6 +13,8 @@ __all__ = ["Bar", "Lane", "lanes", "span"]
 
 _OVER = {Status.TERMINATED.value: "good", Status.ERROR.value: "bad", Status.PREEMPTED.value: "cut"}
 _WAIT_ENDS = {Happening.STARTED, Happening.FINISHED, Happening.STOPPED, Happening.REPLANS, Happening.NO_PLAN}
+_WAITS = "waits for "
+"""What a module tells that waits for something which another one has."""
 _ROWS = ("skill", "part", "primitive", "wait")
 """The order of rows in a lane: what was started by itself, skills within, primitives, waits."""
 
@@ -81,7 +83,8 @@ def lanes(
     """
     owners = {device: robot for robot, devices in robots.items() for device in devices}
     found: dict[str, Lane] = {}
-    for agent, bar in [*_bars(events, end), *_waits(trace, end)]:
+    told = list(events)
+    for agent, bar in [*_bars(told, end), *_waits_within(told, end), *_waits(trace, end)]:
         found.setdefault(agent, Lane(owners.get(agent, ""), agent)).bars.append(bar)
     ordered = sorted(found.values(), key=lambda lane: (lane.robot, lane.agent))
     for lane in ordered:
@@ -114,6 +117,21 @@ def _end(bar: Bar, event: Mapping[str, Any]) -> None:
     bar.end, bar.how = event["time"], _OVER[event["status"]]
     said = {"good": "done", "bad": "failed", "cut": "broken off"}[bar.how]
     bar.text = "\n".join(filter(None, (bar.text, f"{said}: {event['text']}" if event["text"] else said)))
+
+
+def _waits_within(events: Iterable[Mapping[str, Any]], end: float) -> list[tuple[str, Bar]]:
+    """Returns what waited while it ran: until the next thing that its subsystem told."""
+    waits: list[tuple[str, Bar]] = []
+    open_: dict[str, Bar] = {}
+    for event in events:
+        agent = event["agent"]
+        if agent in open_:
+            open_.pop(agent).end = event["time"]
+        if event["status"] == Status.RUNNING.value and event["text"].startswith(_WAITS):
+            text = f"{event['module']} {event['text']}"
+            open_[agent] = Bar("wait", event["text"], event["time"], end, "wait", text)
+            waits.append((agent, open_[agent]))
+    return waits
 
 
 def _waits(trace: Iterable[Mapping[str, Any]], end: float) -> list[tuple[str, Bar]]:

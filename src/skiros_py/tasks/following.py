@@ -60,7 +60,7 @@ class Following:
         flaw = self._lost() or (self._look(self._lookout) if self._lookout.stale else None)
         if flaw is None:
             return False
-        self.trouble, self._misled = flaw.verdict.text, self._leading_to(flaw.step)
+        self.trouble, self._misled = flaw.verdict.why, self._leading_to(flaw.step)
         return True
 
     def is_right_for(self, goal: tuple[Condition, ...]) -> bool:

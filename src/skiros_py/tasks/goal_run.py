@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 from skiros_py.errors import SkirosError
+from skiros_py.execution.contained import words
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.service import Planned
 from skiros_py.planning.stock import believed
@@ -63,8 +64,9 @@ class GoalRun:
         try:
             yield from self._until_it_ends()
             task.report = self._account.report()
-        except SkirosError as error:
-            task.report = self._account.report(fault=str(error))
+        except Exception as error:
+            fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
+            task.report = self._account.report(fault=fault)
             raise
         finally:
             self._dispatcher.leave()

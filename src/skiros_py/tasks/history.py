@@ -40,8 +40,8 @@ class History:
         reason = outcome.reason if isinstance(outcome, Failure) else ""
         self._skills[step.skill] = skill
         self.steps.append(StepReport(step.skill, dict(step.arguments), start, end, reason, step.arguments[skill.agent]))
-        if isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
-            target = step.arguments[skill.target]
+        target = step.arguments.get(skill.target)  # a person may have left it open
+        if target is not None and isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
             self._failures[step.skill, target] += 1
             self._reasons[target] = reason
         if not reason:

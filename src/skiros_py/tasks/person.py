@@ -6,7 +6,6 @@ import enum
 from contextlib import suppress
 
 from skiros_py.errors import DescriptionError, SkirosError
-from skiros_py.execution.composing import why
 from skiros_py.planning.stock import believed
 from skiros_py.skills.conditions import Condition, effects_of, write_effects
 from skiros_py.skills.outcome import Failure
@@ -72,7 +71,7 @@ def believe_done(setting: Setting, condition: Condition, by: str) -> Failure | N
         except SkirosError as error:
             refused = f": {error}"
     verdict = believed(condition, world)
-    return None if verdict else Failure(f"{condition} is still not believed{refused or f': {why(verdict)}'}")
+    return None if verdict else Failure(f"{condition} is still not believed{refused or f': {verdict.why}'}")
 
 
 def _able(setting: Setting) -> frozenset[tuple[str, str]]:

@@ -35,6 +35,8 @@ def pursue(
     if station.finish(task, leave):
         return task.result
     why = station.cycle.halted
-    conditions = tuple(ConditionReport(str(c), bool(believed(c, station.world)), None, 0, why or "stopped") for c in goal)
+    conditions = tuple(
+        ConditionReport(str(c), bool(believed(c, station.world)), None, 0, why or "stopped") for c in goal
+    )
     used = station.context.board.now - started[1], time.perf_counter() - started[0]
     return GoalReport(conditions, tuple(tasks.steps), *used, stopped=not why)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import count, islice
 
 from skiros_py.errors import SkirosError
+from skiros_py.execution.contained import words
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
@@ -14,7 +15,7 @@ from skiros_py.tasks.dispatcher import Dispatcher
 from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.sequences import check_steps
+from skiros_py.tasks.sequences import StepCheck, check_steps
 from skiros_py.tasks.setting import Setting
 from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
@@ -64,8 +65,8 @@ class SequenceRun:
         try:
             yield from self._until_it_ends()
             task.report = self._report()
-        except SkirosError as error:
-            self._fault = str(error)
+        except Exception as error:
+            self._fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
             raise
         finally:
             self._dispatcher.leave()
@@ -87,18 +88,26 @@ class SequenceRun:
 
     def _once(self, number: int) -> Execution[bool]:
         """Runs all steps once; returns whether that worked."""
-        broken = (
-            []
-            if self._anyway
-            else [c for c in check_steps(self._setting.world, self._steps, self._skills) if c.problems]
-        )
+        able = {c.skill.name: c.agents for c in self._setting.capabilities}
+        checks = check_steps(self._setting.world, self._steps, self._skills, able)
+        broken = [c for c in checks if not c.agent or (c.problems and not self._anyway)]
         if broken:
-            step = short_step(broken[0].step, self._skills[broken[0].step.skill])
-            self._fault = f"round {number} cannot work: {step}: {'; '.join(broken[0].problems)}"
+            self._fault = f"round {number} cannot work: {self._said(broken[0])}"
             return False
-        order = [frozenset({i - 1} if i else ()) for i in range(len(self._steps))]
-        self._dispatcher.adopt(Agenda(self._steps, order), {})
+        plan = Plan(tuple(self._with_agent(check) for check in checks))
+        self._task.plan = plan
+        self._dispatcher.adopt(Agenda(plan.steps, plan.order), {})
         return (yield from self._carry_out())
+
+    def _with_agent(self, check: StepCheck) -> Step:
+        """Returns a step whose agent is known, so that its robot is; the rest is inferred when it starts."""
+        agent = {self._skills[check.step.skill].agent: check.agent}
+        return Step(check.step.skill, {**check.step.arguments, **agent})
+
+    def _said(self, check: StepCheck) -> str:
+        skill = self._skills.get(check.step.skill)  # gone with its manager before the first cycle
+        step = check.step.skill if skill is None else short_step(check.step, skill)
+        return f"{step}: {'; '.join(check.problems)}"
 
     def _carry_out(self) -> Execution[bool]:
         failures = 0

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName, UsageError
-from skiros_py.planning.needs import needs_of, with_defaults
+from skiros_py.planning.needs import needs_of
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.stock import tokens_of, with_stock
 from skiros_py.planning.validation import apply_effects
@@ -16,6 +16,7 @@ from skiros_py.skills.conditions import judge
 from skiros_py.skills.inference import applying
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.casting import Cast, cast
 from skiros_py.tasks.wording import short_step
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
@@ -30,10 +31,12 @@ class StepCheck:
     Attributes:
         step: The step.
         problems: What will not hold when its turn comes, one sentence each; empty when it can work.
+        agent: Who does it, as said or else as it is inferred; empty where nobody is found.
     """
 
     step: Step
     problems: tuple[str, ...] = ()
+    agent: str = ""
 
     @property
     def works(self) -> bool:
@@ -43,7 +46,7 @@ class StepCheck:
     def as_json(self) -> dict[str, Any]:
         """Returns it as plain data."""
         step = {"skill": self.step.skill, "arguments": dict(self.step.arguments)}
-        return {**step, "works": self.works, "problems": list(self.problems)}
+        return {**step, "agent": self.agent, "works": self.works, "problems": list(self.problems)}
 
 
 class StepSequence:
@@ -179,21 +182,38 @@ class StepSequence:
 
 
 def check_steps(
-    view: WorldView, steps: Sequence[Step], skills: Mapping[str, SkillDescription]
+    view: WorldView,
+    steps: Sequence[Step],
+    skills: Mapping[str, SkillDescription],
+    able: Mapping[str, Collection[str]] | None = None,
 ) -> tuple[StepCheck, ...]:
-    """Checks steps in turn; what comes after one that cannot work is judged as if it had worked."""
+    """Checks steps in turn; what comes after one that cannot work is judged as if it had worked.
+
+    Args:
+        view: The world that they start from.
+        steps: The steps.
+        skills: The skills there are, by name.
+        able: By skill the subsystems that have it now; None where it is enough that there could be one.
+    """
     overlay = Overlay(with_stock(view, named=tokens_of(steps)))
-    return tuple(StepCheck(step, tuple(_problems(overlay, step, skills))) for step in steps)
+    return tuple(_check(overlay, step, skills, able) for step in steps)
 
 
-def _problems(overlay: Overlay, step: Step, skills: Mapping[str, SkillDescription]) -> list[str]:
+def _check(
+    overlay: Overlay, step: Step, skills: Mapping[str, SkillDescription], able: Mapping[str, Collection[str]] | None
+) -> StepCheck:
     """Says what keeps a step from working, and then lets it have worked."""
     if step.skill not in skills:
-        return [f"nobody has the skill {step.skill} any more"]
+        return StepCheck(step, (f"nobody has the skill {step.skill} any more",))
     skill = skills[step.skill]
-    values = with_defaults(skill, step.arguments)
-    found = [judge(c, overlay, values) for c in applying(needs_of(skill), values)]
-    problems = [verdict.text for verdict in found if not verdict]
+    found = cast(step, skill, overlay, None if able is None else able.get(step.skill, ()))
+    return StepCheck(step, tuple(_problems(overlay, skill, found)), found.values.get(skill.agent, ""))
+
+
+def _problems(overlay: Overlay, skill: SkillDescription, found: Cast) -> list[str]:
+    values = found.values
+    verdicts = [judge(c, overlay, values) for c in applying(needs_of(skill), values)]
+    problems = [*found.open, *(verdict.why for verdict in verdicts if not verdict)]
     try:
         apply_effects(overlay, skill.post, values)
     except SkirosError as error:

@@ -1,4 +1,4 @@
-"""Stock: so many things of a class in a container that have no individuals of their own until one is taken (paper §6.3).
+"""Stock: so many things of a class in a container, without individuals of their own until one is taken (paper §6.3).
 
 A token stands for one of them where it has not been taken yet, in plans: "bolts_a#2". Tokens of one stock are
 interchangeable: its number says nothing but that "bolts_a#3" is another one.
@@ -6,6 +6,7 @@ interchangeable: its number says nothing but that "bolts_a#3" is another one.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -17,7 +18,7 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import CONTAINER, HAS_A, IN, ON, STOCK, STOCK_COUNT, STOCK_OF
 
-__all__ = ["Stock", "Stocked", "is_token", "stocks", "take"]
+__all__ = ["Stock", "Stocked", "by_stock", "is_token", "stocks", "take"]
 
 _MARK = "#"
 """Parts a token's stock from its number; no id has it."""
@@ -73,6 +74,14 @@ def stocks(view: WorldView) -> tuple[Stock, ...]:
 def is_token(name: str) -> bool:
     """Tells whether a name stands for a thing that has no individual yet."""
     return _MARK in name
+
+
+def by_stock(names: Iterable[str]) -> tuple[str, ...]:
+    """Returns names for people: elements as they are, tokens as "2 of stock bolts_a"."""
+    given = tuple(names)
+    counted = Counter(name.partition(_MARK)[0] for name in given if is_token(name))
+    own = (name for name in given if not is_token(name))
+    return (*own, *(f"{number} of stock {stock}" for stock, number in counted.items()))
 
 
 def take(tx: Transaction, token: str) -> str:

@@ -156,6 +156,20 @@ def test_a_wait_lasts_until_its_step_starts() -> None:
     assert [(bar.kind, bar.start, bar.end) for bar in lane.bars] == [("wait", 1.0, 3.0)]
 
 
+def test_a_wait_within_a_skill_lasts_until_its_subsystem_goes_on() -> None:
+    events = [
+        _event(0.0, "started"),
+        _event(0.0, "running", text="waits for kit_1 (place)"),
+        _event(0.5, "started", agent="arm_2"),
+        _event(2.0, "started", kind="primitive", module="grasp", caller="pick"),
+    ]
+    arm, _ = lanes(events, [], {}, 3.0)
+
+    assert [(bar.label, bar.start, bar.end) for bar in arm.bars if bar.kind == "wait"] == [
+        ("waits for kit_1 (place)", 0.0, 2.0)
+    ]
+
+
 @st.composite
 def _histories(draw_: st.DrawFn) -> list[dict[str, Any]]:
     """Events in order of time, as any number of modules may tell them, some cut off."""
@@ -163,7 +177,8 @@ def _histories(draw_: st.DrawFn) -> list[dict[str, Any]]:
     statuses = st.sampled_from(["started", "running", "terminated", "error", "preempted"])
     words = {"module": st.sampled_from("ab"), "agent": st.sampled_from(["arm", "base"])}
     kinds = {"kind": st.sampled_from(["skill", "primitive"]), "caller": st.sampled_from(["", "a"])}
-    said = st.fixed_dictionaries(words | kinds)
+    texts = {"text": st.sampled_from(["", "waits for kit_1 (place)"])}
+    said = st.fixed_dictionaries(words | kinds | texts)
     return [_event(time, draw_(statuses), **draw_(said)) for time in times]
 
 
@@ -173,7 +188,8 @@ def test_whatever_is_told_bars_never_cover_each_other_and_stay_on_the_page(event
     rows = lanes(events, [], {}, end)
     drawing = draw(rows, begin, end, [])
 
-    assert sum(len(lane.bars) for lane in rows) == sum(event["status"] == "started" for event in events)
+    begun = [bar for lane in rows for bar in lane.bars if bar.kind != "wait"]
+    assert len(begun) == sum(event["status"] == "started" for event in events)
     for lane in rows:
         by_row: dict[int, list[tuple[float, float]]] = {}
         for bar in lane.bars:

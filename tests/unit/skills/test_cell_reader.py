@@ -67,3 +67,31 @@ def test_a_home_of_the_wrong_length_is_refused() -> None:
 
     with pytest.raises(DescriptionError, match="sk:home has 3 angles for 2 joints"):
         read_cell(world, ["robot_1"])
+
+
+SHAPE = """'[{"kind": "box", "size": [0.1, 0.1, 0.1]}]'^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#JSON>"""
+SHELF = f'scene:box_a sk:solid {SHAPE} ; sk:pose "1 2 0 0 0 0"^^sk:poseLiteral ; sk:hasA scene:stock .'
+
+
+def stock(*said: str) -> str:
+    return f"scene:stock a sk:Stock ; {' ; '.join(said)} ."
+
+
+def test_of_things_without_a_shape_a_stock_brings_no_bodies() -> None:
+    world = tiny_world(SHELF, stock('sk:stockOf "tiny:Ball"', "sk:stockCount 3"))
+
+    assert [body.id for body in read_cell(world, ["robot_1"]).bodies] == ["box_a"]
+
+
+@pytest.mark.parametrize(
+    ("fact", "message"),
+    [
+        (SHELF + stock('sk:stockOf "tiny:Ball"'), "stock has no sk:stockCount: say how many tiny:Ball there are"),
+        (SHELF + stock("sk:stockCount 3"), "stock: sk:stockOf is None, not a class of sk:Manipulatable"),
+        (SHELF + stock('sk:stockOf "tiny:Box"', "sk:stockCount 3"), "tiny:Box, not a class of sk:Manipulatable"),
+        (stock('sk:stockOf "tiny:Ball"', "sk:stockCount 3"), "stock is a stock of no place"),
+    ],
+)
+def test_what_a_stock_lacks_is_said(fact: str, message: str) -> None:
+    with pytest.raises(DescriptionError, match=message):
+        read_cell(tiny_world(fact), ["robot_1"])

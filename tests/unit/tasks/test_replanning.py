@@ -152,7 +152,7 @@ def test_a_part_that_is_moved_is_planned_for_anew_and_the_trace_says_why() -> No
         report = finish(bench, undertaking)
 
     assert report.reached
-    assert told(undertaking, Happening.REPLANS) == ["plans anew: In(ball_1, box_a)"]
+    assert told(undertaking, Happening.REPLANS) == ["plans anew: ball_1 is not in box_a: it is in box_b"]
     assert len(bench.plans) == 2
 
 

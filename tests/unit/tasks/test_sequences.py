@@ -31,7 +31,7 @@ def test_a_sequence_from_scratch_is_checked_step_by_step() -> None:
     made = StepSequence(tiny_world(), SKILLS)
 
     (alone,) = made.add("pick", **HAND, Box="box_a", Ball="ball_1")
-    assert alone.problems == ("At(robot_1, box_a)",)
+    assert alone.problems == ("robot_1 is not at box_a: it is at unknown_location",)
     drive, pick = made.insert(0, "drive", Base="base_1", Robot="robot_1", Location="box_a")
     assert (drive.works, pick.works, made.works) == (True, True, True)
 
@@ -41,7 +41,7 @@ def test_a_removed_step_breaks_what_needs_it_and_only_that() -> None:
 
     drive, place = made.remove(1)
     assert drive.works
-    assert place.problems == ("Holding(gripper_1, ball_1)",)
+    assert place.problems == ("ball_1 is not heldBy gripper_1: it is in box_a",)
 
 
 def test_steps_can_be_moved_and_moved_back() -> None:
@@ -67,7 +67,7 @@ def test_a_check_is_of_the_world_as_it_is_now() -> None:
     with world.transaction("somebody", "moved it") as tx:
         tx.place("ball_1", "sk:in", "box_b")
 
-    assert made.checks[1].problems == ("In(ball_1, box_a)",)
+    assert made.checks[1].problems == ("ball_1 is not in box_a: it is in box_b",)
     assert made.checks[1].as_json()["works"] is False
 
 
@@ -111,7 +111,7 @@ def test_a_sequence_reads_as_text() -> None:
     made.remove(0)
 
     assert str(made).splitlines() == [
-        " 1. pick box_a ball_1 - At(robot_1, box_a)",
+        " 1. pick box_a ball_1 - robot_1 is not at box_a: it is at unknown_location",
         " 2. place ball_1 slot_1",
     ]
 
@@ -142,7 +142,7 @@ def test_an_edited_plan_that_cannot_work_is_refused_with_the_step_and_the_reason
         with pytest.raises(UsageError) as refusal:
             bench.tasks.execute(made)
         assert bench.tasks.undertakings == ()
-    assert "step 1 (pick box_a ball_1): At(robot_1, box_a)" in str(refusal.value)
+    assert "step 1 (pick box_a ball_1): robot_1 is not at box_a: it is at unknown_location" in str(refusal.value)
 
 
 def test_what_cannot_work_can_be_asked_for_all_the_same_and_fails_at_that_step() -> None:
@@ -195,7 +195,7 @@ def test_a_second_round_that_cannot_work_is_not_begun() -> None:
     report = undertaking.report
     assert report is not None
     assert len(report.steps) == 3
-    assert report.fault == "round 2 cannot work: pick box_a ball_1: In(ball_1, box_a)"
+    assert report.fault == "round 2 cannot work: pick box_a ball_1: ball_1 is not in box_a: it is in slot_1"
 
 
 @pytest.mark.parametrize("often", [0, -1, 1.5, True, "2"])
@@ -214,3 +214,79 @@ def test_a_skill_that_goes_away_is_a_problem_of_its_step() -> None:
     assert "pick" in undertaking.report.fault
     with pytest.raises(UnknownName):
         bench.tasks.sequence().add("pick")
+
+
+# ------------------------------------------------------------------ what is left out
+
+
+def test_what_a_step_leaves_out_is_inferred_for_its_check_too() -> None:
+    made = StepSequence(tiny_world(), SKILLS)
+
+    (alone,) = made.add("place", Ball="ball_1", Slot="slot_1")
+    assert alone.agent == "arm_1"
+    assert "ball_1 is not heldBy gripper_1: it is in box_a" in alone.problems
+    made.insert(0, "pick", Ball="ball_1")
+    made.insert(0, "drive", Location="box_a")
+    assert made.works, str(made)
+
+
+def test_a_sequence_that_leaves_nearly_everything_out_is_run() -> None:
+    with Bench(tiny_world()) as bench:
+        made = bench.tasks.sequence()
+        made.add("drive", Location="box_a")
+        made.add("pick", Ball="ball_1")
+        made.add("place", Slot="slot_2")
+        undertaking = bench.tasks.execute(made)
+        bench.until(lambda: undertaking.done)
+
+        assert bench.world.related("ball_1", "sk:in", "slot_2")
+    assert undertaking.report is not None
+    assert undertaking.report.reached, undertaking.report.fault
+
+
+def test_who_drove_there_is_who_picks_where_nobody_says_who() -> None:
+    with Bench(tiny_world(robots=2)) as bench:
+        made = bench.tasks.sequence()
+        made.add("drive", Base="base_2", Location="box_a")
+        made.add("pick", Ball="ball_1")
+        undertaking = bench.tasks.execute(made)
+        bench.until(lambda: undertaking.done)
+
+        assert bench.world.related("ball_1", "sk:heldBy", "gripper_2"), str(undertaking.trace)
+
+
+def test_a_step_without_an_agent_is_done_by_somebody_who_is_there() -> None:
+    with Bench(tiny_world(robots=2)) as bench:
+        bench.managers.close("base_1")
+        made = bench.tasks.sequence()
+        made.add("drive", Location="box_a")
+        undertaking = bench.tasks.execute(made)
+        bench.until(lambda: undertaking.done)
+
+    assert undertaking.report is not None
+    assert [(step.agent, step.reason) for step in undertaking.report.steps] == [("base_2", "")]
+
+
+def test_a_step_that_nobody_who_is_there_can_do_ends_the_sequence_before_it_begins() -> None:
+    with Bench(tiny_world()) as bench:
+        made = bench.tasks.sequence()
+        made.add("drive", Location="box_a")
+        bench.managers.close("base_1")
+        undertaking = bench.tasks.execute(made, anyway=True)
+        bench.until(lambda: undertaking.done)
+
+    assert undertaking.report is not None
+    assert undertaking.report.fault == "round 1 cannot work: drive: nobody has the skill drive any more"
+    assert undertaking.report.steps == ()
+
+
+def test_a_step_whose_target_is_left_open_and_that_fails_is_tried_again_and_given_up() -> None:
+    with Bench(tiny_world(), (pretend(DRIVE), pretend(PICK, Wait(0.1)))) as bench:
+        made = bench.tasks.sequence()
+        made.add("drive", Location="box_a")
+        made.add("pick", Box="box_a")
+        undertaking = bench.tasks.execute(made)
+        bench.until(lambda: undertaking.done)
+
+    assert undertaking.report is not None
+    assert "pick box_a failed 3 times" in undertaking.report.fault

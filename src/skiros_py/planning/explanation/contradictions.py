@@ -19,6 +19,7 @@ from skiros_py.skills.conditions import Compare, Condition, Not
 from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.stock import by_stock
 
 __all__ = ["Contradictions"]
 
@@ -111,7 +112,7 @@ class Contradictions:
         if things and any(self._classes(demand) for demand in lacking):
             classes = tuple(dict.fromkeys(c for demand in lacking for c in self._classes(demand)))
             what = listed((local_name(c) for c in classes), "or") or "such thing"
-            text = f"{len(lacking)} of {what} are wanted, but there {_is(len(things))} only {listed(things)}"
+            text = f"{len(lacking)} of {what} are wanted, but there {_is(len(things))} only {listed(by_stock(things))}"
             yield _together(CauseKind.TOO_FEW, lacking, text, (*classes, *things))
 
     def _too_few_places(self) -> Iterator[Cause]:

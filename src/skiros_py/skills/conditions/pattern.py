@@ -153,7 +153,9 @@ class Not:
     def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
         """Turns the answer round."""
         inner = self.pattern.evaluate(view, binding)
-        return Verdict(not inner.holds, inner.text, inner.parts)
+        if not inner.parts:
+            return Verdict(not inner.holds, inner.text)
+        return Verdict(not inner.holds, f"not: {inner.text}", (inner,))  # what decides the inner one decides this
 
     def rename(self, names: Mapping[str, str]) -> Not:
         """Returns the same pattern with other variable names."""
@@ -207,7 +209,7 @@ class Exists:
             if verdict:
                 return Verdict(True, f"{candidate} is the {self.class_.partition(':')[2]}", (verdict,))
         bound = ", ".join(value for key, value in sorted(binding.items()) if key != self.variable)
-        return Verdict(False, f"no {self.class_.partition(':')[2]} makes it true for {bound}")
+        return Verdict(False, f"no {self.class_.partition(':')[2]} makes it true for {bound}", vague=True)
 
     def _candidates(self, view: WorldView, binding: Binding) -> Sequence[str]:
         """The elements of the class; only those that are related as they must be, where the pattern begins so."""
