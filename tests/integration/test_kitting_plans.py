@@ -12,6 +12,7 @@ from unified_planning.io import PDDLReader
 
 import skiros_py
 from skiros_py.errors import UsageError
+from skiros_py.execution.monitor import Status
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.runtime import Options, Session
 
@@ -151,3 +152,14 @@ def test_each_condition_of_the_report_has_its_time() -> None:
     assert max(times) == pytest.approx(report.simulated, abs=0.1)
     assert len(set(times)) == 3, "one after the other"
     assert all(0.0 < c.wall <= report.wall for c in report.conditions)
+
+
+def test_what_was_reached_before_a_stop_counts_as_reached() -> None:
+    with Session("kitting", Options(fake=True)) as session:
+        session.monitor.subscribe(lambda e: (e.module, e.status) == ("place", Status.TERMINATED) and session.stop())
+        report = session.run(["InKit(Starter, kit_1) and InKit(Alternator, kit_1)"])
+
+    by_reached = {condition.believed: condition for condition in report.conditions}
+    assert report.stopped
+    assert (by_reached[True].tries, by_reached[True].reason) == (1, "")
+    assert by_reached[False].reason == "stopped"

@@ -54,6 +54,19 @@ def test_goals_by_class_are_judged_by_bodies_without_individuals_and_individuals
     assert judge(session.simulation, session.spec, session.world, goal) == (True, False, None, True)
 
 
+def test_a_stock_that_is_not_there_is_found_out_by_looking_once(open_session):
+    session = open_session("kitting_stock", seed=4)
+    for number in (1, 2, 3):
+        session.simulation.remove_body(f"alternators_a#{number}")
+
+    report = session.run(["ObjectAtLocation(Alternator, kit_1_b)"])
+
+    assert not report.reached
+    assert [step.arguments["Object"] for step in report.steps if step.skill == "pick"] == ["alternator_1"]
+    assert session.world.value("alternators_a", "sk:stockCount") == 0
+    assert session.world.value("alternator_1", "sk:missing") is True
+
+
 def test_more_than_has_room_is_refused_with_the_place_named(tmp_path):
     from skiros_py.config import find_scene
 

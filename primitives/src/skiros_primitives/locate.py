@@ -16,6 +16,7 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import set_pose
 from skiros_py.world.element import Placement
+from skiros_py.world.stock import stocks
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import (
     ARM,
@@ -26,6 +27,7 @@ from skiros_py.world.vocabulary import (
     MISSED_LOOKS,
     MISSING,
     ON,
+    STOCK_COUNT,
     UNKNOWN_LOCATION,
 )
 
@@ -101,6 +103,13 @@ class Locate(LookingPrimitive):
             if misses >= _MISSES:
                 tx.set(part, MISSING, True)
                 tx.place(part, ON, self.world.instances(UNKNOWN_LOCATION)[0])
+                self._empty_stock(tx, self.world.element(part).type)
+
+    def _empty_stock(self, tx: Transaction, type_: str) -> None:
+        """Where one of a type is missing, each that was seen is another known one: nothing is left in stock."""
+        for stock in stocks(self.world):
+            if (stock.class_, stock.placement.place) == (type_, self.params.place):
+                tx.set(stock.id, STOCK_COUNT, 0)
 
     def _not_seen(self, look: LookResult) -> str:
         part, place = self.params.part, self.params.place

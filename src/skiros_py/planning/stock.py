@@ -15,6 +15,8 @@ __all__ = ["believed", "lacks_stock", "tokens_of", "with_stock"]
 
 _SPARE = 2
 """So many more than a goal speaks of: a skill may use one up, and a place with stock is not empty."""
+_PLENTY = 16
+"""So many more where there is no plan with fewer."""
 _MOST = 100
 """More of one stock no plan handles."""
 
@@ -28,7 +30,7 @@ def with_stock(
         view: The world.
         goal: What is wanted.
         named: Tokens that a plan speaks of already: these are shown first, as long as there is something for them.
-        whole: True to show all, as far as any plan could handle that many.
+        whole: True to show more than the goal speaks of, as far as any plan could handle that many.
     """
     found = stocks(view)
     if not found:
@@ -59,7 +61,7 @@ def _shown(
     stock: Stock, view: WorldView, patterns: Iterable[Pattern], named: Sequence[str], whole: bool
 ) -> tuple[str, ...]:
     own = [name for name in named if name.startswith(stock.token(0)[:-1])][: stock.count]
-    wanted = math.inf if whole else _SPARE + sum(_used(p, stock, view, wanted=True) for p in patterns)
+    wanted = (_PLENTY if whole else _SPARE) + sum(_used(p, stock, view, wanted=True) for p in patterns)
     number = int(max(len(own), min(stock.count, wanted, _MOST)))
     others = (stock.token(n) for n in range(1, stock.count + 1) if stock.token(n) not in own)
     return (*own, *islice(others, number - len(own)))

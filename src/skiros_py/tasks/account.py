@@ -10,9 +10,10 @@ from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.trace import Happening, TraceEntry
 from skiros_py.tasks.undertaking import Undertaking
 
-__all__ = ["Account"]
+__all__ = ["Account", "end_before_beginning"]
 
 
 class Account:
@@ -75,3 +76,15 @@ class Account:
     def _as_last_seen(self, c: Condition, why: str) -> ConditionReport:
         held = self._moments.held(c)
         return ConditionReport(str(c), held, None, 0, "" if held else why)
+
+
+def end_before_beginning(undertaking: Undertaking, setting: Setting) -> None:
+    """Gives a task its report that was ended before its first cycle: everything was halted."""
+    why, now = setting.cycle.halted, setting.now
+    held = {c: bool(believed(c, setting.world)) for c in undertaking.goal}
+    conditions = tuple(
+        ConditionReport(str(c), holds, None, 0, "" if holds else why or "stopped") for c, holds in held.items()
+    )
+    undertaking.report = GoalReport(conditions, (), 0.0, 0.0, stopped=not why, fault=why)
+    undertaking.trace.add(TraceEntry(now, Happening.BEGUN, undertaking.name))
+    undertaking.trace.add(TraceEntry(now, Happening.FINISHED, f"{undertaking.name}: {undertaking.report.outcome}"))

@@ -165,8 +165,12 @@ class Dispatcher:
 
     def leave(self) -> None:
         """Stops everything that runs at once, and gives back what was reserved."""
+        why = self._setting.cycle.halted or "stopped"
         for one in self._active:
             one.running.stop()
+            said = f"{self.telling.said(one.step)} is broken off: {why}"
+            self.telling.tell_of(Happening.BROKEN_OFF, said, one.run, {"reason": why})
+        self._active.clear()
         self._setting.reservations.release(self._undertaking.name)
 
     @property
@@ -221,6 +225,7 @@ class Dispatcher:
         self._undertaking.starts(run)
         self._round_began = True
         self.agenda.start(index)
+        self.telling.tell_of(Happening.STARTED, f"{self.telling.said(step)} starts", run)
         try:
             running = self._begin(run)
         except UsageError as refusal:
@@ -229,7 +234,6 @@ class Dispatcher:
             self._note_end(run, failure)
             return [(step, failure)]
         self._active.append(Active(index, run, robot_of(self._setting.world, run.agent), running))
-        self.telling.tell_of(Happening.STARTED, f"{self.telling.said(step)} starts", run)
         return []
 
     def _take_from_stock(self, index: int) -> Failure | None:

@@ -35,8 +35,10 @@ def pursue(
     if station.finish(task, leave):
         return task.result
     why = station.cycle.halted
+    held = {c: bool(believed(c, station.world)) for c in goal}
     conditions = tuple(
-        ConditionReport(str(c), bool(believed(c, station.world)), None, 0, why or "stopped") for c in goal
+        ConditionReport(str(c), holds, None, tasks.tries(c, holds=holds), "" if holds else why or "stopped")
+        for c, holds in held.items()
     )
     used = station.context.board.now - started[1], time.perf_counter() - started[0]
     return GoalReport(conditions, tuple(tasks.steps), *used, stopped=not why)

@@ -18,6 +18,7 @@ from skiros_py.planning.task import Capability
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import Questions
+from skiros_py.tasks.account import end_before_beginning
 from skiros_py.tasks.foresight import Foresight
 from skiros_py.tasks.goal_run import GoalRun
 from skiros_py.tasks.history import History
@@ -110,6 +111,10 @@ class TaskManager:
     def steps(self) -> tuple[StepReport, ...]:
         """Every skill that was run for the task that was begun last, in the order in which they ended."""
         return tuple(self._last.steps)
+
+    def tries(self, condition: Condition, *, holds: bool) -> int:
+        """Returns how often something was tried for a condition in the task that was begun last."""
+        return self._last.tries(condition, holds=holds)
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
@@ -213,8 +218,22 @@ class TaskManager:
 
     def _start(self, undertaking: Undertaking, run: Execution[GoalReport]) -> None:
         """Gives a task a place in the control cycle."""
-        self._setting.cycle.start(_contained(run), undertaking.name)
+        work = self._contained(undertaking, run)
+        next(work)  # so far that it hears of its end, even where that comes before its first cycle
+        self._setting.cycle.start(work, undertaking.name)
         self._undertakings[undertaking.name] = undertaking
+
+    def _contained(self, undertaking: Undertaking, run: Execution[GoalReport]) -> Execution[None]:
+        """Passes a task through whose faults are in its report; that it has in any case."""
+        try:
+            yield
+            yield from run
+        except SkirosError:
+            return
+        finally:
+            self._undertakings.pop(undertaking.name, None)
+            if undertaking.report is None:
+                end_before_beginning(undertaking, self._setting)
 
     def _free(self, name: str) -> str:
         """Returns the name of a new task.
@@ -226,11 +245,3 @@ class TaskManager:
             raise UsageError(f"a task named '{name}' is under way already")
         taken = self._undertakings
         return name or next(free for n in self._names if (free := f"task {n}") not in taken)
-
-
-def _contained(run: Execution[GoalReport]) -> Execution[None]:
-    """Passes a task through whose faults are in its report."""
-    try:
-        yield from run
-    except SkirosError:
-        return

@@ -88,6 +88,19 @@ def test_a_repair_that_is_not_possible_any_more_changes_nothing() -> None:
     assert world.related("ball_1", "sk:in", "box_a")
 
 
+@pytest.mark.parametrize("edit", [Move("reds#2", "sk:in", "slot_1"), Assign("reds#2", "tiny:scanned", True)])
+def test_what_is_said_of_a_thing_in_stock_is_written_of_a_new_element_and_the_stock_has_one_less(
+    edit: SceneEdit,
+) -> None:
+    stock = 'scene:box_a sk:hasA scene:reds . scene:reds a sk:Stock ; sk:stockOf "tiny:RedBall" ; sk:stockCount 2 .'
+    world = tiny_world(stock)
+
+    Repair("one of them", (edit,)).apply(world)
+
+    assert world.value("reds", "sk:stockCount") == 1
+    assert world.related("red_ball_2", "sk:in", "slot_1") or world.value("red_ball_2", "tiny:scanned") is True
+
+
 @pytest.mark.parametrize(
     ("edit", "text"),
     [
