@@ -16,13 +16,13 @@ from dataclasses import dataclass, field
 
 from table import Figure, finish
 
-from skiros_py.planning.choosing import Planners
 from skiros_py.planning.explanation import Explanation, Trial, explain
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.kairos import Kairos
 from skiros_py.planning.plan import NoPlan
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.problem.task import build_task
 from skiros_py.planning.service import PlanningService
-from skiros_py.planning.task import build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
 from skiros_py.testing.mutations import Mutation, mutations

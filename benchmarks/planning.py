@@ -24,13 +24,13 @@ from planning_replan import replanning_times
 from planning_worlds import PART_CLASSES, able, crowded, kitting_world
 from table import Figure, finish
 
-from skiros_py.planning.fast_downward import FastDownward, driver_path
-from skiros_py.planning.kairos import Kairos
-from skiros_py.planning.pddl import write_pddl
+from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.planner import Planner
+from skiros_py.planning.planners.fast_downward import FastDownward, driver_path
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.problem.task import build_task
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.task import build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing.agreement import disagreement
 from skiros_py.testing.random_tasks import random_task

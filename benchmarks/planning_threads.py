@@ -22,13 +22,13 @@ import psutil
 from table import Figure, finish
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.choosing import Planners
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.kairos import Kairos
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.planner import Planner
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import PlanningService
-from skiros_py.planning.task import Capability
 from skiros_py.planning.validation import replay
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world

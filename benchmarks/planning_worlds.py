@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.config import find_scene, ontology_paths
-from skiros_py.planning.task import Capability
+from skiros_py.planning.problem.task import Capability
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners

@@ -19,8 +19,8 @@ from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.station import Station, StationOptions
-from skiros_py.planning.choosing import Planners
-from skiros_py.planning.command import EVERYTHING, CommandPlanner
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
 from skiros_py.robot.driver import CellDriver

@@ -63,7 +63,10 @@ def test_a_kit_on_the_table_is_driven_to_and_one_on_the_deck_is_not() -> None:
 @pytest.mark.parametrize(
     ("goal", "reason"),
     [
-        ("ObjectAtLocation(starter_1, kit_1_a) and ObjectAtLocation(starter_1, kit_1_b)", "exclude each other: starter_1 has one place only"),
+        (
+            "ObjectAtLocation(starter_1, kit_1_a) and ObjectAtLocation(starter_1, kit_1_b)",
+            "exclude each other: starter_1 has one place only",
+        ),
         ("RobotAtLocation(robot_1, floor)", "needs that floor has a driving pose"),
         ("ObjectAtLocation(starter_1, pallet_b)", "pallet_b is not a Compartment, which skill 'place' needs"),
     ],

@@ -19,9 +19,9 @@ import pytest
 from unified_planning.environment import Environment
 from unified_planning.io import PDDLReader
 
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.pddl import PddlTexts
-from skiros_py.planning.planner import Solved
+from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.planner import Solved
 from skiros_py.runtime import Options, Session
 from skiros_py.skills.conditions import (
     AllOf,

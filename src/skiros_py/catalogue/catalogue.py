@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName, UsageError
-from skiros_py.planning.choosing import Planners
+from skiros_py.planning.planners.choosing import Planners
 from skiros_py.plugins import LazyPlugins, PluginFault
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.primitive import Primitive
@@ -15,7 +15,7 @@ from skiros_py.skills.skill import Skill
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 if TYPE_CHECKING:
-    from skiros_py.planning.planner import Planner
+    from skiros_py.planning.planners.planner import Planner
     from skiros_py.robot.driver import CellDriver
 
 __all__ = ["Catalogue"]

@@ -10,7 +10,7 @@ from skiros_py.catalogue.callers import called_by, callers_of_broken
 from skiros_py.catalogue.catalogue import Catalogue
 from skiros_py.errors import PlanningError
 from skiros_py.interruptions import by_user
-from skiros_py.planning.actions import actions_of
+from skiros_py.planning.domain.actions import actions_of
 from skiros_py.plugins import LazyPlugins, PluginFault
 from skiros_py.skills.lint import problems_of
 from skiros_py.skills.skill import Skill

@@ -9,7 +9,7 @@ from typing import Any
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.execution.pulse import Chore
 from skiros_py.execution.station import Station, StationOptions
-from skiros_py.planning.fast_downward import FastDownward
+from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.service import PlanningService
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell

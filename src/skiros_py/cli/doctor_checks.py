@@ -155,8 +155,8 @@ def _planner() -> Iterator[Finding]:
     from contextlib import closing
 
     from skiros_py.errors import SkirosError
-    from skiros_py.planning.fast_downward import FastDownward
-    from skiros_py.planning.planner import Solved
+    from skiros_py.planning.planners.fast_downward import FastDownward
+    from skiros_py.planning.planners.planner import Solved
 
     with closing(FastDownward(time_limit=30.0)) as planner:
         try:

@@ -14,8 +14,8 @@ from skiros_py.cli.output import answer
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.planning.account import SkillAccount
-    from skiros_py.planning.pddl import PddlTexts
+    from skiros_py.planning.domain.account import SkillAccount
+    from skiros_py.planning.domain.pddl import PddlTexts
     from skiros_py.skills.skill import SkillDescription
 
 __all__ = ["command"]
@@ -86,7 +86,7 @@ def command(
 
 
 def _account(skills: Sequence[SkillDescription], texts: PddlTexts) -> tuple[SkillAccount, ...]:
-    from skiros_py.planning.account import account_of
+    from skiros_py.planning.domain.account import account_of
 
     by_name = {skill.name: skill for skill in skills}
     return account_of(by_name.values(), list(texts.actions.items()))

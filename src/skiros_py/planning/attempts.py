@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from skiros_py.planning.allocation import deal
+from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
+from skiros_py.planning.domain.sequencing import in_sequence, with_costs
+from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import timed
-from skiros_py.planning.pddl import PddlTexts, write_pddl
-from skiros_py.planning.sequencing import in_sequence, with_costs
-from skiros_py.planning.task import Capability, PlanningTask, build_task
-from skiros_py.planning.temporal import write_temporal
+from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
+from skiros_py.planning.robots.allocation import deal
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import SPATIAL_THING

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Protocol
 
-from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.element import Value
 from skiros_py.world.view import WorldView

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.pddl import PddlTexts
+from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.reasons import Cause, Repair
 
 __all__ = ["NoPlan", "Plan", "Step", "read_plan"]

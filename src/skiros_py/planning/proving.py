@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.needs import passed_keys, with_defaults
-from skiros_py.planning.pddl import PddlTexts
+from skiros_py.planning.domain.needs import passed_keys, with_defaults
+from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.plan import Plan, Step, read_plan
-from skiros_py.planning.planner import Solved
+from skiros_py.planning.planners.planner import Solved
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.regrounding import pddl_plan
 from skiros_py.planning.sequence import Round
-from skiros_py.planning.task import PlanningTask
 from skiros_py.planning.validation import Flaw, apply_effects, replay
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.skill import SkillDescription

@@ -11,11 +11,11 @@ from copy import copy
 from itertools import product
 from typing import NamedTuple
 
-from skiros_py.planning.matching import are_none, bindings
-from skiros_py.planning.model import Action, Atom, Variable
-from skiros_py.planning.pddl import PddlTexts
+from skiros_py.planning.domain.matching import are_none, bindings
+from skiros_py.planning.domain.model import Action, Atom, Variable
+from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.plan import Step
-from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
 __all__ = ["Taken", "TaskState", "pddl_plan"]

@@ -9,18 +9,18 @@ from dataclasses import dataclass, replace
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.attempts import Wanted, attempts
-from skiros_py.planning.choosing import Planners
+from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.explanation import Trial, explain, explaining, find_causes
-from skiros_py.planning.ordering import order
-from skiros_py.planning.pddl import PddlTexts
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.planning.planner import Answer, Planner, Unsolvable, abandon
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.planner import Answer, Planner, Unsolvable, abandon
+from skiros_py.planning.problem.stock import lacks_stock, with_stock
+from skiros_py.planning.problem.task import Capability, PlanningTask
 from skiros_py.planning.proving import Wrong, proved
 from skiros_py.planning.reasons import Cause, CauseKind
-from skiros_py.planning.rounds import arranged
+from skiros_py.planning.robots.ordering import order
+from skiros_py.planning.robots.rounds import arranged
 from skiros_py.planning.sequence import counts, without_numbers
-from skiros_py.planning.stock import lacks_stock, with_stock
-from skiros_py.planning.task import Capability, PlanningTask
 from skiros_py.planning.validation import out_of_sequence
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView

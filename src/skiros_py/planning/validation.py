@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from skiros_py.planning.needs import needs_of, with_defaults
+from skiros_py.planning.domain.needs import needs_of, with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition, Verdict, effects_of, judge, suppose_effects

@@ -8,7 +8,7 @@ from itertools import count
 from typing import Any
 
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.planning.literals import expand
+from skiros_py.planning.domain.literals import expand
 from skiros_py.scaffold.calls import calls_of
 from skiros_py.scaffold.declared import Declared, Wanted
 from skiros_py.scaffold.description import Described, NewSkill, described

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from skiros_py.planning.stock import believed
+from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments

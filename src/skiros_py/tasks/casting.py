@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from skiros_py.execution.contained import contained
-from skiros_py.planning.needs import with_defaults
+from skiros_py.planning.domain.needs import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.outcome import Failure

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from skiros_py.errors import UsageError, WorldError
 from skiros_py.execution.running import Running
 from skiros_py.planning.plan import Step
-from skiros_py.planning.stock import tokens_of
+from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription

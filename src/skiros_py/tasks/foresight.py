@@ -10,8 +10,8 @@ from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.execution.contained import words
 from skiros_py.interruptions import Interruption
 from skiros_py.planning.plan import NoPlan, Plan, Step
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import Planned
-from skiros_py.planning.task import Capability
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription

@@ -8,8 +8,8 @@ from typing import TypeVar
 from skiros_py.errors import SkirosError
 from skiros_py.execution.contained import words
 from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.service import Planned
-from skiros_py.planning.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription

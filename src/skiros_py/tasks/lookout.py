@@ -6,10 +6,10 @@ import threading
 from collections.abc import Mapping, Sequence
 
 from skiros_py.execution.contained import contained
-from skiros_py.planning.needs import with_defaults
+from skiros_py.planning.domain.needs import with_defaults
 from skiros_py.planning.plan import Step
+from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.sequence import Round
-from skiros_py.planning.stock import tokens_of, with_stock
 from skiros_py.planning.validation import Flaw, apply_effects, replay
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.conditions.reads import Key, ReadingView, touched_by

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 
 from skiros_py.execution.cycle import ControlCycle
-from skiros_py.planning.stock import believed
+from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.world import World
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from skiros_py.execution.station import Station
-from skiros_py.planning.stock import believed
+from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager

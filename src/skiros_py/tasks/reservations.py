@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from skiros_py.planning.needs import with_defaults
+from skiros_py.planning.domain.needs import with_defaults
 from skiros_py.planning.plan import Step
 from skiros_py.skills.conditions import Assign, Condition, Effect, Relate, Unrelate, effects_of
 from skiros_py.skills.inference import applying

@@ -8,9 +8,9 @@ from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName, UsageError
-from skiros_py.planning.needs import needs_of
+from skiros_py.planning.domain.needs import needs_of
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.planning.stock import tokens_of, with_stock
+from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.validation import apply_effects
 from skiros_py.skills.conditions import judge
 from skiros_py.skills.inference import applying

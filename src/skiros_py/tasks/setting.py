@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import Transport
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.task import Capability
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.questions import Questions
 from skiros_py.skills.skill import SkillDescription

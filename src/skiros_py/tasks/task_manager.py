@@ -11,10 +11,10 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import Transport
 from skiros_py.execution.station import Station
-from skiros_py.planning.choosing import Planners
-from skiros_py.planning.planner import Planner
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.task import Capability
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import Questions

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from skiros_py.planning.needs import passed_keys
-from skiros_py.planning.pddl import write_pddl
+from skiros_py.planning.domain.needs import passed_keys
+from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Step, read_plan
-from skiros_py.planning.planner import Planner, Unsolvable
-from skiros_py.planning.task import PlanningTask, build_task
+from skiros_py.planning.planners.planner import Planner, Unsolvable
+from skiros_py.planning.problem.task import PlanningTask, build_task
 from skiros_py.planning.validation import replay
 from skiros_py.testing.random_tasks import RandomTask
 

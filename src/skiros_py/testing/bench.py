@@ -9,9 +9,9 @@ from typing import Any, Self
 from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.station import Station, StationOptions
-from skiros_py.planning.choosing import Planners
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.planner import Planner
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.service import Planned
 from skiros_py.robot.cell import CellSpec
 from skiros_py.robot.driver import CellDriver

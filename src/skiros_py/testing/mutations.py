@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from random import Random
 
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.reasons import Cause, CauseKind
-from skiros_py.planning.task import Capability
 from skiros_py.skills.conditions import AllOf, Compare, Condition, ConditionType, Exists, Related, Role
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from skiros_py.planning.planner import Answer, Solved, Unsolvable
+from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 
 __all__ = ["GivenPlanner"]
 
@@ -24,7 +24,7 @@ class _Given:
 
 
 class GivenPlanner:
-    """A :class:`~skiros_py.planning.planner.Planner` that does not read its task.
+    """A :class:`~skiros_py.planning.planners.planner.Planner` that does not read its task.
 
     Args:
         *steps: PDDL action with its objects, as one text each ("drive base_1 robot_1 box_a unknown_location"); none

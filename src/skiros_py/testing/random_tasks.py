@@ -6,7 +6,7 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from skiros_py.planning.task import Capability
+from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Param
 from skiros_py.testing.tiny import tiny_world

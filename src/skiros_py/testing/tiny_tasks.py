@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.planning.pddl import PddlTexts, write_pddl
-from skiros_py.planning.task import Capability, PlanningTask, build_task
+from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
+from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE

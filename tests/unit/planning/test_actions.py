@@ -6,10 +6,10 @@ from itertools import count
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.actions import actions_of
-from skiros_py.planning.literals import Conjunction, expand
-from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
-from skiros_py.planning.placing import moved_and_place
+from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.literals import Conjunction, expand
+from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
+from skiros_py.planning.domain.placing import moved_and_place
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,

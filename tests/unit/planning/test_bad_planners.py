@@ -12,14 +12,14 @@ import psutil
 import pytest
 
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.planning.choosing import Planners
-from skiros_py.planning.command import EVERYTHING, CommandPlanner
-from skiros_py.planning.kairos import Kairos
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.planning.planner import Planner, Unsolvable
-from skiros_py.planning.programs import Limits
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planner, Unsolvable
+from skiros_py.planning.planners.programs import Limits
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.task import Capability
 from skiros_py.testing import SKILLS, Bench, tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 

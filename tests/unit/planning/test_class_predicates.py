@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from skiros_py.planning.classes import common_class, primary_line, with_class_predicates
-from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
+from skiros_py.planning.domain.classes import common_class, primary_line, with_class_predicates
+from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.testing import Bench, tiny_ontology, tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import UsageError
-from skiros_py.planning.command import CommandPlanner
-from skiros_py.planning.planner import Answer, Solved, Unsolvable
+from skiros_py.planning.planners.command import CommandPlanner
+from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.testing import tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 

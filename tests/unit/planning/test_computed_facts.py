@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from skiros_py.planning.model import Atom
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import NoPlan
 from skiros_py.skills.conditions import Computed, ConditionType, Role
 from skiros_py.testing import Bench, tiny_task, tiny_world

@@ -11,16 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.actions import actions_of
-from skiros_py.planning.complements import with_complements
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.literals import negated
-from skiros_py.planning.model import Action, Atom
+from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.complements import with_complements
+from skiros_py.planning.domain.literals import negated
+from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.planning.domain.variants import possible_variants
 from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.problem.task import Capability, PlanningTask
 from skiros_py.planning.service import PlanningService
-from skiros_py.planning.task import Capability, PlanningTask
 from skiros_py.planning.validation import replay
-from skiros_py.planning.variants import possible_variants
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Not, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription

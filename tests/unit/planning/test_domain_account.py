@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from skiros_py.planning.account import SkillAccount, account_of
+from skiros_py.planning.domain.account import SkillAccount, account_of
 from skiros_py.skills.conditions import Condition, ConditionType, Exists, Nothing, Related, Role, any_of
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_pddl, tiny_world

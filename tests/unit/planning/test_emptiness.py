@@ -2,9 +2,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from skiros_py.planning.actions import actions_of
-from skiros_py.planning.emptiness import emptiness_classes, maintain_emptiness
-from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
+from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.emptiness import emptiness_classes, maintain_emptiness
+from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.skills.conditions import ConditionType, Nothing, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription

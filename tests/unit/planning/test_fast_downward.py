@@ -8,9 +8,9 @@ import psutil
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.pddl import PddlTexts
-from skiros_py.planning.planner import Solved, Unsolvable
+from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.planner import Solved, Unsolvable
 from skiros_py.testing import tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 

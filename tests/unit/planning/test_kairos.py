@@ -5,8 +5,8 @@ import subprocess
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.kairos import Kairos, program_path
-from skiros_py.planning.planner import Answer, Solved, Unsolvable
+from skiros_py.planning.planners.kairos import Kairos, program_path
+from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.testing import tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 

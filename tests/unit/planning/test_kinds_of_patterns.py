@@ -9,8 +9,8 @@ import pytest
 
 import skiros_py.skills.conditions as conditions
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.planning.actions import actions_of
-from skiros_py.planning.literals import expand
+from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.literals import expand
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
+from skiros_py.planning.domain.names import NameMap
+from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.durations import timed
-from skiros_py.planning.model import Action, Atom, NoneSuch, Variable
-from skiros_py.planning.names import NameMap
-from skiros_py.planning.ordering import contrary, makespan, order, partial_order, schedule
-from skiros_py.planning.pddl import PddlTexts, write_pddl
 from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.regrounding import pddl_plan
-from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.robots.ordering import contrary, makespan, order, partial_order, schedule
 from skiros_py.planning.validation import replay
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.planning.plan import NoPlan, Plan
+from skiros_py.planning.problem.stock import believed, tokens_of, with_stock
 from skiros_py.planning.service import Planned
-from skiros_py.planning.stock import believed, tokens_of, with_stock
 from skiros_py.skills.conditions import Compare, ConditionType, Related, Role
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription

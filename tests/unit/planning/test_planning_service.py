@@ -9,12 +9,12 @@ from types import MappingProxyType
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.choosing import Planners
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.kairos import Kairos
 from skiros_py.planning.plan import NoPlan, Plan, Step, read_plan
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import PlanningService
-from skiros_py.planning.task import Capability
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Nothing, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill

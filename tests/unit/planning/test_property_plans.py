@@ -15,12 +15,12 @@ from unified_planning.engines import SequentialPlanValidator, ValidationResultSt
 from unified_planning.io import PDDLReader
 
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.planning.actions import actions_of
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.model import Atom
+from skiros_py.planning.domain.actions import actions_of
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import NoPlan, Plan, Step
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.task import Capability
 from skiros_py.planning.validation import replay
 from skiros_py.skills.conditions import (
     AllOf,

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from skiros_py.planning.kairos import Kairos
-from skiros_py.planning.task import Capability, PlanningTask, build_task
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.skills.conditions import Condition, ConditionType, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription

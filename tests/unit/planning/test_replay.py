@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skiros_py.planning.plan import Step
-from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.validation import apply_effects, replay, replay_rest
 from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_task, tiny_world

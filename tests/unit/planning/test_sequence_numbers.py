@@ -10,19 +10,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from unified_planning.io import PDDLReader
 
-from skiros_py.planning.allocation import deal
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.kairos import Kairos
-from skiros_py.planning.ordering import order
-from skiros_py.planning.pddl import PddlTexts, write_pddl
+from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
+from skiros_py.planning.domain.sequencing import in_sequence, with_costs
+from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.plan import NoPlan, Plan, Step
-from skiros_py.planning.planner import Planner, Solved, Unsolvable
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planner, Solved, Unsolvable
+from skiros_py.planning.problem.task import Capability, PlanningTask
 from skiros_py.planning.proving import proved
+from skiros_py.planning.robots.allocation import deal
+from skiros_py.planning.robots.ordering import order
 from skiros_py.planning.sequence import Round, counts
-from skiros_py.planning.sequencing import in_sequence, with_costs
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.task import Capability, PlanningTask
-from skiros_py.planning.temporal import write_temporal
 from skiros_py.planning.validation import out_of_sequence, replay, replay_rest
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.testing import tiny_task, tiny_world

@@ -6,16 +6,16 @@ import kairos
 import pytest
 from unified_planning.io import PDDLReader
 
-from skiros_py.planning.allocation import deal
+from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import rates, timed
-from skiros_py.planning.kairos import Kairos
-from skiros_py.planning.ordering import makespan, order
-from skiros_py.planning.pddl import PddlTexts
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.planner import Solved, Unsolvable
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Solved, Unsolvable
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.proving import proved
-from skiros_py.planning.task import PlanningTask
-from skiros_py.planning.temporal import write_temporal
+from skiros_py.planning.robots.allocation import deal
+from skiros_py.planning.robots.ordering import makespan, order
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, HOLDING, IN_CONTAINER, PICK, PLACE

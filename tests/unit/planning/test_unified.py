@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.planner import Solved
-from skiros_py.planning.unified import UnifiedPlanning
+from skiros_py.planning.planners.planner import Solved
+from skiros_py.planning.planners.unified import UnifiedPlanning
 from skiros_py.testing import tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 

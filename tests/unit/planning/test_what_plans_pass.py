@@ -166,7 +166,9 @@ def test_any_one_of_the_ways_is_enough() -> None:
     both = (REACHABLE("Location"), AT_LOCATION("Robot", "Location"))
     either = ways((FREE("Location"),), both, both)
 
-    assert [str(c) for c in either.pre[len(DRIVE.pre) :]] == ["Free(Location) or (Reachable(Location) and At(Robot, Location))"]
+    assert [str(c) for c in either.pre[len(DRIVE.pre) :]] == [
+        "Free(Location) or (Reachable(Location) and At(Robot, Location))"
+    ]
     names = [
         action.name
         for action in tiny_task(tiny_world(), HOLDING("gripper_1", "ball_1"), skills=(either,)).domain.actions

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError, UsageError
-from skiros_py.planning.planner import Solved
+from skiros_py.planning.planners.planner import Solved
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.tasks.control import Mode

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.contradictions import Contradictions
 from skiros_py.planning.explanation.everyone import with_everyone
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.obstacles import Obstacles
 from skiros_py.planning.explanation.relaxation import Relaxation
-from skiros_py.planning.model import Atom
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.reasons import Cause, CauseKind
-from skiros_py.planning.task import PlanningTask
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import combinations
 
+from skiros_py.planning.domain.literals import NOTHING, allows_value, property_of
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.demands import Demand, demands_of, is_exclusive
 from skiros_py.planning.explanation.matching import short
 from skiros_py.planning.explanation.relaxation import Relaxation
 from skiros_py.planning.explanation.wording import listed
-from skiros_py.planning.literals import NOTHING, allows_value, property_of
-from skiros_py.planning.model import Atom
 from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import Compare, Condition, Not
 from skiros_py.world.element import Value

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from skiros_py.planning.domain.literals import NOTHING
+from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.explanation.relaxation import Relaxation
-from skiros_py.planning.literals import NOTHING
-from skiros_py.planning.model import Action, Atom
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.ontology import Ontology
 

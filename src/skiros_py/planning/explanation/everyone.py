@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from skiros_py.planning.literals import CAN
-from skiros_py.planning.model import Atom
-from skiros_py.planning.task import Capability, PlanningTask, build_task
+from skiros_py.planning.domain.literals import CAN
+from skiros_py.planning.domain.model import Atom
+from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.world.view import WorldView
 
 __all__ = ["with_everyone"]

@@ -9,7 +9,7 @@ from skiros_py.planning.explanation.explanation import Explanation
 from skiros_py.planning.explanation.pairs import exclusive_conditions
 from skiros_py.planning.explanation.repairs import Solve, find_repairs
 from skiros_py.planning.explanation.subsets import conflict_of, smallest_unsolvable
-from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.view import WorldView
 
 __all__ = ["explain", "explaining"]

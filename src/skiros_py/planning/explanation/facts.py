@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
-from skiros_py.planning.model import Atom
+from skiros_py.planning.domain.model import Atom
 
 __all__ = ["Binding", "Facts", "Fits", "is_variable", "solutions", "unified"]
 

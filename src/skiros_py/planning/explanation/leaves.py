@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from skiros_py.planning.domain.literals import CAN, HAS, NOTHING
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.wording import Wording, listed
-from skiros_py.planning.literals import CAN, HAS, NOTHING
-from skiros_py.planning.model import Atom
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.reasons import CauseKind
-from skiros_py.planning.task import PlanningTask
 from skiros_py.skills.conditions import Computed
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView

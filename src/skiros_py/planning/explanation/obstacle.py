@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from skiros_py.planning.model import Atom
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.reasons import CauseKind
 
 __all__ = ["Obstacle"]

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from skiros_py.planning.domain.literals import CAN
+from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.leaves import Leaves
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.relaxation import Relaxation
 from skiros_py.planning.explanation.wording import Wording, listed
-from skiros_py.planning.literals import CAN
-from skiros_py.planning.model import Action, Atom
 from skiros_py.planning.reasons import CauseKind
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView

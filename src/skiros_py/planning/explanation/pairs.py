@@ -12,10 +12,10 @@ from itertools import combinations, islice
 import numpy as np
 from numpy.typing import NDArray
 
+from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.explanation.facts import is_variable, solutions
 from skiros_py.planning.explanation.relaxation import Relaxation
-from skiros_py.planning.model import Action, Atom
-from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.ontology import Ontology
 

@@ -9,9 +9,9 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice, product
 
+from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.explanation.facts import Binding, Facts, is_variable, solutions, unified
-from skiros_py.planning.model import Action, Atom, Variable
-from skiros_py.planning.task import PlanningTask
+from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
 __all__ = ["Relaxation"]

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
+from skiros_py.planning.domain.literals import CAN, HAS, NOTHING, VALUE, compared
 from skiros_py.planning.explanation.causes import Found
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.wording import listed
-from skiros_py.planning.literals import CAN, HAS, NOTHING, VALUE, compared
 from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.comparison import Comparison, Constant

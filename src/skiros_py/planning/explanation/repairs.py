@@ -13,8 +13,8 @@ from skiros_py.planning.explanation.edits import Add, SceneEdit
 from skiros_py.planning.explanation.remedies import Remedy, advice, remedies
 from skiros_py.planning.explanation.supposition import Supposition
 from skiros_py.planning.explanation.wording import listed
+from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.planning.reasons import Repair
-from skiros_py.planning.task import Capability, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 

@@ -6,12 +6,12 @@ import time
 from collections.abc import Sequence
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.choosing import Planners
-from skiros_py.planning.pddl import write_pddl
+from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Plan
-from skiros_py.planning.planner import Answer, Planner, Solved, abandon
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.planner import Answer, Planner, Solved, abandon
+from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.planning.proving import proved
-from skiros_py.planning.task import Capability, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from skiros_py.planning.classes import IS
+from skiros_py.planning.domain.classes import IS
+from skiros_py.planning.domain.literals import BY_CLASS, CAN, HAS, NOT, NOTHING, VALUE, compared
+from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.facts import is_variable
-from skiros_py.planning.literals import BY_CLASS, CAN, HAS, NOT, NOTHING, VALUE, compared
-from skiros_py.planning.model import Atom
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 

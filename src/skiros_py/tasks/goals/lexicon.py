@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.planning.names import NameMap
+from skiros_py.planning.domain.names import NameMap
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView

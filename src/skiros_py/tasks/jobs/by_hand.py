@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skiros_py.errors import UnknownName
-from skiros_py.planning.needs import with_defaults
-from skiros_py.planning.task import Capability
+from skiros_py.planning.domain.needs import with_defaults
+from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import effects_of, write_effects
 from skiros_py.skills.inference import applying
 from skiros_py.tasks.jobs.job import Intent

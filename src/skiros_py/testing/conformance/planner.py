@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.planner import Answer, Planner, Solved, Unsolvable
+from skiros_py.planning.planners.planner import Answer, Planner, Solved, Unsolvable
 from skiros_py.testing.conformance.pending import check_pending
 
 __all__ = ["PlannerContract"]
@@ -33,7 +33,7 @@ _ENOUGH_TO_SEARCH = 14
 
 
 class PlannerContract:
-    """Claims about a :class:`~skiros_py.planning.planner.Planner`; every test gets one of its own."""
+    """Claims about a :class:`~skiros_py.planning.planners.planner.Planner`; every test gets one of its own."""
 
     def make(self) -> Planner:
         """Returns the planner."""

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from skiros_py.planning.choosing import Planners
 from skiros_py.planning.explanation import Trial, explain
-from skiros_py.planning.kairos import Kairos
-from skiros_py.planning.task import build_task
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.problem.task import build_task
 from skiros_py.testing.mutations import Mutation, mutations
 
 SPOILT = list(mutations(seed=7, rounds=1))

@@ -188,7 +188,7 @@ def test_each_wrong_driver_fails_exactly_the_claims_that_it_breaks(pytester: pyt
 
 
 OTHERS = '''
-from skiros_py.planning.planner import Solved, Unsolvable
+from skiros_py.planning.planners.planner import Solved, Unsolvable
 from skiros_py.robot.motion import BasePath, BaseLeg, NoMotion
 from skiros_py.robot.pending import Done
 

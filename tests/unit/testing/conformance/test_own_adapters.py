@@ -6,10 +6,10 @@ import pytest
 
 from skiros_py.motion.arm_planner import WorkerArmPlanner
 from skiros_py.motion.base_paths import ShapelyBasePlanner
-from skiros_py.planning.command import CommandPlanner
-from skiros_py.planning.fast_downward import FastDownward
-from skiros_py.planning.kairos import Kairos
-from skiros_py.planning.planner import Planner
+from skiros_py.planning.planners.command import CommandPlanner
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planner
 from skiros_py.robot.cell import CellSpec, RobotSpec
 from skiros_py.robot.driver import CellDriver
 from skiros_py.robot.motion import ArmPlanner, BasePlanner

@@ -14,7 +14,7 @@ __all__ = ["PRIVATE_IMPORT"]
 _PACKAGE = "skiros_py"
 _OPEN = frozenset({"errors", "geometry", "robot", "skills", "testing", "world", "workers", "__version__"})
 """What plug-ins may import; and, of the package itself, the few names it offers."""
-_PORTS = ("skiros_py.planning.planner",)
+_PORTS = ("skiros_py.planning.planners.planner",)
 """Ports that lie elsewhere."""
 
 

@@ -1,0 +1,1 @@
+"""Skills and goals as a planning domain, and how it is written as PDDL."""

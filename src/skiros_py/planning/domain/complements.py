@@ -1,0 +1,150 @@
+"""That a relation does not hold: a predicate of its own, kept up to date by whatever adds or deletes the relation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.domain.literals import NOT, negated
+from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.planning.domain.normal import is_stored
+from skiros_py.planning.domain.placing import is_placement, shown
+from skiros_py.planning.domain.variants import numbered
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
+
+__all__ = ["complement_facts", "stated_objects", "with_complements"]
+
+
+def with_complements(actions: Iterable[Action], goal: Iterable[Atom], ontology: Ontology) -> tuple[Action, ...]:
+    """Lets actions keep up to date what some precondition, or the goal, asks not to hold.
+
+    An action that ends a relation and makes it hold anew, perhaps between the same two, becomes two variants: what
+    comes to hold did not hold before, or it did.
+
+    Raises:
+        PlanningError: It cannot be told whether an action ends what it makes hold.
+    """
+    drafts = tuple(actions)
+    wanted = _wanted((*(atom for action in drafts for atom in action.pre), *goal), ontology)
+    if not wanted:
+        return drafts
+    return numbered(variant for action in drafts for variant in _maintained(action, wanted, ontology))
+
+
+def _wanted(atoms: Iterable[Atom], ontology: Ontology) -> frozenset[str]:
+    """Returns the relations of which some atom says that they do not hold."""
+    denied = (atom.predicate.removeprefix(NOT) for atom in atoms if atom.predicate.startswith(NOT))
+    return frozenset(predicate for predicate in denied if is_stored(predicate, ontology))
+
+
+def _maintained(action: Action, wanted: frozenset[str], ontology: Ontology) -> tuple[Action, ...]:
+    for new in (atom for atom in action.add if atom.predicate in wanted and negated(atom) not in action.pre):
+        ended = [old for old in action.delete if old != new and _may_be_one(new, old, action.types, ontology)]
+        if ended:
+            _check_unique(action, new, ended, ontology)
+            variants = _anew(action, new, ended), _going_on(action, new, ended)
+            return tuple(one for variant in variants for one in _maintained(variant, wanted, ontology))
+    return (_with_effects(action, wanted),)
+
+
+def _check_unique(action: Action, new: Atom, ended: Sequence[Atom], ontology: Ontology) -> None:
+    """Refuses what may end one thing and bring about another of which there may be several."""
+    functional = ontology.relations[new.predicate].functional
+    unique = is_placement(new, ontology) or (functional and all(o.arguments[0] == new.arguments[0] for o in ended))
+    if not unique or any(old not in action.pre for old in ended):
+        raise PlanningError(
+            f"skill '{action.skill}' ends {shown(ended[0])} and brings about {shown(new)}, which may be the same, and "
+            "others ask that it is not so: make two skills of it"
+        )
+
+
+def _anew(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
+    note = f"variant: {shown(new)} does not hold before, so it is not {' or '.join(map(shown, ended))}, which ends"
+    return replace(action, pre=(*action.pre, negated(new)), notes=(*action.notes, note))
+
+
+def _going_on(action: Action, new: Atom, ended: Sequence[Atom]) -> Action:
+    """Returns the variant in which what comes to hold holds before: everything has one place, so nothing ends."""
+    return replace(
+        action,
+        pre=(*action.pre, new),
+        add=tuple(atom for atom in action.add if atom != new),
+        delete=tuple(atom for atom in action.delete if atom not in ended),
+        notes=(*action.notes, f"variant: {shown(new)} holds before, and goes on to hold"),
+    )
+
+
+def _with_effects(action: Action, wanted: frozenset[str]) -> Action:
+    added = [atom for atom in action.add if atom.predicate in wanted]
+    deleted = [atom for atom in action.delete if atom.predicate in wanted and atom not in added]
+    if not (added or deleted):
+        return action
+    starts, ends = tuple(map(negated, deleted)), tuple(map(negated, added))
+    said = [*map(shown, starts), *(f"not {shown(atom)}" for atom in ends)]
+    note = f"effect {', '.join(said)}: others ask that something is not so"
+    return replace(action, add=action.add + starts, delete=action.delete + ends, notes=(*action.notes, note))
+
+
+def _may_be_one(new: Atom, old: Atom, types: Mapping[str, str], ontology: Ontology) -> bool:
+    """Tells whether two atoms of an action may speak of the same things."""
+    return new.predicate == old.predicate and all(
+        one == other or _overlap(types.get(one, ""), types.get(other, ""), ontology)
+        for one, other in zip(new.arguments, old.arguments, strict=True)
+    )
+
+
+def _overlap(one: str, other: str, ontology: Ontology) -> bool:
+    if one not in ontology.classes or other not in ontology.classes:
+        return True
+    return not set(ontology.subclasses(one)).isdisjoint(ontology.subclasses(other))
+
+
+def complement_facts(
+    atoms: Iterable[tuple[Atom, Mapping[str, str]]], objects: Mapping[str, str], view: WorldView
+) -> frozenset[Atom]:
+    """Returns which relations do not hold at the start, between those things only of which it is asked.
+
+    Args:
+        atoms: Preconditions and goal, each with the classes of its variables; others than complements do not matter.
+        objects: The things there are in the task, with their classes.
+        view: The world.
+    """
+    asked = dict.fromkeys(
+        (
+            atom.predicate,
+            tuple(argument if argument in objects else types.get(argument, "") for argument in atom.arguments),
+        )
+        for atom, types in atoms
+        if atom.predicate.startswith(NOT) and is_stored(atom.predicate.removeprefix(NOT), view.ontology)
+    )
+    return frozenset(fact for predicate, ends in asked for fact in _facts(predicate, ends, objects, view))
+
+
+def _facts(predicate: str, ends: Sequence[str], objects: Mapping[str, str], view: WorldView) -> Iterable[Atom]:
+    subjects, others = (_meant(end, objects, view.ontology) for end in ends)
+    relation = predicate.removeprefix(NOT)
+    for subject in subjects:
+        related = set(stated_objects(view, subject, relation))
+        yield from (Atom(predicate, (subject, other)) for other in others if other not in related)
+
+
+def _meant(end: str, objects: Mapping[str, str], ontology: Ontology) -> list[str]:
+    """Returns one thing, or all things of a class."""
+    if end in objects:
+        return [end]
+    if end not in ontology.classes:
+        return list(objects)
+    below = set(ontology.subclasses(end))
+    return [thing for thing, class_ in objects.items() if class_ in below]
+
+
+def stated_objects(view: WorldView, subject: str, relation: str) -> tuple[str, ...]:
+    """Returns what a subject is related to by exactly this relation: not by a narrower one, which ends by itself."""
+    narrower = view.ontology.sub_relations(relation)[1:]
+    found = view.objects(subject, relation)
+    if not narrower or not found:
+        return found
+    below = {other for one in narrower for other in view.objects(subject, one)}
+    return tuple(other for other in found if other not in below)

@@ -1,0 +1,170 @@
+"""Goals inside a planning task: plain facts stay facts, everything else becomes bookkeeping actions at the end.
+
+A goal such as "any starter in compartment a" or "InKit" has a variable or an alternative in it, which a STRIPS goal
+cannot say. So there is an action per such part of the goal that may be taken once the robots have finished: what it
+needs is the part's pattern, what it gives is a fact that says "this part is reached". Nothing can be undone afterwards,
+because skills need "still working". Parts of parts have facts of their own, so that the task grows with the goal and
+not with its combinations; "for all" is said of each element that there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+
+from skiros_py.errors import PlanningError, UsageError
+from skiros_py.planning.domain.brought import Brought
+from skiros_py.planning.domain.emptiness import emptiness_classes
+from skiros_py.planning.domain.literals import NOT, atom_of
+from skiros_py.planning.domain.model import Action, Atom, Variable
+from skiros_py.planning.domain.normal import is_stored, normal
+from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
+from skiros_py.skills.variables import variables
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ELEMENT
+
+__all__ = ["REACHED", "CompiledGoal", "compile_goal"]
+
+WORKING = Atom("working")
+FINISHED = Atom("finished")
+REACHED = "reached "
+
+Scope = Mapping[str, str]
+"""Class by variable, of those whose quantifier is around."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompiledGoal:
+    """A goal as part of a task.
+
+    Attributes:
+        actions: The skills' actions and the goal's bookkeeping.
+        init: Facts that hold at the start for the bookkeeping.
+        atoms: The atoms that stand for each condition, in the order of the goal.
+    """
+
+    actions: tuple[Action, ...]
+    init: frozenset[Atom]
+    atoms: tuple[tuple[Atom, ...], ...]
+
+
+def compile_goal(goal: Sequence[Condition], actions: Sequence[Action], view: WorldView) -> CompiledGoal:
+    """Compiles a conjunction of conditions over elements and classes.
+
+    Raises:
+        UsageError: A condition cannot be said in typed STRIPS.
+    """
+    brought = Brought(actions, view.ontology)
+    parts = [_Part(condition, number, actions, brought, view) for number, condition in enumerate(goal, start=1)]
+    atoms = tuple(part.atoms for part in parts)
+    bookkeeping = [action for part in parts for action in part.bookkeeping]
+    if not bookkeeping:
+        return CompiledGoal(tuple(actions), frozenset(), atoms)
+    why = "precondition working: all is done before the goal is looked for"
+    working = (replace(a, pre=(WORKING, *a.pre), notes=(*a.notes, why)) for a in actions)
+    note = "the goal has variables or alternatives: it is looked for once the robots have finished"
+    finish = Action("bookkeeping:finish", None, (), (WORKING,), (FINISHED,), (WORKING,), (note,))
+    return CompiledGoal((*working, finish, *bookkeeping), frozenset({WORKING}), atoms)
+
+
+class _Part:
+    """One condition of a goal being compiled.
+
+    Attributes:
+        atoms: What stands for it.
+        bookkeeping: The actions that bring these about, where they are no facts of the world.
+    """
+
+    def __init__(
+        self, condition: Condition, number: int, actions: Sequence[Action], brought: Brought, view: WorldView
+    ) -> None:
+        self.bookkeeping: list[Action] = []
+        self._where = f"goal '{condition}'"
+        self._number = number
+        self._nodes = count()
+        self._fresh = count(1)
+        self._tracked = emptiness_classes(actions)
+        self._brought = brought
+        self._view = view
+        try:
+            pattern = normal(condition.closed_pattern(view.ontology), self._where, view.ontology)
+        except PlanningError as error:
+            raise UsageError(str(error)) from error
+        self.atoms = tuple(dict.fromkeys(self._all(pattern, {})))
+
+    def _all(self, pattern: Pattern, scope: Scope) -> Iterator[Atom]:
+        """Yields atoms that hold together exactly where the pattern holds."""
+        match pattern:
+            case AllOf(patterns):
+                for part in patterns:
+                    yield from self._all(part, scope)
+            case AnyOf() | Exists():
+                yield self._reached(pattern, scope)
+            case Not(Exists() as there):
+                yield from (self._reached(pattern, scope),) if scope else self._for_all(there, scope)
+            case Nothing(relation, place) if not self._is_tracked(pattern, scope):
+                holder = f"{place.lstrip('?')} holder"
+                class_ = self._view.ontology.relations[relation].domain or ELEMENT
+                yield from self._all(Not(Exists(holder, class_, Related(relation, holder, place))), scope)
+            case _:
+                yield from filter(self._is_open, (atom_of(pattern),))
+
+    def _reached(self, pattern: Pattern, scope: Scope) -> Atom:
+        """Makes bookkeeping of what is said by no list of atoms, and returns the atom that it brings about."""
+        node = next(self._nodes)
+        label = f"{self._number}.{node}" if node else f"{self._number}"
+        free = set(variables(pattern))
+        own = tuple(Variable(name, class_) for name, class_ in scope.items() if name in free)
+        reached = Atom(f"{REACHED}{label}", tuple(variable.name for variable in own))
+        for way, (further, atoms) in enumerate(self._ways(pattern, scope), start=1):
+            name = f"bookkeeping:reach-goal-{label}" + (f"-{way}" if way > 1 else "")
+            note = f"{self._where}: one action for each way in which this part of it can hold"
+            pre = tuple(dict.fromkeys((FINISHED, *atoms)))
+            self.bookkeeping.append(Action(name, None, own + further, pre, (reached,), (), (note,)))
+        return reached
+
+    def _ways(self, pattern: Pattern, scope: Scope) -> Iterator[tuple[tuple[Variable, ...], tuple[Atom, ...]]]:
+        """Yields each way in which a pattern can hold: further variables, and what must hold of all."""
+        match pattern:
+            case AnyOf(patterns):
+                for part in patterns:
+                    yield from self._ways(part, scope)
+            case Exists():
+                variable, inner = self._opened(pattern)
+                for further, atoms in self._ways(inner, {**scope, variable.name: variable.type}):
+                    yield (variable, *further), atoms
+            case Not(Exists() as there):
+                yield (), tuple(self._for_all(there, scope))
+            case _:
+                yield (), tuple(self._all(pattern, scope))
+
+    def _for_all(self, there: Exists, scope: Scope) -> Iterator[Atom]:
+        """Yields for each element of the class what says that it is none such."""
+        variable, inner = self._opened(there)
+        contrary = normal(Not(inner), self._where, self._view.ontology)
+        atoms = tuple(self._all(contrary, {**scope, variable.name: variable.type}))
+        for element in self._view.instances(variable.type):
+            yield from filter(self._is_open, (atom.bind({variable.name: element}) for atom in atoms))
+
+    def _opened(self, pattern: Exists) -> tuple[Variable, Pattern]:
+        """Returns the variable of a quantifier under a name of its own, and what is said of it."""
+        name = f"?{pattern.variable} #{next(self._fresh)}"
+        return Variable(name, pattern.class_), pattern.pattern.rename({pattern.variable: name})
+
+    def _is_tracked(self, nothing: Nothing, scope: Scope) -> bool:
+        """Tells whether skills keep track of whether something is there."""
+        class_ = self._tracked.get(atom_of(nothing).predicate)
+        of = scope.get(nothing.object) or self._view.element(nothing.object).type
+        return class_ is not None and self._view.ontology.is_a(of, class_)
+
+    def _is_open(self, atom: Atom) -> bool:
+        """Tells whether an atom may be false at the end: no skill relates some things, and they are not related now."""
+        relation = atom.predicate.removeprefix(NOT)
+        if relation == atom.predicate or not is_stored(relation, self._view.ontology):
+            return True
+        if any(argument.startswith("?") for argument in atom.arguments):
+            return True
+        return self._view.related(atom.arguments[0], relation, atom.arguments[1]) or self._brought.may_relate(
+            relation, *(self._view.element(argument).type for argument in atom.arguments)
+        )

@@ -1,0 +1,242 @@
+"""Sequence and work numbers said in PDDL: static facts about places, and one fluent for how far each robot has come.
+
+What moves a robot to a numbered place needs that this comes not before the place the robot may go on from; nothing of
+this is said where the scene's numbers do not count. Costs come from the numbers: to go from a to b costs |a - b| + 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from skiros_py.planning.domain.bracketed import block, conjuncts, field, read_term, shown, unused
+from skiros_py.planning.domain.model import Action, Atom, Variable
+from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.robots.handling import columns, moved_by
+from skiros_py.planning.sequence import counts, sequence_number, turn_of, turns_of_goal
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import LOCATION, ROBOT
+
+__all__ = ["in_sequence", "with_costs"]
+
+GOES_ON_FROM = "goes on from"
+"""Predicate: the place whose number is the lowest that a robot may still visit."""
+IN_ORDER = "in order"
+"""Predicate: the second of two places has no lower number than the first."""
+UNNUMBERED = "unnumbered"
+"""Predicate: the place has no number."""
+TURN = "turn"
+"""Predicate, with its number: a thing that is placed there is placed in that turn."""
+
+
+def in_sequence(view: WorldView, task: PlanningTask, reached: Mapping[str, int] | None = None) -> PlanningTask:
+    """Returns the task in which sequence and work numbers are kept to; the same where they do not count.
+
+    Args:
+        view: The world.
+        task: The task.
+        reached: The highest number that each robot has visited in this task.
+    """
+    return _with_turns(view, _with_numbers(view, task, reached or {})) if counts(view) else task
+
+
+# ------------------------------------------------------------ sequence numbers
+
+
+def _with_numbers(view: WorldView, task: PlanningTask, reached: Mapping[str, int]) -> PlanningTask:
+    numbers = _Numbers(view, task)
+    actions = tuple(a for action in task.domain.actions for a in numbers.variants(action))
+    if actions == task.domain.actions or not numbers.of:
+        return task
+    facts = {Atom(UNNUMBERED, (place,)) for place in numbers.free} | numbers.order() | numbers.starts(reached)
+    return _extended(task, view, actions, facts)
+
+
+class _Numbers:
+    """The numbers of the places that a task speaks of, and what they make of its actions."""
+
+    def __init__(self, view: WorldView, task: PlanningTask) -> None:
+        ontology = view.ontology
+        self._ontology = ontology
+        places = [o for o, class_ in task.problem.objects.items() if ontology.is_a(class_, LOCATION)]
+        numbered = {place: sequence_number(view, place) for place in places}
+        self.of = {place: number for place, number in numbered.items() if number is not None}
+        self.free = [place for place in places if place not in self.of]
+        self._robots = [o for o, class_ in task.problem.objects.items() if ontology.is_a(class_, ROBOT)]
+
+    def variants(self, action: Action) -> tuple[Action, ...]:
+        """Returns an action as it is for places with a number and for those without, where it moves a robot."""
+        robots = [(m, p) for m, p in moved_by(action, self._ontology) if self._is_robot(action.types[m])]
+        if not robots or not self.of:
+            return (action,)
+        (robot, place), *_ = robots
+        last = Variable(f"{place}_last", action.types[place])
+        before, now = Atom(GOES_ON_FROM, (robot, last.name)), Atom(GOES_ON_FROM, (robot, place))
+        free = replace(action, pre=(*action.pre, Atom(UNNUMBERED, (place,))))
+        numbered = replace(
+            action,
+            name=f"{action.name}/in sequence",
+            parameters=(*action.parameters, last),
+            pre=(*action.pre, before, Atom(IN_ORDER, (last.name, place))),
+            add=(*action.add, now),
+            delete=(*action.delete, before),
+            notes=(*action.notes, f"parameter {last.name}: no place is visited that has a lower sequence number"),
+        )
+        return (free, numbered) if self.free else (numbered,)
+
+    def order(self) -> set[Atom]:
+        """Which place comes not before which."""
+        return {Atom(IN_ORDER, (a, b)) for a, one in self.of.items() for b, other in self.of.items() if one <= other}
+
+    def starts(self, reached: Mapping[str, int]) -> set[Atom]:
+        """Where each robot may go on from; one that is past all places may visit none of them."""
+        ahead = {r: [(n, p) for p, n in self.of.items() if n >= reached.get(r, n)] for r in self._robots}
+        return {Atom(GOES_ON_FROM, (robot, min(places)[1])) for robot, places in ahead.items() if places}
+
+    def _is_robot(self, class_: str) -> bool:
+        return class_ not in ("", "object") and self._ontology.is_a(class_, ROBOT)
+
+
+# ------------------------------------------------------------ work numbers
+
+
+def _with_turns(view: WorldView, task: PlanningTask) -> PlanningTask:
+    turns = turns_of_goal(view, task.conditions)
+    numbers = sorted({turn[0] for turn in turns if turn is not None})
+    if len(numbers) < 2:
+        return task
+    wanted = [(number, _Wish.of(task, i)) for i, turn in enumerate(turns) if turn is not None for number in [turn[0]]]
+    ontology = view.ontology
+    placing = {a.name: [p for m, p in moved_by(a, ontology) if a.types[m] not in ("", "object")
+                        and not ontology.is_a(a.types[m], ROBOT)] for a in task.domain.actions}  # fmt: skip
+    places = {
+        o: _turn(view, o, numbers) for o, class_ in task.problem.objects.items() if ontology.is_a(class_, LOCATION)
+    }
+    needs = [[wish for number, wish in wanted if number < numbers[rank]] for rank in range(len(numbers))]
+    actions = tuple(b for a in task.domain.actions for b in _turns(a, placing[a.name], needs, places, task, view))
+    facts = {Atom(f"{TURN} {rank + 1}", (place,)) for place, rank in places.items()}
+    return _extended(task, view, actions, facts)
+
+
+def _turn(view: WorldView, place: str, numbers: Sequence[int]) -> int:
+    """Which turn a place belongs to: the first where it has no number or none that matters for the goal."""
+    turn = turn_of(view, place)
+    return 0 if turn is None else max(sum(number <= turn[0] for number in numbers) - 1, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Wish:
+    """What shows that a condition of the goal holds."""
+
+    atoms: tuple[Atom, ...]
+    variables: tuple[Variable, ...] = ()
+
+    @staticmethod
+    def of(task: PlanningTask, part: int) -> _Wish:
+        atoms = task.goal[part][1]
+        ways = [a for a in task.domain.actions if a.skill is None and not set(a.add).isdisjoint(atoms)]
+        if not ways:
+            return _Wish(atoms)
+        stored = {atom.predicate for a in task.domain.actions if a.skill is not None for atom in a.atoms}
+        renamed = {v.name: f"{v.name}_goal_{part + 1}" for v in ways[0].parameters}
+        shown_by = tuple(atom.bind(renamed) for atom in ways[0].pre if atom.predicate in stored)
+        return _Wish(shown_by, tuple(Variable(renamed[v.name], v.type) for v in ways[0].parameters))
+
+
+def _turns(
+    action: Action,
+    places: Sequence[str],
+    needs: Sequence[Sequence[_Wish]],
+    turns: Mapping[str, int],
+    task: PlanningTask,
+    view: WorldView,
+) -> Iterator[Action]:
+    """Yields what an action is in each turn that it can be taken in; itself where it places nothing that has one."""
+    fitting = {p: {t for o, t in turns.items() if _fits(view, task, o, action.types[p])} for p in places}
+    late = [place for place in places if fitting[place] - {0}]
+    if not late:
+        yield action
+        return
+    place = late[0]
+    for rank in sorted(fitting[place]):
+        wishes = needs[rank]
+        name = action.name if rank == 0 else f"{action.name}/{TURN} {rank + 1}"
+        extra = tuple(v for wish in wishes for v in wish.variables)
+        atoms = tuple(atom for wish in wishes for atom in wish.atoms)
+        pre = (*action.pre, Atom(f"{TURN} {rank + 1}", (place,)), *atoms)
+        yield replace(action, name=name, parameters=(*action.parameters, *extra), pre=tuple(dict.fromkeys(pre)))
+
+
+def _fits(view: WorldView, task: PlanningTask, element: str, class_: str) -> bool:
+    return class_ in ("", "object") or view.ontology.is_a(task.problem.objects[element], class_)
+
+
+# ------------------------------------------------------------ the task, extended
+
+
+def _extended(task: PlanningTask, view: WorldView, actions: tuple[Action, ...], facts: set[Atom]) -> PlanningTask:
+    """Returns the task with other actions, and with those of the facts that they ask for."""
+    new = sorted({atom.predicate for action in actions for atom in action.atoms} - task.domain.predicates.keys())
+    predicates = {**task.domain.predicates, **{name: columns(name, actions, task, view.ontology) for name in new}}
+    fitting = {fact for fact in facts if fact.predicate in new and _suits(fact, predicates[fact.predicate], task, view)}
+    domain = replace(task.domain, predicates=predicates, actions=actions)
+    return replace(task, domain=domain, problem=replace(task.problem, init=task.problem.init | fitting))
+
+
+def _suits(fact: Atom, types: Sequence[str], task: PlanningTask, view: WorldView) -> bool:
+    return all(_fits(view, task, element, class_) for element, class_ in zip(fact.arguments, types, strict=True))
+
+
+# ------------------------------------------------------------ costs
+
+
+def with_costs(view: WorldView, task: PlanningTask, texts: PddlTexts) -> PddlTexts:
+    """Returns the texts with what the way through the numbers costs, to be kept low; the same where there is none.
+
+    Args:
+        view: The world.
+        task: The task in sequence.
+        texts: The same, as written.
+    """
+    numbered = {name for name, action in texts.actions.items() if _leg(action) is not None}
+    if not numbered:
+        return texts
+    cost = unused("sequence-cost", texts.domain + texts.problem)
+    places = sorted({o for atom in task.problem.init if atom.predicate == IN_ORDER for o in atom.arguments})
+    numbers = {texts.objects.pddl(place): sequence_number(view, place) or 0 for place in places}
+    pairs = ((a, b, one, other) for a, one in numbers.items() for b, other in numbers.items() if one <= other)
+    values = [f"    (= ({cost} {a} {b}) {other - one + 1})" for a, b, one, other in pairs]
+    init = "\n".join(["  (:init", "    (= (total-cost) 0)", *values])
+    problem = texts.problem.replace("  (:init", init, 1).rstrip().removesuffix(")").rstrip()
+    functions = f"  (:functions\n    (total-cost) - number\n    ({cost} ?x1 ?x2 - object) - number\n  )\n"
+    domain = _costed(texts, numbered, cost).replace("  (:action", f"{functions}  (:action", 1)
+    requirements = (*texts.requirements, ":action-costs")
+    domain = domain.replace(" ".join(texts.requirements), " ".join(requirements), 1)
+    problem += "\n  (:metric minimize (total-cost))\n)\n"
+    return replace(texts, domain=domain, problem=problem, requirements=requirements)
+
+
+def _leg(action: Action) -> tuple[str, str] | None:
+    """The places from and to which an action goes on through the numbers."""
+    return next(((a.arguments[0], a.arguments[1]) for a in action.pre if a.predicate == IN_ORDER), None)
+
+
+def _costed(texts: PddlTexts, numbered: set[str], cost: str) -> str:
+    """Adds what numbered actions cost to their effects, which are the last that is said of them."""
+    domain = texts.domain
+    for name in sorted(numbered):
+        start = domain.index(f"  (:action {name}\n")
+        end = domain.find("\n  (:action ", start + 1)
+        end = len(domain.rstrip().removesuffix(")").rstrip()) if end < 0 else end
+        action = read_term(domain[start:end])
+        variables = [str(word) for word in field(action, ":parameters") if str(word).startswith("?")]
+        own = [variable.name for variable in texts.actions[name].parameters]
+        leg = [variables[own.index(place)] for place in _leg(texts.actions[name]) or ()]
+        effects = [
+            *map(shown, conjuncts(field(action, ":effect"))),
+            f"(increase (total-cost) ({cost} {' '.join(leg)}))",
+        ]
+        head = domain[start:end].partition("    :effect")[0]
+        domain = domain[:start] + head + block(":effect", effects) + ")" + domain[end:]
+    return domain

@@ -1,0 +1,97 @@
+"""Which planner plans: each states what it takes, and the first that takes all that a task uses is chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator
+from threading import Lock
+from typing import Self
+
+from skiros_py.errors import PlanningError, SkirosError
+from skiros_py.planning.planners.planner import Planner
+
+__all__ = ["PREFERRED", "Planners", "lacking"]
+
+PREFERRED = ("fast-downward", "kairos")
+"""Asked before others, in this order: the first for classical tasks, the second for what the first does not take."""
+
+_ADL = {
+    ":typing", ":negative-preconditions", ":disjunctive-preconditions", ":equality", ":existential-preconditions",
+    ":universal-preconditions", ":conditional-effects",
+}  # fmt: skip
+_MEANS: dict[str, set[str]] = {
+    ":adl": _ADL,
+    ":quantified-preconditions": {":existential-preconditions", ":universal-preconditions"},
+    ":fluents": {":numeric-fluents"},
+}
+"""Requirements that are short for others."""
+
+
+def lacking(requirements: Iterable[str], supports: Iterable[str]) -> tuple[str, ...]:
+    """Returns what a task uses and a planner does not take."""
+    return tuple(sorted(_meant(requirements) - _meant(supports) - {":strips"}))
+
+
+class Planners:
+    """The planners that are there; each is made when it is first wanted.
+
+    Args:
+        names: Their names.
+        make: Makes one; what it raises is noted, and the planner is not there.
+        wanted: The only one that shall plan, where somebody asked for one.
+    """
+
+    def __init__(self, names: Iterable[str], make: Callable[[str], Planner], wanted: str | None = None) -> None:
+        known = sorted(names)
+        preferred = [name for name in PREFERRED if name in known]
+        self._names = (wanted,) if wanted else (*preferred, *(name for name in known if name not in preferred))
+        self._make = make
+        self._made: dict[str, Planner] = {}
+        self._broken: dict[str, str] = {}
+        self._making = Lock()
+        self.closed = False
+
+    @classmethod
+    def only(cls, planner: Planner) -> Self:
+        """Returns the choice of one."""
+        return cls((planner.name,), lambda _name: planner, planner.name)
+
+    def fitting(self, requirements: Collection[str]) -> Iterator[Planner]:
+        """Yields the planners that take what a task uses, the one to ask first at the front."""
+        for name in self._names:
+            planner = self._planner(name)
+            if planner is not None and not lacking(requirements, planner.supports):
+                yield planner
+
+    def why_none(self, requirements: Collection[str]) -> str:
+        """Says of each planner why it does not fit a task."""
+        each = "; ".join(f"{name} {self._why_not(name, requirements)}" for name in self._names)
+        return f"no planner takes {' '.join(requirements)}: {each or 'none is installed'}"
+
+    def close(self) -> None:
+        """Kills what still runs and waits for it; may be called twice."""
+        self.closed = True
+        for planner in self._made.values():
+            planner.close()
+
+    def _planner(self, name: str) -> Planner | None:
+        if self.closed:
+            raise PlanningError("planning was stopped")
+        with self._making:
+            if name not in self._made and name not in self._broken:
+                try:
+                    self._made[name] = self._make(name)
+                except SkirosError as error:
+                    self._broken[name] = str(error)
+        return self._made.get(name)
+
+    def _why_not(self, name: str, requirements: Collection[str]) -> str:
+        planner = self._planner(name)
+        if planner is None:
+            return f"is not there ({self._broken[name]})"
+        return f"does not take {' '.join(lacking(requirements, planner.supports))}"
+
+
+def _meant(requirements: Iterable[str]) -> set[str]:
+    """Writes out what is short for others."""
+    given = set(requirements)
+    return given.difference(_MEANS).union(*(_MEANS[word] for word in given if word in _MEANS))

@@ -1,0 +1,1 @@
+"""What of the world goes into a planning problem."""

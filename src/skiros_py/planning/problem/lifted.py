@@ -1,0 +1,136 @@
+"""Actions seen backwards: which give what a condition needs, before anybody asks for which elements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from skiros_py.planning.domain.literals import NOTHING
+from skiros_py.planning.domain.model import Action, Atom
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.terms import Family
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import STRUCTURE
+
+__all__ = ["Lifted", "Slot", "other", "partners"]
+
+
+class Slot(NamedTuple):
+    """An argument of an action: a variable, or an element that its atoms name."""
+
+    action: str
+    variable: str
+
+
+class Lifted:
+    """The actions of a task, by what they add, delete and need.
+
+    Args:
+        actions: All there are; their names are unique.
+        ontology: Classes and relations.
+        evaluated: Predicates whose facts are worked out rather than stored.
+    """
+
+    def __init__(self, actions: Sequence[Action], ontology: Ontology, evaluated: Mapping[str, object]) -> None:
+        self.ontology = ontology
+        self.actions = {action.name: action for action in actions}
+        self.types = {action.name: action.types for action in actions}
+        self._evaluated = evaluated
+        self._adding: dict[str, list[tuple[Action, Atom]]] = {}
+        self._deleting: dict[str, list[tuple[Action, Atom]]] = {}
+        self._needing: dict[Slot, list[Atom]] = {}
+        self._givers: dict[tuple[str, Atom], tuple[tuple[Action, Atom], ...]] = {}
+        self._overlaps: dict[tuple[str, str], bool] = {}
+        for action in actions:
+            for table, atoms in ((self._adding, action.add), (self._deleting, action.delete)):
+                for atom in atoms:
+                    table.setdefault(atom.predicate, []).append((action, atom))
+            for atom in action.pre:
+                for argument in dict.fromkeys(atom.arguments):
+                    self._needing.setdefault(Slot(action.name, argument), []).append(atom)
+
+    def needs(self, slot: Slot) -> Sequence[Atom]:
+        """Returns the preconditions that speak of an argument."""
+        return self._needing.get(slot, ())
+
+    def class_of(self, slot: Slot) -> str:
+        """Returns the class of an argument; "" for anything."""
+        return self.types[slot.action].get(slot.variable, "")
+
+    def fits(self, type_: str, slot: Slot) -> bool:
+        """Returns True when elements of a class may be an argument."""
+        class_ = self.class_of(slot)
+        return class_ in ("", "object") or self.ontology.is_a(type_, class_)
+
+    def is_stored(self, predicate: str) -> bool:
+        """Returns True for a relation whose facts are in the world itself."""
+        relation = self.ontology.relations.get(predicate)
+        return relation is not None and predicate not in self._evaluated and relation.family is not Family.COMPUTED
+
+    def is_changed(self, predicate: str) -> bool:
+        """Returns True when some action brings about facts of this kind."""
+        return predicate in self._adding
+
+    def is_determined(self, atom: Atom, variable: str) -> bool:
+        """Returns True when an argument leaves one value at most for the atom's other: its place, its owner."""
+        relation = self.ontology.relations[atom.predicate]
+        at_subject = atom.arguments[0] == variable
+        if relation.family is Family.PLACEMENT:
+            return at_subject == (relation.place_end == "object")
+        if atom.predicate in self.ontology.sub_relations(STRUCTURE):
+            return not at_subject
+        return at_subject and relation.functional
+
+    def givers(self, action: Action, atom: Atom) -> tuple[tuple[Action, Atom], ...]:
+        """Returns the actions, with the effect, that could bring about what an action needs, as far as classes tell."""
+        key = action.name, atom
+        if key not in self._givers:
+            self._givers[key] = tuple(self._giving(action, atom))
+        return self._givers[key]
+
+    def _giving(self, action: Action, atom: Atom) -> Iterator[tuple[Action, Atom]]:
+        own = self.types[action.name]
+        for giver, effect in self._adding.get(atom.predicate, ()):
+            types = self.types[giver.name]
+            pairs = zip(atom.arguments, effect.arguments, strict=True)
+            if all(self.overlap(own.get(a, ""), types.get(b, "")) for a, b in pairs):
+                yield giver, effect
+
+    def breakers(self, atom: Atom) -> Sequence[tuple[Action, Atom]]:
+        """Returns the actions, with the effect, that delete facts of an atom's kind."""
+        return self._deleting.get(atom.predicate, ())
+
+    def overlap(self, one: str, other: str) -> bool:
+        """Returns True when something may be of both classes."""
+        if "object" in (one, other) or not one or not other:
+            return True
+        key = one, other
+        if key not in self._overlaps:
+            self._overlaps[key] = any(self.ontology.is_a(below, other) for below in self.ontology.subclasses(one))
+        return self._overlaps[key]
+
+    def is_passive(self, class_: str) -> bool:
+        """Returns True when whatever is done to a thing of this class helps only what speaks of that thing.
+
+        Then a plan needs no such thing but those that the goal is about and those that are in the way.
+        """
+        return all(self._leaves_alone(action, class_) for action in self.actions.values())
+
+    def _leaves_alone(self, action: Action, class_: str) -> bool:
+        if any(self.overlap(variable.type, class_) for none in action.none for variable in none.variables):
+            return False
+        own = [variable.name for variable in action.parameters if self.overlap(variable.type, class_)]
+        if not own or action.skill is None:
+            return True
+        return len(own) == 1 and all(own[0] in a.arguments or a.predicate.startswith(NOTHING) for a in action.add)
+
+
+def partners(view: WorldView, atom: Atom, variable: str, element: str) -> tuple[str, ...]:
+    """Returns what a stored relation now relates an element to, that stands for one argument of the atom."""
+    subject, _ = atom.arguments
+    return view.objects(element, atom.predicate) if subject == variable else view.subjects(atom.predicate, element)
+
+
+def other(atom: Atom, variable: str) -> str:
+    """Returns the other argument of an atom of two."""
+    return atom.arguments[1] if atom.arguments[0] == variable else atom.arguments[0]

@@ -1,0 +1,149 @@
+"""Rounds of several robots, arranged so that they do not stand in each other's way.
+
+A planner writes a sequence: first all that one robot does, then all that the next does. Where both go to the same
+places, the second then waits at each of them. What a robot does for one thing (fetch it, bring it) is a round; rounds
+are arranged anew, one after the other, for whoever is free first and such that each ends as soon as it can (list
+scheduling, greedy).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.regrounding import TaskState, pddl_plan
+from skiros_py.planning.robots.allocation import teams
+from skiros_py.planning.robots.handling import Handling
+from skiros_py.planning.robots.ordering import makespan, partial_order, schedule
+from skiros_py.planning.validation import replay
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.world.view import WorldView
+
+__all__ = ["arranged"]
+
+_MOST_ROUNDS = 40
+"""Plans of more rounds stay as they are: to try them out would take seconds."""
+_USUAL = 10.0
+"""How long a step is taken to last where nobody knows [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Round:
+    """What one robot does for one thing."""
+
+    robot: str
+    steps: tuple[Step, ...]
+
+
+def arranged(
+    view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan, reached: Mapping[str, int] | None = None
+) -> Plan:
+    """Returns the plan with its rounds in the sequence that ends soonest, of those that were tried.
+
+    Args:
+        view: The world that the plan starts from.
+        task: What was planned.
+        texts: The task as written.
+        plan: The steps, replayed and found right.
+        reached: The highest sequence number that each robot has visited in this task.
+    """
+    arrangement = _Arrangement(view, task, texts, plan)
+    rounds = arrangement.rounds
+    if len({round_.robot for round_ in rounds}) < 2 or len(rounds) > _MOST_ROUNDS:
+        return plan
+    steps = arrangement.best()
+    if steps is None or replay(view, steps, task.conditions, arrangement.skills, reached=reached) is not None:
+        return plan
+    other = Plan(steps, pddl_plan(task, texts, steps, view.ontology))
+    return other if 0.0 < arrangement.lasts(other.pddl) < arrangement.lasts(plan.pddl) else plan
+
+
+class _Arrangement:
+    """The rounds of a plan, and what is tried with them."""
+
+    def __init__(self, view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> None:
+        self.skills: Mapping[str, SkillDescription] = {c.skill.name: c.skill for c in task.capabilities}
+        self._task = task
+        self._texts = texts
+        self._ontology = view.ontology
+        self._robots = {agent: robot for robot, agents in teams(view, task).items() for agent in agents}
+        self.rounds = tuple(self._rounds(plan.steps, Handling(task, view.ontology)))
+
+    def lasts(self, lines: Sequence[str]) -> float:
+        """Returns how long a plan takes when all that can runs side by side [s]."""
+        after = partial_order(self._texts, lines, self.skills)
+        durations = self._durations(lines)
+        return makespan(schedule(after, durations), durations)
+
+    def best(self) -> tuple[Step, ...] | None:
+        """Arranges the rounds; None where they cannot follow each other in any of the ways that were tried."""
+        left = list(self.rounds)
+        state, steps, lines = TaskState(self._task, self._ontology), list[Step](), list[str]()
+        ends = dict.fromkeys((round_.robot for round_ in left), 0.0)
+        while left:
+            found = next(
+                filter(None, (self._next(state, lines, left, robot) for robot in _free_first(ends, left))), None
+            )
+            if found is None:
+                return None
+            round_, state, lines, ends[round_.robot] = found
+            left.remove(round_)
+            steps += round_.steps
+        return tuple(steps)
+
+    def _next(
+        self, state: TaskState, lines: list[str], left: Sequence[_Round], robot: str
+    ) -> tuple[_Round, TaskState, list[str], float] | None:
+        """Returns the round of a robot that ends soonest when it comes next, with what is then the case."""
+        tried = (self._after(state, lines, round_) for round_ in left if round_.robot == robot)
+        return min(filter(None, tried), key=lambda found: found[3], default=None)
+
+    def _after(
+        self, state: TaskState, lines: list[str], round_: _Round
+    ) -> tuple[_Round, TaskState, list[str], float] | None:
+        state, lines = state.copy(), list(lines)
+        for step in round_.steps:
+            taken = state.take(step)
+            if taken is None:
+                return None
+            lines.append(taken.line(self._texts))
+        after, durations = partial_order(self._texts, lines, self.skills), self._durations(lines)
+        return round_, state, lines, schedule(after, durations)[-1] + durations[-1]
+
+    def _durations(self, lines: Sequence[str]) -> list[float]:
+        actions = (self._texts.actions[line.strip("()").split()[0]] for line in lines)
+        return [_USUAL if a.duration is None else a.duration for a in actions if a.skill is not None]
+
+    def _rounds(self, steps: Sequence[Step], handling: Handling) -> Iterator[_Round]:
+        """Parts a plan into rounds: a robot's steps up to the last one for the same thing; its moves begin the next."""
+        for robot in dict.fromkeys(map(self._robot, steps)):
+            own: list[Step] = []
+            last, thing = 0, None
+            for step in (step for step in steps if self._robot(step) == robot):
+                handled = self._thing(step, handling)
+                if handled is not None and thing is not None and handled != thing:
+                    yield _Round(robot, tuple(own[:last]))
+                    own = own[last:]
+                own.append(step)
+                if handled is not None:
+                    thing, last = handled, len(own)
+            yield _Round(robot, tuple(own))
+
+    def _robot(self, step: Step) -> str:
+        agent = step.arguments[self.skills[step.skill].agent]
+        return self._robots.get(agent, agent)
+
+    def _thing(self, step: Step, handling: Handling) -> str | None:
+        """Returns what a step moves, or is done to; None for one that only moves its robot."""
+        actions = (a for a in self._task.domain.actions if a.skill == step.skill)
+        keys = (variable.lstrip("?") for a in actions for variable in handling.variables.get(a.name, ()))
+        return next((step.arguments[key] for key in keys if key in step.arguments), None)
+
+
+def _free_first(ends: Mapping[str, float], left: Sequence[_Round]) -> list[str]:
+    """Returns the robots that have something left to do, who is free first at the front."""
+    busy = {round_.robot for round_ in left}
+    return sorted(busy, key=lambda robot: (ends[robot], robot))
