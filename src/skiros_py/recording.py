@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from skiros_py.runtime import Session
 
-__all__ = ["Recorder", "check_recording", "run_recorder"]
+__all__ = ["RunPictures", "check_recording", "run_recorder"]
 
 _SHEET, _ANIMATIONS = ".png", (".gif", ".webp")
 _EVERY = 1.0
@@ -61,8 +61,8 @@ class _Shot:
     picture: Pending[Any]
 
 
-class Recorder:
-    """Takes pictures: for a contact sheet when something that took a while ends, for an animation regularly.
+class RunPictures:
+    """Takes pictures of a run: for a contact sheet when something that took a while ends, for an animation regularly.
 
     Args:
         session: The session, not yet running.
@@ -75,9 +75,9 @@ class Recorder:
         self._shots: list[_Shot] = []
         self._next = 0.0
         if path.suffix == _SHEET:
-            KeyMoments(session.monitor, self._shoot)
+            self._leave = KeyMoments(session.monitor, self._shoot).leave
         else:
-            session.cycle.observe(self._on_cycle)
+            self._leave = session.cycle.observe(self._on_cycle)
 
     def _on_cycle(self) -> None:
         now = self._session.cycle.board.snapshot.time
@@ -90,11 +90,12 @@ class Recorder:
         self._shots.append(_Shot(snapshot.time, caption, _picture(self._session, snapshot, agent)))
 
     def write(self) -> None:
-        """Writes what was recorded.
+        """Takes no more pictures, and writes those it has.
 
         Raises:
             UsageError: The file cannot be written any more.
         """
+        self._leave()
         try:
             pictures = [_captioned(shot) for shot in self._shots]
             if self._path.suffix == _SHEET or not pictures:

@@ -28,6 +28,7 @@ from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.respawn import respawn
 from skiros_py.system import check_system_libraries
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.learning import learn_durations
@@ -138,10 +139,9 @@ class Session:
         self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners, fake=fake)
         _warn(self.catalogue.faults)
         self.goal = self._own_goal()
-        self.spec = read_cell(self.world, self._robots())
+        self.spec = read_cell(self.world, self._robots(), simulated=self._simulates)
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
-        self._simulated = self.options.driver is None and not self.options.fake
         self.world.subscribe(self._digest.add_change)
         self._set_up(libraries)
         self._watch()
@@ -160,7 +160,15 @@ class Session:
         directory = DataDirectory.open(
             self.options.data, ontology, reasoners, find_scene(scene), imports=ontology_paths()
         )
-        return self._stack.enter_context(directory).world, faults
+        self._stack.enter_context(directory)
+        if self._simulates:
+            respawn(directory.world, directory.journal)
+        return directory.world, faults
+
+    @property
+    def _simulates(self) -> bool:
+        """True where bodies move as physics wants."""
+        return self.options.driver is None and not self.options.fake
 
     def _own_goal(self) -> tuple[Condition, ...]:
         """Reads the goal of the options, else the one that goes with the scene."""
@@ -267,11 +275,11 @@ class Session:
             UsageError: There is no goal, or everything was halted and nobody has called :meth:`reset` since.
         """
         wanted = self._conditions(goal)
-        self._digest.begin(self.simulation.state_bytes() if self._simulated else b"")
+        self._digest.begin(self.simulation.state_bytes() if self._simulates else b"")
         report = pursue(self.station, self.tasks, wanted, self._is_stopping)
         self._obey_stop()
         report = replace(report, digest=str(self._digest))
-        return report.with_truth(self._truths(wanted)) if self._simulated else report
+        return report.with_truth(self._truths(wanted)) if self._simulates else report
 
     def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
         """Starts one skill or primitive by itself; step the cycle until it is done.
@@ -379,7 +387,7 @@ class Session:
     # ------------------------------------------------------------------ digest and end
 
     def _digest_state(self) -> None:
-        if self._simulated and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
+        if self._simulates and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
             self._digest.add(self.simulation.state_bytes())
 
     def close(self) -> None:

@@ -38,7 +38,18 @@ def test_python_examples_run_as_printed(page, tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
 
     assert done.returncode == 0, done.stdout + done.stderr
-    assert tests or page.name == "world.md" or "goal reached" in done.stdout
+    assert tests or page.name in ("world.md", "records.md") or "goal reached" in done.stdout
+
+
+def test_the_record_of_a_run_is_read_as_the_manual_says(tmp_path):
+    cli.main(args=["run", "kitting", "--fake", "--data", str(tmp_path)], standalone_mode=False)
+    example = {}
+    exec(blocks(ROOT / "docs" / "how-to" / "records.md", "python")[0], example)
+
+    way = example["path_of"]("base_1", tmp_path)
+
+    assert len(way) > 1
+    assert all(len(place) == 2 for place in way)
 
 
 def test_the_small_scene_of_the_manual_plans_and_runs(tmp_path, monkeypatch, capsys):

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.runtime import Session
+from skiros_primitives.arm_moves import ArmPrimitive
+from skiros_py.catalogue import load_catalogue
+from skiros_py.geometry import Pose
+from skiros_py.robot.motion import BaseLeg, BasePath, PoseMove
+from skiros_py.runtime import Options, Session
 from skiros_py.simulation.truth import Truth
-from skiros_py.skills.outcome import Failure, Success
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution
 
 pytestmark = pytest.mark.physics
 
@@ -78,6 +85,60 @@ def test_a_place_that_another_robot_stands_at_is_not_driven_to(open_session: Cal
 
     assert isinstance(outcome, Failure)
     assert "kit_1_north" in outcome.reason
+
+
+class Reach(ArmPrimitive):
+    """Stretches an arm out."""
+
+    name: ClassVar[str] = "reach"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE)
+        tip: Pose = param("pose", "Where to, in the map.")
+
+    def execute(self) -> Execution[Outcome]:
+        """Moves."""
+        refusal = yield from self.go([(PoseMove(self.params.tip),)])
+        return Success() if refusal is None else Failure(refusal.reason)
+
+
+OUTLINE = ((-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3))
+ASIDE = Pose((-1.98, -0.55, 0.6), (1.0, 0.0, 0.0, 0.0))
+"""Left of where robot 2 starts, with the hand pointing down."""
+
+
+@pytest.fixture
+def reaching() -> Iterator[Session]:
+    """A session in which arms can be stretched out."""
+    catalogue = load_catalogue()
+    catalogue = replace(catalogue, primitives={**catalogue.primitives, Reach.name: Reach})
+    with Session("kitting_two", Options(seed=0), catalogue=catalogue) as session:
+        yield session
+
+
+def test_an_arm_waits_for_a_robot_that_drives_where_it_reaches_and_is_in_the_way_then(reaching: Session) -> None:
+    session = reaching
+    floor, board = session.station.context.floor, session.cycle.board
+    past = BasePath((BaseLeg(2.0, 0.0),), 0.0)
+    arm = [board.snapshot.arms["arm_2"].positions]
+
+    with floor.ask("robot_1", OUTLINE, Pose((-4.0, -0.4, 0.0)), past) as way:
+        assert way.free
+        running = session.start_module("reach", {"tip": ASIDE}, "arm_2")
+        for _ in range(400):
+            session.cycle.step()
+        arm.append(board.snapshot.arms["arm_2"].positions)
+    while not running.done:
+        session.cycle.step()
+
+    assert running.result == Success()
+    assert arm[1] == pytest.approx(arm[0], abs=0.01)
+    assert board.snapshot.arms["arm_2"].positions != pytest.approx(arm[0], abs=0.2)
+    with floor.ask("robot_1", OUTLINE, Pose((-4.0, -0.4, 0.0)), past) as way:
+        assert (way.free, way.blocked, way.waits_for()) == (False, True, ("robot_2",))
 
 
 def test_the_truth_tells_when_two_robots_touch(open_session: Callable[..., Session]) -> None:

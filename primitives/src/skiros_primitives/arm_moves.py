@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from skiros_primitives.fingers import firm_force, move_fingers
-from skiros_primitives.other_robots import bodies
+from skiros_primitives.other_robots import bodies, others
 from skiros_primitives.playback import Playback
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
@@ -17,6 +17,7 @@ from skiros_py.robot.cell import ArmSpec, GripperSpec, RobotSpec
 from skiros_py.robot.devices import Arm, Gripper
 from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
 from skiros_py.robot.values import ArmTarget, GripperState
+from skiros_py.skills.floor import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A
@@ -26,6 +27,8 @@ __all__ = ["ArmPrimitive"]
 
 _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""
+_COURTESY = 120.0
+"""Longest time for which robots that drive past are waited for [s]."""
 
 
 class ArmPrimitive(Primitive[Any]):
@@ -79,7 +82,40 @@ class ArmPrimitive(Primitive[Any]):
     def plan(
         self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None = None, speed: float = 1.0
     ) -> Execution[MotionPlan | NoMotion]:
-        """Asks for the best of several routes from where the arm is now."""
+        """Asks for the best of several routes from where the arm is now, and takes the floor below it.
+
+        While other robots are on their way there, it waits; as they stand elsewhere then, it plans again.
+        """
+        deadline = self.context.now + _COURTESY
+        while True:
+            driving = self._driving()
+            planned = yield from self._planned(routes, around=around, speed=speed)
+            if isinstance(planned, NoMotion):
+                return planned
+            refusal = yield from self._reach_out(planned.covers, deadline)
+            if refusal is not None:
+                return refusal
+            if driving <= self._driving():  # nobody has come to stand anywhere meanwhile
+                return planned
+
+    def _driving(self) -> set[str]:
+        return {o.id for o in others(self.context, self.robot.id) if self.context.floor.is_driving(o.id)}
+
+    def _reach_out(self, outline: Outline, deadline: float) -> Execution[NoMotion | None]:
+        """Waits until nobody drives where the arm shall move, and takes the floor there."""
+        told: tuple[str, ...] = ()
+        while there := self.context.floor.stretch(self.params.arm, outline):
+            if self.context.now >= deadline:
+                return NoMotion(f"waited {_COURTESY:g} s for {' and '.join(there)} to drive past")
+            if there != told:
+                told = there
+                self.progress(1, f"waits for {' and '.join(there)} to drive past")
+            yield
+        return None
+
+    def _planned(
+        self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None, speed: float
+    ) -> Execution[MotionPlan | NoMotion]:
         planner = self.context.libraries.arm_planner
         if planner is None:
             raise DeviceError(f"{self.name} needs an arm planner")
@@ -136,7 +172,10 @@ class ArmPrimitive(Primitive[Any]):
         planned = yield from self.plan(routes, **options)
         if isinstance(planned, NoMotion):
             return planned
-        return (yield from self.follow_all(*planned.legs))
+        refusal = yield from self.follow_all(*planned.legs)
+        if refusal is None:
+            self.context.floor.stretch(self.params.arm, planned.ends)
+        return refusal
 
     def tool_pose(self) -> Execution[Pose]:
         """Returns where in the map the arm's tip is now."""

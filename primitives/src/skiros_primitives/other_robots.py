@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from skiros_py.geometry import Pose, Solid
@@ -38,14 +39,19 @@ def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obs
 
 
 def _body(context: RunContext, robot: RobotSpec, margin: float) -> Obstacle:
-    xs, ys = zip(*robot.base.footprint, strict=True)
+    return _block(context, robot, robot.base.footprint, margin)
+
+
+def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: float) -> Obstacle:
+    """The block around an outline in the frame of a robot's base."""
+    xs, ys = zip(*outline, strict=True)
     middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, 0.0))
     size = max(xs) - min(xs) + 2.0 * margin, max(ys) - min(ys) + 2.0 * margin
     return Obstacle(robot.id, Solid.box(*size, _HEIGHT), context.board.snapshot.bases[robot.base.id].pose @ middle)
 
 
 def standing(primitive: Primitive[Any], robot: str, *, margin: float) -> Execution[tuple[Obstacle, ...]]:
-    """Returns the other robots that do not drive, with their arms as they are stretched out now.
+    """Returns the other robots that do not drive, with their arms as they are stretched out or about to be.
 
     Args:
         primitive: Who asks.
@@ -56,7 +62,10 @@ def standing(primitive: Primitive[Any], robot: str, *, margin: float) -> Executi
     there = [other for other in others(context, robot) if not context.floor.is_driving(other.id)]
     found = [_body(context, other, margin) for other in there]
     for other in there:
-        tips = yield from _tips(primitive, other, now=True)
+        taken = {arm.id: context.floor.stretched(arm.id) for arm in other.arms}
+        found += [_block(context, other, outline, margin) for outline in taken.values() if outline]
+        resting = replace(other, arms=tuple(arm for arm in other.arms if not taken[arm.id]))
+        tips = yield from _tips(primitive, resting, now=True)
         found += [_arm(context, other, tip, margin) for tip in tips]
     return tuple(found)
 

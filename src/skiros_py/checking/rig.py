@@ -98,7 +98,7 @@ def fake_rig(
         primitives: Primitives that they call, by name.
         overrun: Wall time for which an author's code may hold everything [s]; None for the watchdog's own limit.
     """
-    spec = read_cell(world, world.instances(ROBOT))
+    spec = read_cell(world, world.instances(ROBOT), simulated=False)
     options = StationOptions(overrun=overrun)
     with closing(FakeCell(spec)) as cell, Station(world, spec, cell, skills, primitives, options) as station:
         yield Rig(station)

@@ -103,9 +103,9 @@ def command(
 
 def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
     from skiros_py.cli.display import RunDisplay
-    from skiros_py.recording import Recorder, run_recorder
+    from skiros_py.recording import RunPictures, run_recorder
 
-    recorder = Recorder(session, record) if record is not None else None
+    pictures = RunPictures(session, record) if record is not None else None
     data = session.options.data
     kept = run_recorder(session, data) if data is not None else None
     with (
@@ -121,9 +121,9 @@ def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bo
     if kept is not None:
         fault = kept.writer.fault
         display.say(f"warning not recorded: {fault}" if fault else f"record  {kept.writer.path}")
-    if recorder is not None:
+    if pictures is not None:
         try:
-            recorder.write()
+            pictures.write()
             display.say(f"recorded to {record}")
         except UsageError as error:  # the run is what counts: its report must not be lost for a picture
             display.say(f"warning {error}")

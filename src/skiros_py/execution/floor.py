@@ -2,8 +2,11 @@
 
 A base asks for its whole way at once and gets all of it or nothing, so nobody stands half way waiting for another.
 Paths are planned around whoever stands; so a way that was promised waits for robots that drive only, and those arrive:
-somebody always goes. Where that is no longer so, because a robot has come to stand on it meanwhile, the way is blocked
-and its robot has to plan another one.
+somebody always goes. Where that is no longer so, because a robot has come to stand on it meanwhile, or stretches an arm
+over it, the way is blocked and its robot has to plan another one.
+
+An arm takes the floor below its whole motion before it moves. It waits for robots that are on their way there, and for
+nobody else: for wishes neither, so that no arm and no base ever wait for each other.
 """
 
 from __future__ import annotations
@@ -47,6 +50,8 @@ class FloorAreas:
         self._board = board
         self._bases = {robot.id: robot.base.id for robot in robots}
         self._outlines: dict[str, Outline] = {robot.id: robot.base.footprint for robot in robots}
+        self._owners = {arm.id: robot.id for robot in robots for arm in robot.arms}
+        self._stretched: dict[str, Outline] = {}
         self._ways: list[FloorWay] = []
 
     def is_driving(self, robot: str) -> bool:
@@ -60,6 +65,22 @@ class FloorAreas:
         self._ways.append(way)
         self.settle(changed=True)
         return way
+
+    def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:
+        """Takes the floor below an arm's motion; returns the robots that have to pass there before."""
+        self.settle()
+        robot = self._owners[arm]
+        outline = outline or self._outlines[robot]
+        area = self._placed(robot, outline)
+        there = [way.robot for way in self._ways if way.granted and way.robot != robot and way.area.intersects(area)]
+        if not there:
+            self._stretched[arm] = outline
+            self.settle(changed=True)
+        return tuple(dict.fromkeys(there))
+
+    def stretched(self, arm: str) -> Outline:
+        """Returns above what an arm is or moves; nothing where it has not moved yet."""
+        return self._stretched.get(arm, ())
 
     def settle(self, *, changed: bool = False) -> None:
         """Forgets the ways of those who have left them and stand; looks again who may go if anything is new."""
@@ -87,8 +108,11 @@ class FloorAreas:
         way.granted = not way.others
 
     def _stands_in(self, robot: str, area: BaseGeometry) -> bool:
-        pose = self._board.snapshot.bases[self._bases[robot]].pose
-        return bool(_hull(self._outlines[robot], pose).intersects(area))
+        arms = [outline for arm, outline in self._stretched.items() if self._owners[arm] == robot]
+        return any(self._placed(robot, outline).intersects(area) for outline in (self._outlines[robot], *arms))
+
+    def _placed(self, robot: str, outline: Outline) -> BaseGeometry:
+        return _hull(outline, self._board.snapshot.bases[self._bases[robot]].pose)
 
 
 class FloorWay:
@@ -98,7 +122,7 @@ class FloorWay:
         robot: Whose it is.
         granted: True once the robot may go.
         released: True when it has been given back.
-        blocked: True when somebody stands on it who is not driving.
+        blocked: True when somebody stands on it who is not driving, or has an arm above it.
         others: Ids of the robots because of which it is not free.
         area: What is left of it to drive over.
     """

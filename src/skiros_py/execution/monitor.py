@@ -62,9 +62,10 @@ class Monitor:
     def __init__(self) -> None:
         self._listeners: list[Callable[[ModuleEvent], None]] = []
 
-    def subscribe(self, listener: Callable[[ModuleEvent], None]) -> None:
-        """Calls the listener with each event; it must be quick."""
+    def subscribe(self, listener: Callable[[ModuleEvent], None]) -> Callable[[], None]:
+        """Calls the listener with each event; it must be quick. Returns how to end that."""
         self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)
 
     def publish(self, event: ModuleEvent) -> None:
         """Hands an event to all listeners."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import shapely
@@ -11,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.motion.footprints import floor_outline, placed, swept
 from skiros_py.motion.visibility import DiscSpace
-from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion
+from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
 from skiros_py.robot.pending import Pending
 from skiros_py.workers import Worker
 
@@ -86,12 +87,20 @@ def _there(request: BasePathRequest) -> bool:
     return math.dist(_xy(request.start), _xy(request.goal)) <= _THERE and turned <= _ALIGNED
 
 
+def _outlines(obstacles: Sequence[Obstacle]) -> dict[str, BaseGeometry]:
+    """Returns what the obstacles cover of the floor, by id: a robot has one for its base and one for its arm."""
+    found: dict[str, BaseGeometry] = {}
+    for obstacle in obstacles:
+        found[obstacle.id] = shapely.union(found.get(obstacle.id, shapely.Polygon()), floor_outline(obstacle))
+    return found
+
+
 class _Floor:
     """What the base may do among the outlines of one request."""
 
     def __init__(self, request: BasePathRequest) -> None:
         self._footprint = request.footprint
-        self._outlines = {obstacle.id: floor_outline(obstacle) for obstacle in request.obstacles}
+        self._outlines = _outlines(request.obstacles)
         self._clearance = min(_DOCK_CLEARANCE, request.clearance)
         radius = max(math.hypot(x, y) for x, y in request.footprint)
         self.space = DiscSpace(list(self._outlines.values()), radius + request.clearance)

@@ -8,21 +8,24 @@ from dataclasses import dataclass
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.needs import passed_keys, with_defaults
 from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Plan, Step, read_plan
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.regrounding import pddl_plan
+from skiros_py.planning.regrounding import in_words
 from skiros_py.planning.sequence import Round
-from skiros_py.planning.validation import Flaw, apply_effects, replay
+from skiros_py.planning.validation import Flaw, apply_effects, replaying
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
-__all__ = ["Wrong", "proved"]
+__all__ = ["Wrong", "proved", "proving"]
 
 _LONGEST = 10_000
 """No plan has more steps: to replay it would hold everything up."""
+_STREAMLINED = 300
+"""A plan of more steps keeps its detours: to look for them takes time in the square of its length."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,8 @@ class Wrong:
 
     def __str__(self) -> str:
         step = self.flaw.step
+        if not self.steps:
+            return f"is empty: {self.flaw.verdict.text}"
         where = "the end" if step is None else f"step {step + 1} ({self.steps[step]})"
         return f"breaks at {where}: {self.flaw.verdict.text}"
 
@@ -62,17 +67,31 @@ def proved(
     Raises:
         PlanningError: It speaks of what is not in the task, or is too long for anything.
     """
+    return at_once(proving(view, task, texts, answer, reached))
+
+
+def proving(
+    view: WorldView,
+    task: PlanningTask,
+    texts: PddlTexts,
+    answer: Solved,
+    reached: Mapping[str, int] | None = None,
+) -> Work[Plan | Wrong]:
+    """Does what :func:`proved` does, in pieces."""
     if len(answer.steps) > _LONGEST:
         raise PlanningError(f"the planner answered with {len(answer.steps)} steps: no plan is that long")
     _check_objects(texts, answer)
     skills = {c.skill.name: c.skill for c in task.capabilities}
     keys = {name: passed_keys(skill) for name, skill in skills.items()}
     steps = read_plan(answer.steps, texts, keys)
-    flaw = replay(view, steps, task.conditions, skills, reached=reached)
+    yield
+    flaw = yield from replaying(view, steps, task.conditions, skills, reached=reached)
     if flaw is not None:
         return Wrong(steps, flaw)
-    steps = _without_detours(view, steps, task.conditions, skills, reached)
-    return Plan(steps, pddl_plan(task, texts, steps, view.ontology))
+    if len(steps) <= _STREAMLINED:
+        steps = yield from _without_detours(view, steps, task.conditions, skills, reached)
+    lines = yield from in_words(task, texts, steps, view.ontology)
+    return Plan(steps, lines)
 
 
 def _check_objects(texts: PddlTexts, answer: Solved) -> None:
@@ -91,11 +110,11 @@ def _without_detours(
     goal: Sequence[Condition],
     skills: Mapping[str, SkillDescription],
     reached: Mapping[str, int] | None,
-) -> tuple[Step, ...]:
+) -> Work[tuple[Step, ...]]:
     """Leaves out steps without which the plan still survives the replay (a satisficing planner may wander)."""
     kept: tuple[Step, ...] = ()
     for step, before, already in reversed(list(_moments(view, steps, goal, skills, reached))):
-        if replay(before, kept, goal, skills, reached=already) is not None:
+        if (yield from replaying(before, kept, goal, skills, reached=already)) is not None:
             kept = (step, *kept)
     return kept
 

@@ -8,18 +8,20 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 from skiros_py.errors import PlanningError
+from skiros_py.planning.asking import Asking, Found
 from skiros_py.planning.attempts import Wanted, attempts
 from skiros_py.planning.domain.pddl import PddlTexts
-from skiros_py.planning.explanation import Trial, explain, explaining, find_causes
+from skiros_py.planning.explanation import Trial, explaining
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.planners.planner import Answer, Planner, Unsolvable, abandon
+from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.stock import lacks_stock, with_stock
-from skiros_py.planning.problem.task import Capability, PlanningTask
-from skiros_py.planning.proving import Wrong, proved
+from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
+from skiros_py.planning.prospect import Prospect
 from skiros_py.planning.reasons import Cause, CauseKind
-from skiros_py.planning.robots.ordering import order
-from skiros_py.planning.robots.rounds import arranged
+from skiros_py.planning.robots.ordering import ordering
+from skiros_py.planning.robots.rounds import arranging
 from skiros_py.planning.sequence import counts, without_numbers
 from skiros_py.planning.validation import out_of_sequence
 from skiros_py.skills.conditions import Condition
@@ -27,8 +29,11 @@ from skiros_py.world.view import WorldView
 
 __all__ = ["Planned", "PlanningService"]
 
-_GLANCE = 0.0005
-"""Time between two looks for an answer while simulated time stands still [s]."""
+_TRIES = {False: (1.0, 4.0), True: (10.0, 60.0)}
+"""How long one planner, and all together, may try out what would help, by whether simulated time stands still [s].
+
+Where it does, what is found must not depend on the clock: there it is only a guard, and what is tried is counted.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +81,7 @@ class PlanningService:
         self._name = name
         self._lockstep = lockstep
         self._waiting = waiting
-        self._leaving = leaving
+        self._asking = Asking(self.planners, lockstep=lockstep, waiting=waiting, leaving=leaving)
         self._temporal = temporal
 
     def plan(
@@ -87,7 +92,7 @@ class PlanningService:
         *,
         reached: Mapping[str, int] | None = None,
     ) -> Generator[None, None, Planned]:
-        """Plans; yields while the planner works, unless in lockstep. Closed meanwhile, it kills the planner's call.
+        """Plans; yields now and then, unless in lockstep. Closed meanwhile, it kills the planner's call.
 
         Args:
             view: The world.
@@ -107,82 +112,77 @@ class PlanningService:
         planned = yield from self._planned(wanted, with_stock(view, goal, whole=True) if lacks_stock(stocked) else None)
         return replace(planned, wall=time.perf_counter() - started)
 
-    def _planned(self, wanted: Wanted, whole: WorldView | None = None) -> Generator[None, None, Planned]:
-        """Asks for a plan of the task in ever more complete forms; no plan is said of the complete one only.
+    def _planned(self, wanted: Wanted, whole: WorldView | None = None) -> Work[Planned]:
+        """Asks for a plan of the task in ever more complete forms.
+
+        That there is none is said of the complete one only, or where causes prove it. Those are looked for as soon as
+        planners take long or something was tried in vain: they might search for minutes in what there is in plenty.
 
         Args:
             wanted: What shall be planned.
             whole: The world with more of its stock than the goal speaks of; None where there is no more.
         """
         notes: list[str] = []
-        found: _Found | None = None
-        for task, texts in attempts(wanted):
+        found: Found | None = None
+        prospect = Prospect(wanted)
+        for attempt in attempts(wanted):
+            if attempt is None:
+                yield from self._pause()
+                continue
+            task, texts = attempt
             if found is None or not found.is_about(texts):
-                found = yield from self._found(wanted, task, texts, notes)
+                found = yield from self._asking.found(wanted, task, texts, prospect, notes)
             if found.plan is not None:
-                plan = arranged(wanted.view, task, texts, found.plan, wanted.reached)
-                plan = order(wanted.view, task, texts, plan)
-                return Planned(plan, texts, 0.0, found.planner, tuple(dict.fromkeys(notes)))
-            if task.complete and whole is not None:
+                plan = yield from self._asking.unhurried(self._improved(wanted, task, texts, found.plan))
+                return Planned(plan, texts, 0.0, found.planner, _once(notes))
+            is_proved = task.complete and not found.doubts
+            is_hopeless = not is_proved and (yield from self._asking.unhurried(prospect.is_hopeless()))
+            if (task.complete or is_hopeless) and whole is not None:
                 return (yield from self._planned(replace(wanted, view=whole)))
-            if task.complete:
-                outcome = yield from self._explained(wanted, task, found)
-                return Planned(outcome, texts, 0.0, found.planner, tuple(dict.fromkeys(notes)))
+            if task.complete or is_hopeless:
+                outcome = yield from self._unplanned(wanted, () if is_hopeless else found.doubts, is_hopeless)
+                return Planned(outcome, texts, 0.0, found.planner, _once(notes))
         raise AssertionError("the last attempt is complete")
 
-    def _found(
-        self, wanted: Wanted, task: PlanningTask, texts: PddlTexts, notes: list[str]
-    ) -> Generator[None, None, _Found]:
-        """Asks one planner after the other until one has a plan, or has proved that there is none.
+    def _improved(self, wanted: Wanted, task: PlanningTask, texts: PddlTexts, plan: Plan) -> Work[Plan]:
+        """Arranges what several robots do, and says what may be done side by side."""
+        plan = yield from arranging(wanted.view, task, texts, plan, wanted.reached)
+        return (yield from ordering(wanted.view, task, texts, plan))
+
+    def _unplanned(self, wanted: Wanted, doubts: Sequence[str], is_hopeless: bool) -> Work[Plan | NoPlan]:
+        """Says why there is no plan of the complete task.
 
         Args:
-            wanted: What shall be planned.
-            task: The task.
-            texts: The same, as written.
-            notes: What went wrong is added to these.
-        """
-        doubts: list[str] = []
-        asked = ""
-        for planner in self.planners.fitting(texts.requirements):
-            asked = planner.name
-            try:
-                answer = yield from self._answer(planner, texts)
-                if isinstance(answer, Unsolvable):
-                    outcome: Plan | Wrong | Unsolvable = answer
-                else:
-                    outcome = proved(wanted.view, task, texts, answer, wanted.reached)
-            except PlanningError as error:
-                if self.planners.closed:
-                    raise
-                notes.append(str(error))
-                continue
-            if isinstance(outcome, Plan):
-                return _Found(texts, asked, outcome)
-            if isinstance(outcome, Unsolvable) and outcome.proven:
-                return _Found(texts, asked)
-            doubts.append(_doubt(asked, outcome))
-            notes.append(doubts[-1])
-        if not doubts:
-            raise PlanningError("; ".join(notes) if asked else self.planners.why_none(texts.requirements))
-        return _Found(texts, asked, doubts=tuple(doubts))
+            wanted: What should be planned.
+            doubts: Why it is not proved that there is none.
+            is_hopeless: True where there is none whatever the numbers say.
 
-    def _explained(self, wanted: Wanted, task: PlanningTask, found: _Found) -> Generator[None, None, Plan | NoPlan]:
-        """Says why there is no plan, and what would help."""
-        if counts(wanted.view):
+        Raises:
+            PlanningError: All planners broke, took too long, answered with what is no plan or gave up; and nothing else
+                proves that there is none.
+        """
+        if doubts:
+            raise PlanningError("; ".join(doubts))
+        if counts(wanted.view) and not is_hopeless:
             return (yield from self._without_numbers(wanted))
-        if found.doubts:
-            causes = tuple(found.cause for found in find_causes(task, wanted.view))
-            return NoPlan(tuple(cause.text for cause in causes) or found.doubts, causes)
-        trial = Trial(self.planners, task.capabilities)
-        if self._lockstep:
-            with self._waiting():
-                explained = explain(task, wanted.view, trial)
-        else:
-            explained = yield from explaining(task, wanted.view, trial)
+        return (yield from self._explained(wanted))
+
+    def _explained(self, wanted: Wanted) -> Work[NoPlan]:
+        """Says why there certainly is no plan, and what would help."""
+        task = build_task(wanted.view, wanted.capabilities, wanted.goal)
+        yield from self._pause()
+        each, together = _TRIES[self._lockstep]
+        trial = Trial(self.planners, task.capabilities, each=each, together=together, lockstep=self._lockstep)
+        with self._waiting() if self._lockstep else nullcontext():
+            work = explaining(task, wanted.view, trial)
+            explained = at_once(work) if self._lockstep else (yield from work)
         return NoPlan(explained.reasons, explained.causes, explained.repairs)
 
-    def _without_numbers(self, wanted: Wanted) -> Generator[None, None, Plan | NoPlan]:
-        """Says how the plan that there would be without sequence numbers breaks them; else why there is none anyway."""
+    def _without_numbers(self, wanted: Wanted) -> Work[Plan | NoPlan]:
+        """Says how a plan that there would be without sequence numbers breaks them; else why there is none anyway.
+
+        To be asked where it is proved that there is none with them.
+        """
         free = yield from self._planned(replace(wanted, view=without_numbers(wanted.view)))
         if isinstance(free.outcome, NoPlan):
             return free.outcome
@@ -191,43 +191,11 @@ class PlanningService:
         reason = out_of_sequence(wanted.view, steps, wanted.goal, skills, reached=wanted.reached)
         return NoPlan((reason,), (Cause(CauseKind.CONFLICT, reason, wanted.goal),)) if reason else free.outcome
 
-    def _answer(self, planner: Planner, texts: PddlTexts) -> Generator[None, None, Answer]:
-        """Waits for a planner; whoever closes this meanwhile ends the call."""
-        pending = planner.solve(texts.domain, texts.problem)
-        try:
-            with self._waiting() if self._lockstep else nullcontext():
-                while self._lockstep and not (pending.done() or self._leaving()):
-                    time.sleep(_GLANCE)
-            while not pending.done():
-                yield
-            return pending.result()
-        finally:
-            abandon(pending)
+    def _pause(self) -> Work[None]:
+        """Lets others go on, unless simulated time stands still."""
+        if not self._lockstep:
+            yield
 
 
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """What planners say of one task.
-
-    Attributes:
-        texts: The task as written.
-        planner: Name of the last that was asked.
-        plan: The plan; None where there is none.
-        doubts: Why that is not proved, where it is not.
-    """
-
-    texts: PddlTexts
-    planner: str
-    plan: Plan | None = None
-    doubts: tuple[str, ...] = ()
-
-    def is_about(self, texts: PddlTexts) -> bool:
-        """Tells whether it is what planners would say of these texts, too."""
-        return (self.texts.domain, self.texts.problem) == (texts.domain, texts.problem)
-
-
-def _doubt(planner: str, outcome: Wrong | Unsolvable) -> str:
-    if isinstance(outcome, Wrong):
-        return f"the plan of {planner} {outcome}"
-    said = f": {outcome.reason}" if outcome.reason else ""
-    return f"{planner} found no plan, and no proof that there is none{said}"
+def _once(notes: Sequence[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(notes))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from skiros_py.planning.domain.needs import needs_of, with_defaults
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Step
 from skiros_py.planning.sequence import Round
 from skiros_py.skills.conditions import Condition, Verdict, effects_of, judge, suppose_effects
@@ -14,7 +15,7 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
-__all__ = ["Flaw", "apply_effects", "out_of_sequence", "replay", "replay_rest"]
+__all__ = ["Flaw", "apply_effects", "out_of_sequence", "replay", "replaying"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,26 +52,19 @@ def replay(
         The first flaw, or None when every precondition holds in its turn, every postcondition follows, the scene's
         sequence numbers are kept to, and the goal is reached at the end.
     """
-    return _replay(Overlay(view), steps, goal, skills, Round(view, goal, reached))
+    return at_once(replaying(view, steps, goal, skills, reached=reached))
 
 
-def replay_rest(
+def replaying(
     view: WorldView,
-    current: Step | None,
-    rest: Sequence[Step],
+    steps: Sequence[Step],
     goal: Sequence[Condition],
     skills: Mapping[str, SkillDescription],
     *,
     reached: Mapping[str, int] | None = None,
-) -> Flaw | None:
-    """Tells whether the rest of a plan still leads to the goal, given that the current step will succeed."""
-    overlay, round_ = Overlay(view), Round(view, goal, reached)
-    if current is not None:
-        skill = skills[current.skill]
-        values = with_defaults(skill, current.arguments)
-        round_.take(overlay, skill, values)
-        apply_effects(overlay, skill.post, values)
-    return _replay(overlay, rest, goal, skills, round_)
+) -> Work[Flaw | None]:
+    """Does what :func:`replay` does; yields after each step."""
+    return _replaying(Overlay(view), steps, goal, skills, Round(view, goal, reached))
 
 
 def out_of_sequence(
@@ -83,20 +77,20 @@ def out_of_sequence(
 ) -> str:
     """Says how a plan that is right but for sequence and work numbers breaks these; empty where it does not.
 
-    To be asked where a task has no plan with the numbers (:func:`~skiros_py.planning.sequencing.in_sequence`) and this
-    one without them: then they are why.
+    To be asked where it is proved that a task has no plan with the numbers, and this is one without them: then they are
+    why.
     """
     flaw = replay(view, steps, goal, skills, reached=reached)
     return "" if flaw is None else f"no plan keeps to the sequence numbers of this scene: {flaw.verdict.text}"
 
 
-def _replay(
+def _replaying(
     overlay: Overlay,
     steps: Sequence[Step],
     goal: Sequence[Condition],
     skills: Mapping[str, SkillDescription],
     round_: Round,
-) -> Flaw | None:
+) -> Work[Flaw | None]:
     for index, step in enumerate(steps):
         skill = skills[step.skill]
         values = with_defaults(skill, step.arguments)
@@ -108,6 +102,7 @@ def _replay(
             broken = _first_broken(overlay, skill.post, values)
         if broken is not None:
             return Flaw(index, broken)
+        yield
     return next((Flaw(None, v) for v in (judge(c, overlay) for c in goal) if not v), None)
 
 

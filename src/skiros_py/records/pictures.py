@@ -31,12 +31,15 @@ class KeyMoments:
     Args:
         monitor: Where modules tell how they are doing.
         tell: Called then with a caption and the device that did it.
+
+    Attributes:
+        leave: Ends it.
     """
 
     def __init__(self, monitor: Monitor, tell: Callable[[str, str], None]) -> None:
         self._tell = tell
         self._started: dict[tuple[str, str], float] = {}
-        monitor.subscribe(self._on_event)
+        self.leave = monitor.subscribe(self._on_event)
 
     def _on_event(self, event: ModuleEvent) -> None:
         module = event.agent, event.module

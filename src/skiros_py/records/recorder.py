@@ -74,7 +74,6 @@ class RunRecorder:
         self._times: list[float] = []
         self._rows: list[list[float]] = []
         self._captions: dict[str, list[str]] = {}
-        self._recording = False
         self._about = dict(about)
         self.writer = RecordWriter(path, limit=limit)
 
@@ -86,20 +85,18 @@ class RunRecorder:
             writer.put_meta(key, value)
         if sum(1 for _ in index.ids()) <= _LARGEST_WORLD:
             writer.put_beginning(index)
-        self._recording = True
         self._listen(station.world.subscribe(writer.put_change))
         self._listen(self._tasks.on_begin(self._follow))
         self._listen(station.cycle.observe(self._on_cycle))
-        station.monitor.subscribe(self._on_event)
+        self._listen(station.monitor.subscribe(self._on_event))
         if self._camera is not None:
-            KeyMoments(station.monitor, self._want_picture)
+            self._listen(KeyMoments(station.monitor, self._want_picture).leave)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._shoot()
-        self._recording = False
         self._stack.close()
         self._flush()
         ended = "" if error is None else f"{type(error).__name__}: {error}"
@@ -137,10 +134,9 @@ class RunRecorder:
             self._times, self._rows = [], []
 
     def _on_event(self, event: ModuleEvent) -> None:
-        if self._recording:
-            plain = {"kind": event.kind, "module": event.module, "status": event.status.value, "code": event.code}
-            plain |= {"text": event.text, "target": event.target, "agent": event.agent, "caller": event.caller}
-            self.writer.put_event(event.time, plain)
+        plain = {"kind": event.kind, "module": event.module, "status": event.status.value, "code": event.code}
+        plain |= {"text": event.text, "target": event.target, "agent": event.agent, "caller": event.caller}
+        self.writer.put_event(event.time, plain)
 
     def _follow(self, undertaking: Undertaking) -> None:
         number = next(self._numbers)
@@ -156,8 +152,7 @@ class RunRecorder:
 
     def _want_picture(self, caption: str, agent: str) -> None:
         """Notes a moment that is worth a picture; a skill and its last primitive end in the same one."""
-        if self._recording:
-            self._captions.setdefault(agent, []).append(caption)
+        self._captions.setdefault(agent, []).append(caption)
 
     def _shoot(self) -> None:
         """Takes the pictures of this cycle's moments."""

@@ -121,10 +121,19 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class MotionPlan:
-    """A feasible route: the index of the route taken and one trajectory for each of its moves."""
+    """A feasible route.
+
+    Attributes:
+        route: Index of the route taken.
+        legs: One trajectory for each of its moves.
+        covers: Corners of a convex outline in the frame of the base [m]: arm, gripper and what it holds stay above it.
+        ends: The same for the posture at the end.
+    """
 
     route: int
     legs: tuple[Trajectory, ...]
+    covers: tuple[tuple[float, float], ...] = ()
+    ends: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,10 +20,18 @@ __all__ = ["read_cell"]
 
 _FAR, _HEAVY = 1000.0, 1000.0
 """Greatest distance from the map's origin [m] and greatest mass [kg] that make sense for a cell."""
+_MOST_STOCKED = 1000
+"""So many things of one stock a simulation is asked to have bodies for at most; no place has room for that many."""
 
 
-def read_cell(view: WorldView, robots: Sequence[str]) -> CellSpec:
+def read_cell(view: WorldView, robots: Sequence[str], *, simulated: bool = True) -> CellSpec:
     """Reads every body with a shape and the given robots.
+
+    Args:
+        view: The world.
+        robots: Ids of the robots.
+        simulated: False where nobody has to put the bodies anywhere: then a robot may hold something from the start,
+            and what is in stock has no bodies, however much it is.
 
     Raises:
         DescriptionError: A robot or body lacks something; the message names the element and the property.
@@ -31,8 +39,9 @@ def read_cell(view: WorldView, robots: Sequence[str]) -> CellSpec:
     for root in (v.FLOOR, v.UNKNOWN_LOCATION):
         if not view.instances(root):
             raise DescriptionError(f"the scene has no {root}: things that fall or get lost need a place")
-    bodies = [_body(view, e) for e in view.instances(v.SPATIAL_THING) if _is_body(view, e)]
-    bodies += [body for stock in view.instances(v.STOCK) for body in _stocked(view, stock)]
+    shaped = [e for e in view.instances(v.SPATIAL_THING) if _is_body(view, e)]
+    bodies = [_body(view, e) for e in shaped if simulated or not _is_held(view, e)]
+    bodies += [body for stock in view.instances(v.STOCK) for body in _stocked(view, stock, simulated=simulated)]
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
     return CellSpec(tuple(bodies), tuple(_robot(view, robot) for robot in robots))
 
@@ -41,6 +50,11 @@ def _is_body(view: WorldView, element: str) -> bool:
     type_ = view.element(element).type
     robotic = any(view.ontology.is_a(type_, class_) for class_ in (v.ROBOT, v.DEVICE))
     return not robotic and solid_of(view, element) is not None
+
+
+def _is_held(view: WorldView, element: str) -> bool:
+    placement = view.placement(element)
+    return placement is not None and placement.relation == v.HELD_BY
 
 
 def _body(view: WorldView, element: str) -> BodySpec:
@@ -66,7 +80,7 @@ def _body(view: WorldView, element: str) -> BodySpec:
     return body
 
 
-def _stocked(view: WorldView, element: str) -> list[BodySpec]:
+def _stocked(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec]:
     """Returns the bodies of things that have no individuals; where in their container they lie is not known."""
     class_, count = view.value(element, v.STOCK_OF), view.value(element, v.STOCK_COUNT)
     if not isinstance(class_, str) or not view.ontology.is_a(class_, v.MANIPULATABLE):
@@ -76,19 +90,23 @@ def _stocked(view: WorldView, element: str) -> list[BodySpec]:
     if not view.subjects(v.HAS_A, element):
         raise DescriptionError(f"{element} is a stock of no place: let a container have it by sk:hasA")
     own = next((stock for stock in stocks(view) if stock.id == element), None)
-    if own is None:
-        return []  # used up
+    if own is None or not simulated:
+        return []  # used up, or nobody needs them
     shown = Stocked(view, {own: [own.token(1)]})
     solid = solid_of(shown, own.token(1))
     if solid is None:
         return []
     mass, place = _mass(shown, own.token(1)), own.placement.place
+    if count > _MOST_STOCKED:
+        raise DescriptionError(
+            f"{element}: no room on '{place}' for {count} of {class_}: physics takes {_MOST_STOCKED} of a stock at most"
+        )
     return [BodySpec(own.token(n), class_, solid, mass, place=place) for n in range(1, count + 1)]
 
 
 def _check_start(view: WorldView, element: str, pose: Pose | None, place: str | None) -> None:
     placement = view.placement(element)
-    if placement is not None and placement.relation == v.HELD_BY:
+    if placement is not None and _is_held(view, element):
         raise DescriptionError(f"{element} starts in {placement.place}: no part can, put it in a storage place")
     if pose is None and place is None:
         raise DescriptionError(f"{element} has neither a pose nor a place to lie in: say where it is")

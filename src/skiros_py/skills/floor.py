@@ -1,4 +1,7 @@
-"""Who may drive where: the way of a base is its own until it has driven it, or until it stands again."""
+"""Who may drive and reach where.
+
+The way of a base is its own until it has driven it, or until it stands again; the floor below an arm, until it goes on.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ class Way(Protocol):
 
     @property
     def blocked(self) -> bool:
-        """True when somebody stands on it who is not driving: waiting does not help, another path may."""
+        """True when somebody who is not driving stands there, or has an arm there: waiting is no use."""
         ...
 
     def waits_for(self) -> tuple[str, ...]:
@@ -65,6 +68,22 @@ class Floor(Protocol):
         """
         ...
 
+    def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:
+        """Takes the floor below a motion of an arm, until its next one; whoever asks for a way has to go around it.
+
+        Args:
+            arm: Id of the arm.
+            outline: Above what it moves.
+
+        Returns:
+            The ids of the robots that are on their way there: nothing is taken before they have passed.
+        """
+        ...
+
+    def stretched(self, arm: str) -> Outline:
+        """Returns above what an arm is or moves; nothing where it has not moved yet."""
+        ...
+
 
 class OpenFloor:
     """A floor with nobody else on it; a :class:`Floor`."""
@@ -76,6 +95,14 @@ class OpenFloor:
     def ask(self, robot: str, outline: Outline, start: Pose, path: BasePath) -> Way:  # noqa: ARG002
         """Returns a way that is free."""
         return _OpenWay()
+
+    def stretch(self, arm: str, outline: Outline) -> tuple[str, ...]:  # noqa: ARG002
+        """Returns nobody: there is nobody else."""
+        return ()
+
+    def stretched(self, arm: str) -> Outline:  # noqa: ARG002
+        """Returns nothing: nobody wants to know."""
+        return ()
 
 
 class _OpenWay:

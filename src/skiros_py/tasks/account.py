@@ -55,11 +55,16 @@ class Account:
         Args:
             fault: Why it ended before its time.
         """
-        conditions = tuple(self._condition(c, self.given_up) for c in self._goal)
-        stopped = self.stopped and not all(c.believed for c in conditions)
         steps = tuple(self._history.steps)
         no_plan = () if steps else self.no_plan
-        return GoalReport(conditions, steps, *self._moments.used, no_plan, stopped=stopped, fault=fault)
+        why = "; ".join(no_plan) or fault
+        given_up = (dict.fromkeys(self._goal, why) if why else {}) | self.given_up
+        conditions = tuple(self._condition(c, given_up) for c in self._goal)
+        stopped = self.stopped and not all(c.believed for c in conditions)
+        forgotten = self._history.forgotten
+        return GoalReport(
+            conditions, steps, *self._moments.used, no_plan, stopped=stopped, fault=fault, forgotten=forgotten
+        )
 
     def report_cut_off(self) -> GoalReport:
         """Returns the report where nothing may be asked any more: as it was when the world was last looked at."""

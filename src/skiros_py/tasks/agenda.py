@@ -64,8 +64,14 @@ class Agenda:
 
     def leads_to(self, earlier: int, later: int) -> bool:
         """Tells whether a step has to wait, by however many others, for another one."""
-        before = self._after[later]
-        return earlier in before or any(self.leads_to(earlier, one) for one in before if one > earlier)
+        open_, seen = [later], set[int]()
+        while open_:
+            before = self._after[open_.pop()] - seen
+            if earlier in before:
+                return True
+            seen |= before
+            open_ += before
+        return False
 
     def with_running(self, running: Sequence[Step], shared: Collection[tuple[int, int]]) -> Agenda:
         """Returns the agenda with steps of another plan that run already before it.

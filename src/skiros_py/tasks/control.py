@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import threading
 
 __all__ = ["Control", "Mode"]
 
@@ -19,7 +20,7 @@ class Mode(enum.Enum):
 
 
 class Control:
-    """The wishes for one task. Each is one assignment, so any thread may wish.
+    """The wishes for one task. Any thread may wish: of each kind the last wish counts, of stops the first.
 
     Attributes:
         mode: How it shall go on.
@@ -29,8 +30,22 @@ class Control:
     def __init__(self) -> None:
         self.mode = Mode.RUN
         self.stop: str | None = None
+        self._guard = threading.Lock()
+
+    def wish(self, mode: Mode) -> None:
+        """Wants it to go on in another way."""
+        with self._guard:
+            self.mode = mode
+
+    def end_single(self) -> Mode:
+        """Pauses after a single step, unless somebody wants something else by now; returns how it shall go on."""
+        with self._guard:
+            if self.mode is Mode.SINGLE:
+                self.mode = Mode.PAUSE
+            return self.mode
 
     def end(self, reason: str) -> None:
         """Wants it to end; the first reason counts."""
-        if self.stop is None:
-            self.stop = reason
+        with self._guard:
+            if self.stop is None:
+                self.stop = reason

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 from skiros_py.errors import UsageError, WorldError
 from skiros_py.execution.running import Running
@@ -12,41 +12,19 @@ from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.active import Active
 from skiros_py.tasks.agenda import Agenda
 from skiros_py.tasks.control import Mode
 from skiros_py.tasks.history import History
-from skiros_py.tasks.reservations import robot_of, used_by
+from skiros_py.tasks.reservations import robot_of
 from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.share import Share
 from skiros_py.tasks.telling import Telling
 from skiros_py.tasks.trace import Happening
 from skiros_py.tasks.undertaking import StepRun, Undertaking
 from skiros_py.world.stock import take
 
-__all__ = ["Active", "Dispatcher"]
-
-
-@dataclass(slots=True, eq=False)
-class Active:
-    """A step that runs.
-
-    Attributes:
-        index: Its index in the present agenda.
-        run: The step, its number and who does it.
-        robot: Id of the robot of that.
-        running: What runs.
-        leaving: Why it was broken off; empty while it is wanted.
-    """
-
-    index: int
-    run: StepRun
-    robot: str
-    running: Running
-    leaving: str = ""
-
-    @property
-    def step(self) -> Step:
-        """The skill with its arguments."""
-        return self.run.step
+__all__ = ["Dispatcher"]
 
 
 class Dispatcher:
@@ -72,6 +50,7 @@ class Dispatcher:
         self._history = history
         self._skills = skills
         self.telling = Telling(undertaking.trace, setting, skills)
+        self._share = Share(undertaking.name, setting, skills)
         self._active: list[Active] = []
         self._started = 0
         self._mode = Mode.RUN
@@ -141,9 +120,7 @@ class Dispatcher:
         Returns:
             The steps that could not be started.
         """
-        if self._mode is Mode.PAUSE or (self._mode is Mode.SINGLE and self._round_began):
-            return []
-        if not self._granted:
+        if not (self._goes_on and self._granted):
             return []
         refused: list[tuple[Step, Failure]] = []
         for index in self.agenda.ready:
@@ -164,19 +141,26 @@ class Dispatcher:
                 yield
 
     def leave(self) -> None:
-        """Stops everything that runs at once, and gives back what was reserved."""
+        """Stops everything that runs at once, and gives back what was reserved: what moves when it stands."""
         why = self._setting.cycle.halted or "stopped"
         for one in self._active:
             one.running.stop()
             said = f"{self.telling.said(one.step)} is broken off: {why}"
             self.telling.tell_of(Happening.BROKEN_OFF, said, one.run, {"reason": why})
+        braking = tuple(one.running for one in self._active)
+        moving = {id_ for one in self._active for id_ in (one.robot, *one.step.arguments.values())}
         self._active.clear()
-        self._setting.reservations.release(self._undertaking.name)
+        self._share.release(moving, lambda: all(running.done for running in braking))
 
     @property
     def idle(self) -> bool:
         """True when nothing may happen now: it is paused, or waits for what other tasks use and nothing runs."""
         return self.paused or not (self._granted or self._active)
+
+    @property
+    def _goes_on(self) -> bool:
+        """True while steps may start, as far as people want it."""
+        return not (self._mode is Mode.PAUSE or (self._mode is Mode.SINGLE and self._round_began))
 
     @property
     def paused(self) -> bool:
@@ -186,7 +170,7 @@ class Dispatcher:
     def _obey(self) -> None:
         wanted = self._undertaking.control.mode
         if wanted is Mode.SINGLE and self._mode is Mode.SINGLE and self._round_began and not self._active:
-            wanted = self._undertaking.control.mode = Mode.PAUSE
+            wanted = self._undertaking.control.end_single()
         if wanted is self._mode:
             return
         before, self._mode = self._mode, wanted
@@ -197,6 +181,7 @@ class Dispatcher:
         elif before is Mode.PAUSE:
             self._each(lambda one: one.running.resume())
             self.telling.tell(Happening.RESUMED, "goes on" if wanted is Mode.RUN else "goes on by one step")
+        self._reserve()  # while it stood it asked for nothing
 
     def _each(self, action: Callable[[Active], None]) -> None:
         for one in self._active:
@@ -287,21 +272,27 @@ class Dispatcher:
 
     # ------------------------------------------------------------------ what others use
 
+    @contextmanager
+    def lending(self) -> Iterator[None]:
+        """Lets others use, for as long as it is entered, what does nothing for this task; no step may start."""
+        self._share.lent = True
+        try:
+            yield
+        finally:
+            self._share.lent = False
+            self._reserve()
+
     def _reserve(self) -> None:
         """Asks for what the rest uses; what it uses no more is free for others."""
-        steps = (*(one.step for one in self._active), *self.rest)
-        self._setting.reservations.request(self._undertaking.name, used_by(steps, self._skills, self._setting.world))
+        self._share.ask((*(one.step for one in self._active), *self.rest))
 
     def _has_its_robots(self) -> bool:
         """Tells whether no other task has, or wanted before, what the rest of the plan uses."""
-        reservations, name = self._setting.reservations, self._undertaking.name
-        if not reservations.waits(name):
+        if self._share.granted([one.step for one in self._active], going_on=self._goes_on):
             return True
-        busy = used_by([one.step for one in self._active], self._skills, self._setting.world)
-        if reservations.granted(name, busy):
-            return True
-        for index in self.agenda.ready[:1]:
-            self.telling.waits(self.agenda.steps[index], "for " + ", ".join(reservations.waits_for(name)))
+        others = self._share.waits_for
+        for index in self.agenda.ready[:1] if others else ():
+            self.telling.waits(self.agenda.steps[index], "for " + ", ".join(others))
         return False
 
     def _meet(self, one: Active, step: Step) -> bool:

@@ -8,8 +8,9 @@ from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.validation import Flaw
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.active import Active
 from skiros_py.tasks.agenda import Agenda
-from skiros_py.tasks.dispatcher import Active, Dispatcher
+from skiros_py.tasks.dispatcher import Dispatcher
 from skiros_py.tasks.history import History
 from skiros_py.tasks.lookout import Lookout
 from skiros_py.tasks.setting import Setting

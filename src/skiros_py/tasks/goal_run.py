@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import TypeVar
 
 from skiros_py.errors import SkirosError
@@ -66,6 +67,8 @@ class GoalRun:
             task.report = self._account.report()
         except Exception as error:
             fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
+            with suppress(Exception):  # whatever else breaks now: the first fault counts
+                yield from self._dispatcher.halt(fault)
             task.report = self._account.report(fault=fault)
             raise
         finally:
@@ -160,7 +163,8 @@ class GoalRun:
             while True:
                 self._look_after()
                 try:
-                    next(work)
+                    with self._setting.turn.of(self._task.control):
+                        next(work)
                 except StopIteration as end:
                     result: T = end.value
                     return result
@@ -252,10 +256,12 @@ class GoalRun:
         Raises:
             StopWanted: The person wants the whole task to end.
         """
-        text = f"{condition} cannot be reached: {why}"
+        said = f"{condition} cannot be reached: "  # a reason of planning may begin so
+        text = said + why.removeprefix(said)
         while True:
             self._tell(Happening.ASKED, text)
-            choice, by = yield from self._meanwhile(ask_for_help(self._task, self._setting, text))
+            with self._dispatcher.lending():
+                choice, by = yield from self._meanwhile(ask_for_help(self._task, self._setting, text))
             self._tell(Happening.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
             self._allow_rounds()
             match choice:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Mapping
 
 from skiros_py.planning.domain.needs import with_defaults
@@ -17,6 +17,9 @@ from skiros_py.world.vocabulary import DEVICE, ROBOT
 
 __all__ = ["History"]
 
+_LONGEST = 10_000
+"""Steps kept of one task: a sequence may run for months."""
+
 
 class History:
     """The tries of one goal.
@@ -24,11 +27,17 @@ class History:
     Args:
         view: The live world.
         attempts: How often a skill may fail on one target before that target is left out of further plans.
+        longest: How many steps are kept; the oldest go first.
+
+    Attributes:
+        steps: Every step that ran, or the last of them, in the order in which they ended.
+        forgotten: How many steps ran before these.
     """
 
-    def __init__(self, view: WorldView, attempts: int) -> None:
+    def __init__(self, view: WorldView, attempts: int, *, longest: int = _LONGEST) -> None:
         self.attempts = attempts
-        self.steps: list[StepReport] = []
+        self.steps: deque[StepReport] = deque(maxlen=longest)
+        self.forgotten = 0
         self._view = view
         self._skills: dict[str, SkillDescription] = {}
         self._failures: Counter[tuple[str, str]] = Counter()
@@ -39,6 +48,7 @@ class History:
         """Adds one step; one that was broken off because the world changed is no failure of its skill."""
         reason = outcome.reason if isinstance(outcome, Failure) else ""
         self._skills[step.skill] = skill
+        self.forgotten += len(self.steps) == self.steps.maxlen
         self.steps.append(StepReport(step.skill, dict(step.arguments), start, end, reason, step.arguments[skill.agent]))
         target = step.arguments.get(skill.target)  # a person may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:

@@ -7,13 +7,13 @@ from contextlib import suppress
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.planning.problem.stock import believed
-from skiros_py.skills.conditions import Condition, effects_of, write_effects
+from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import QuestionKind
+from skiros_py.tasks.by_hand import write_by_hand
 from skiros_py.tasks.setting import Setting
 from skiros_py.tasks.undertaking import Undertaking
-from skiros_py.world.change import Writer
 
 __all__ = ["Choice", "ask_for_help", "believe_done"]
 
@@ -63,11 +63,8 @@ def believe_done(setting: Setting, condition: Condition, by: str) -> Failure | N
     world, refused = setting.world, ""
     if not any(argument in world.ontology.classes for argument in condition.arguments):
         try:
-            with (
-                suppress(DescriptionError),
-                world.transaction("operator", f"done by hand, says {by}", writer=Writer.PERSON) as tx,
-            ):
-                write_effects(tx, world.ontology, effects_of(condition))
+            with suppress(DescriptionError):
+                write_by_hand(world, (condition,), by)
         except SkirosError as error:
             refused = f": {error}"
     verdict = believed(condition, world)

@@ -74,13 +74,14 @@ class GoalReport:
 
     Attributes:
         conditions: One report each.
-        steps: Every skill that was run, in order.
+        steps: Every skill that was run, in order; of very many the last.
         simulated: Run time used [s].
         wall: Wall time used [s].
         no_plan: Reasons why there was no plan at all at the start; empty when there was one.
         stopped: True when somebody stopped it.
         digest: Hash over joint states and world changes; equal runs have equal digests.
         fault: Why it ended before its time, where nobody stopped it: a planner that broke, a sequence that cannot work.
+        forgotten: How many skills were run before the steps that are kept.
     """
 
     conditions: tuple[ConditionReport, ...]
@@ -91,6 +92,7 @@ class GoalReport:
     stopped: bool = False
     digest: str = ""
     fault: str = ""
+    forgotten: int = 0
 
     @property
     def reached(self) -> bool:

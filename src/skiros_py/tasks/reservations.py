@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from skiros_py.planning.domain.needs import with_defaults
 from skiros_py.planning.plan import Step
@@ -14,7 +15,16 @@ from skiros_py.world.stock import is_token
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 
-__all__ = ["Reservations", "robot_of", "used_by"]
+__all__ = ["Reservations", "in_hands", "robot_of", "used_by"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Braking:
+    """What a task that is over leaves behind, and still moves."""
+
+    who: str
+    ids: frozenset[str]
+    stands: Callable[[], bool]
 
 
 class Reservations:
@@ -27,6 +37,7 @@ class Reservations:
     def __init__(self) -> None:
         self._held: dict[str, frozenset[str]] = {}
         self._wanted: dict[str, frozenset[str]] = {}
+        self._braking: list[_Braking] = []
 
     def request(self, who: str, wanted: Iterable[str]) -> None:
         """Asks for all that the rest of a task's plan uses, in the place of what it asked for before.
@@ -70,18 +81,39 @@ class Reservations:
         """Gives back all that a task has but this."""
         self._held[who] = self._held.get(who, frozenset()).intersection(ids)
 
-    def release(self, who: str) -> None:
-        """Gives back all that a task has, and ends its asking."""
-        self._held.pop(who, None)
+    def of(self, who: str) -> frozenset[str]:
+        """Returns all that a task has."""
+        return self._held.get(who, frozenset())
+
+    def withdraw(self, who: str, ids: Iterable[str]) -> None:
+        """Ends the asking of a task, which stands in nobody's way any more, and gives back all that it has but this."""
         self._wanted.pop(who, None)
+        self.keep(who, ids)
+
+    def release(self, who: str, moving: Iterable[str] = (), stands: Callable[[], bool] = lambda: True) -> None:
+        """Gives back all that a task has, and ends its asking.
+
+        Args:
+            who: Name of the task; it may be the name of another one soon.
+            moving: What of it is free for others only when it stands.
+            stands: Tells whether it does.
+        """
+        self._wanted.pop(who, None)
+        ids = self._held.pop(who, frozenset()).intersection(moving)
+        if ids:
+            self._braking.append(_Braking(who, ids, stands))
 
     def of_others(self, who: str) -> frozenset[str]:
         """Returns all that other tasks have or wait for."""
         all_ = (*self._held.items(), *self._wanted.items())
-        return frozenset(id_ for other, ids in all_ if other != who for id_ in ids)
+        theirs = frozenset(id_ for other, ids in all_ if other != who for id_ in ids)
+        return theirs.union(*(one.ids for one in self._still_braking()))
 
     def _ahead(self, who: str, id_: str) -> str | None:
         """Returns the task that has a thing, or asked for it before."""
+        for one in self._still_braking():
+            if id_ in one.ids:
+                return one.who
         for other, ids in self._held.items():
             if other != who and id_ in ids:
                 return other
@@ -91,6 +123,20 @@ class Reservations:
             if id_ in ids:
                 return other
         return None
+
+    def _still_braking(self) -> list[_Braking]:
+        self._braking = [one for one in self._braking if not one.stands()]
+        return self._braking
+
+
+def in_hands(view: WorldView, ids: Iterable[str]) -> frozenset[str]:
+    """Returns which of some things robots have in their hands or carry, and these robots."""
+    found: set[str] = set()
+    for id_ in ids:
+        placement = view.placement(id_) if view.has(id_) else None
+        if placement is not None and (robot := robot_of(view, placement.place)) != placement.place:
+            found |= {id_, robot}
+    return frozenset(found)
 
 
 def robot_of(view: WorldView, agent: str) -> str:

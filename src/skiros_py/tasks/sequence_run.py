@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from itertools import count, islice
 
 from skiros_py.errors import SkirosError
@@ -67,6 +68,8 @@ class SequenceRun:
             task.report = self._report()
         except Exception as error:
             self._fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
+            with suppress(Exception):  # whatever else breaks now: the first fault counts
+                yield from self._dispatcher.halt(self._fault)
             raise
         finally:
             self._dispatcher.leave()
@@ -134,5 +137,5 @@ class SequenceRun:
         return True
 
     def _report(self) -> GoalReport:
-        steps = tuple(self.history.steps)
-        return GoalReport((), steps, *self._moments.used, stopped=self._stopped, fault=self._fault)
+        steps, forgotten = tuple(self.history.steps), self.history.forgotten
+        return GoalReport((), steps, *self._moments.used, stopped=self._stopped, fault=self._fault, forgotten=forgotten)

@@ -14,6 +14,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.questions import Questions
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.reservations import Reservations
+from skiros_py.tasks.turn import Turn
 from skiros_py.world.vocabulary import HAS_SKILL
 from skiros_py.world.world import World
 
@@ -33,6 +34,7 @@ class Setting:
         monitor: Hears of steps that have to wait; None where nobody listens.
         questions: Where a person is asked.
         reservations: Which task has which robots and things.
+        turn: Which task works at this moment.
     """
 
     world: World
@@ -43,6 +45,7 @@ class Setting:
     monitor: Monitor | None = None
     questions: Questions = field(default_factory=Questions)
     reservations: Reservations = field(default_factory=Reservations)
+    turn: Turn = field(default_factory=Turn)
 
     @property
     def now(self) -> float:

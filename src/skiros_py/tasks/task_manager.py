@@ -93,7 +93,7 @@ class TaskManager:
             name,
             lockstep=cycle.pace is None,
             waiting=cycle.pulse.waiting,
-            leaving=lambda: leaving() or any(u.control.stop is not None for u in made.undertakings),
+            leaving=lambda: leaving() or made._setting.turn.stop_wanted,
         )
         made = cls(
             station.world,
@@ -220,7 +220,11 @@ class TaskManager:
         """Gives a task a place in the control cycle."""
         work = self._contained(undertaking, run)
         next(work)  # so far that it hears of its end, even where that comes before its first cycle
-        self._setting.cycle.start(work, undertaking.name)
+        try:
+            self._setting.cycle.start(work, undertaking.name)
+        except UsageError:
+            work.close()
+            raise
         self._undertakings[undertaking.name] = undertaking
 
     def _contained(self, undertaking: Undertaking, run: Execution[GoalReport]) -> Execution[None]:

@@ -90,15 +90,15 @@ class Undertaking:
 
     def pause(self) -> None:
         """Lets all its running steps come to a standstill, and starts no more."""
-        self.control.mode = Mode.PAUSE
+        self.control.wish(Mode.PAUSE)
 
     def resume(self) -> None:
         """Goes on after a pause."""
-        self.control.mode = Mode.RUN
+        self.control.wish(Mode.RUN)
 
     def step(self) -> None:
         """Goes on until what runs has ended, then pauses; where nothing runs, the next possible steps start first."""
-        self.control.mode = Mode.SINGLE
+        self.control.wish(Mode.SINGLE)
 
     def stop(self, reason: str = "") -> None:
         """Ends it: what runs is stopped, and when all stands it is done. What is over already stays as it is."""

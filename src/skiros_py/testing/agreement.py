@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from skiros_py.planning.domain.needs import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
+from skiros_py.planning.domain.sequencing import in_sequence
 from skiros_py.planning.plan import Step, read_plan
 from skiros_py.planning.planners.planner import Planner, Unsolvable
+from skiros_py.planning.problem.stock import with_stock
 from skiros_py.planning.problem.task import PlanningTask, build_task
+from skiros_py.planning.sequence import counts
 from skiros_py.planning.validation import replay
 from skiros_py.testing.random_tasks import RandomTask
 
@@ -25,18 +28,24 @@ def disagreement(task: RandomTask, planner: Planner, width: int = 2) -> str:
         What differs, in words, or "" where all is as it should be. That the few candidates are not enough is no
         difference: then more are tried.
     """
-    whole = build_task(task.world, task.capabilities, task.goal, whole=True)
-    relevant = build_task(task.world, task.capabilities, task.goal)
-    few = build_task(task.world, task.capabilities, task.goal, width=width)
-    plans = {"whole": _plan(whole, planner), "relevant": _plan(relevant, planner), "few": _plan(few, planner)}
+    view = with_stock(task.world, task.goal, whole=True)
+    whole = build_task(view, task.capabilities, task.goal, whole=True)
+    relevant = build_task(view, task.capabilities, task.goal)
+    few = build_task(view, task.capabilities, task.goal, width=width)
+    each = {"whole": whole, "relevant": relevant, "few": few}
+    plans = {name: _plan(in_sequence(view, one), planner) for name, one in each.items()}
     skills = {c.skill.name: c.skill for c in task.capabilities}
     for name, plan in plans.items():
-        flaw = replay(task.world, plan, task.goal, skills) if plan is not None else None
+        flaw = replay(view, plan, task.goal, skills) if plan is not None else None
         if flaw is not None:
             return f"the plan of the {name} problem breaks: {flaw}"
     if (plans["whole"] is None) != (plans["relevant"] is None) or (plans["whole"] is None and plans["few"] is not None):
         found = ", ".join(name for name, plan in plans.items() if plan is not None)
         return f"only these have a plan: {found}; goal {', '.join(map(str, task.goal))}"
+    if plans["whole"] is None and counts(view):
+        free = _plan(whole, planner)
+        if free is not None and replay(view, free, task.goal, skills) is None:
+            return f"a plan keeps to the numbers, but none was found with them; goal {', '.join(map(str, task.goal))}"
     return ""
 
 

@@ -83,7 +83,7 @@ class Bench:
         self.events: list[ModuleEvent] = []
         self.plans: list[Planned] = []
         self._conditions = conditions
-        spec = read_cell(world, world.instances(ROBOT) if robots is None else robots)
+        spec = read_cell(world, world.instances(ROBOT) if robots is None else robots, simulated=False)
         self.cell = cell(spec)
         named = primitives if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
         options = StationOptions(driver, libraries=libraries or Libraries(), config=config or {}, overrun=overrun)

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 from skiros_py.planning.problem.task import Capability
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Param
+from skiros_py.testing.random_goals import random_goal
 from skiros_py.testing.tiny import tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 
-__all__ = ["TAKE", "RandomTask", "random_task"]
+__all__ = ["TAKE", "RandomTask", "mixed_task", "random_task"]
 
 TAKE = replace(
     PICK,
@@ -42,12 +43,40 @@ def random_task(seed: int) -> RandomTask:
     robots = chance.randint(1, 2)
     world = tiny_world(*_facts(chance), robots=robots)
     _scatter(chance, world)
+    able = _able(chance, world)
+    goal = tuple(dict.fromkeys(_condition(chance, world) for _ in range(chance.randint(1, 3))))
+    return RandomTask(world, able, goal)
+
+
+def mixed_task(seed: int) -> RandomTask:
+    """Returns the task of a seed with composite goals, and now and then with numbers that count, and with stock."""
+    chance = random.Random(seed)  # noqa: S311  a seed must give the same task again
+    facts = _facts(chance)
+    facts += _numbers(chance) if chance.random() < 0.5 else []
+    facts += _stock(chance) if chance.random() < 0.3 else []
+    world = tiny_world(*facts)
+    _scatter(chance, world)
+    able = _able(chance, world)
+    return RandomTask(world, able, random_goal(chance, world))
+
+
+def _able(chance: random.Random, world: World) -> tuple[Capability, ...]:
     skills = [DRIVE, PICK, PLACE, TAKE]
     if chance.random() < 0.3:
         skills.remove(chance.choice(skills))
-    able = tuple(Capability(s, _agents(chance, world.instances(s.agent_class))) for s in skills)
-    goal = tuple(dict.fromkeys(_condition(chance, world) for _ in range(chance.randint(1, 3))))
-    return RandomTask(world, able, goal)
+    return tuple(Capability(s, _agents(chance, world.instances(s.agent_class))) for s in skills)
+
+
+def _numbers(chance: random.Random) -> list[str]:
+    """Lets sequence and work numbers count, and gives some places such."""
+    numbers = [("box_a", "sequence"), ("box_b", "sequence"), ("slot_1", "work"), ("slot_2", "work")]
+    given = [f"scene:{place} sk:{kind}Number {chance.randint(1, 3)} ." for place, kind in numbers]
+    return ["scene:floor sk:useSequenceNumbers true .", *(fact for fact in given if chance.random() < 0.8)]
+
+
+def _stock(chance: random.Random) -> list[str]:
+    described = f'a sk:Stock ; sk:stockOf "{chance.choice(_BALLS)}" ; sk:stockCount {chance.randint(1, 4)}'
+    return [f"scene:more {described} .", f"scene:{chance.choice(['box_a', 'box_b'])} sk:hasA scene:more ."]
 
 
 def _facts(chance: random.Random) -> list[str]:

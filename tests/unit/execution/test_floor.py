@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -120,6 +121,59 @@ def test_a_turn_on_the_spot_takes_all_that_corners_sweep() -> None:
     assert not floor.ask("robot_1", OUTLINE, Pose(), turning).free
 
 
+REACHING = ((0.0, -0.1), (0.8, -0.1), (0.8, 0.1), (0.0, 0.1))
+"""The floor below an arm that is stretched out ahead."""
+
+
+def arm(number: int) -> str:
+    return robots(number)[-1].arms[0].id
+
+
+def test_an_arm_that_is_stretched_over_a_way_blocks_it_and_frees_it_when_it_is_drawn_in() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 1.0))
+    assert floor.stretch(arm(2), REACHING) == ()
+
+    way = straight(floor, 1, (2.7, -2.0), (2.7, 3.0))
+    assert (way.free, way.blocked, way.waits_for()) == (False, True, ("robot_2",))
+
+    floor.stretch(arm(2), OUTLINE)
+    assert way.free
+
+
+def test_an_arm_is_not_stretched_over_a_way_that_was_granted_before_it_has_been_driven() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.75))
+    way = straight(floor, 1, (0.0, 0.0), (4.0, 0.0))
+    sideways = tuple((y, -x) for x, y in REACHING)
+    assert way.free
+
+    assert floor.stretch(arm(2), sideways) == ("robot_1",)
+    assert floor.stretched(arm(2)) == ()
+    way.release()
+
+    assert floor.stretch(arm(2), sideways) == ()
+    assert floor.stretched(arm(2)) == sideways
+
+
+def test_an_arm_waits_for_nobody_who_only_wishes_to_drive() -> None:
+    """Or an arm might wait for a base that waits for another base that waits for the arm."""
+    floor = floor_with((0.0, 0.0), (2.0, 1.0), (5.0, -2.0))
+    crossing = straight(floor, 3, (5.0, -2.0), (0.0, -2.0))
+    wish = straight(floor, 1, (2.7, -4.0), (2.7, 3.0))
+    assert not wish.free
+
+    assert floor.stretch(arm(2), REACHING) == ()
+    crossing.release()
+
+    assert (wish.free, wish.blocked) == (False, True)
+
+
+def test_an_arm_is_not_in_the_way_of_its_own_base() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 1.0))
+    floor.stretch(arm(2), REACHING)
+
+    assert straight(floor, 2, (2.0, 1.0), (6.0, 1.0)).free
+
+
 PLACES = st.tuples(st.integers(0, 6), st.integers(0, 6)).map(lambda p: (float(p[0]), float(p[1])))
 
 
@@ -139,6 +193,30 @@ def test_ways_that_are_free_at_the_same_time_never_meet(
     areas = [way.area for way in ways if way.free]
 
     assert not any(one.intersects(other) for n, one in enumerate(areas) for other in areas[:n])
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(PLACES, min_size=2, max_size=3, unique=True), st.data())
+def test_no_arm_is_ever_above_a_way_that_another_robot_may_drive(
+    places: Sequence[tuple[float, float]], data: st.DataObject
+) -> None:
+    floor = floor_with(*places)
+    ways: list[FloorWay] = []
+    for number, (x, y) in enumerate(places, start=1):
+        end = data.draw(PLACES.filter(lambda p, place=(x, y): p != place))
+        if data.draw(st.booleans()):
+            floor.stretch(arm(number), REACHING)
+        else:
+            ways.append(straight(floor, number, (x, y), end))
+    for number in range(1, len(places) + 1):
+        if not floor.is_driving(f"robot_{number}"):
+            floor.stretch(arm(number), REACHING)
+
+    above = {f"robot_{n}": shapely.box(x, y - 0.1, x + 0.8, y + 0.1) for n, (x, y) in enumerate(places, start=1)}
+
+    for way in ways:
+        reaching = [robot for n, robot in enumerate(above, 1) if floor.stretched(arm(n)) and robot != way.robot]
+        assert not (way.free and any(above[robot].intersects(way.area) for robot in reaching))
 
 
 @settings(max_examples=40, deadline=None)

@@ -155,6 +155,16 @@ def test_a_goal_in_something_is_refused_by_name() -> None:
     assert "touch bench" in answer.reason
 
 
+def test_several_obstacles_of_one_name_are_all_kept_clear_of() -> None:
+    """A robot has one for its base and one for its arm."""
+    body, arm = (Obstacle("robot_2", Solid.box(0.6, 0.6, 1.0), Pose((x, 0.0, 0.0))) for x in (2.0, 5.0))
+    start, goal = Pose(), Pose((3.5, 0.0, 0.0))
+
+    path = path_of(planned(start, goal, body, arm))
+
+    assert max(overlap(pose, (body, arm)) for pose in poses_on(path, start)) == 0.0
+
+
 def test_a_goal_behind_walls_is_refused() -> None:
     ring = [
         Obstacle(f"wall{k}", Solid.box(0.1, 5.2, 1.0), Pose.of(5 + 2.5 * math.cos(a), 2.5 * math.sin(a), 0, yaw=a))

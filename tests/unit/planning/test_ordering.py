@@ -230,6 +230,21 @@ def test_the_contrary_sequence_keeps_to_the_order(
     assert all(sequence.index(e) < sequence.index(i) for i, waits in enumerate(graph[0]) for e in waits)
 
 
+def test_the_contrary_sequence_always_takes_the_last_of_what_may_come_next() -> None:
+    chance = random.Random(1)
+    for length in range(30):
+        after = tuple(frozenset(e for e in range(i) if chance.random() < 0.1) for i in range(length))
+        expected: list[int] = []
+        while len(expected) < length:
+            expected.append(max(i for i in range(length) if i not in expected and after[i] <= set(expected)))
+
+        assert list(contrary(after)) == expected
+
+
+def test_a_contrary_sequence_of_very_many_steps_is_found() -> None:
+    assert contrary((frozenset(),) * 50_000)[:2] == (49_999, 49_998)
+
+
 @pytest.mark.parametrize(("needs", "end"), [(None, 5.0), ([frozenset("a")] * 3, 8.0)])
 def test_what_has_more_behind_it_goes_first(needs: list[frozenset[str]] | None, end: float) -> None:
     starts = schedule((frozenset(), frozenset({0}), frozenset()), [2.0, 1.0, 5.0], needs)

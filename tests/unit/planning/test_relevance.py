@@ -14,7 +14,7 @@ from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_world
 from skiros_py.testing.agreement import disagreement
-from skiros_py.testing.random_tasks import TAKE, RandomTask, random_task
+from skiros_py.testing.random_tasks import TAKE, RandomTask, mixed_task, random_task
 from skiros_py.testing.tiny_skills import (
     AT_LOCATION,
     DRIVE,
@@ -214,6 +214,11 @@ def test_things_that_are_used_up_are_all_there() -> None:
 @pytest.mark.parametrize("seed", range(12))
 def test_what_is_left_out_changes_nothing_about_whether_there_is_a_plan(seed: int, planner: Kairos) -> None:
     assert disagreement(random_task(seed), planner) == ""
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_nor_does_it_with_composite_goals_numbers_and_stock(seed: int, planner: Kairos) -> None:
+    assert disagreement(mixed_task(seed), planner) == ""
 
 
 def test_emptying_a_hand_by_putting_things_anywhere_is_possible_in_the_complete_problem(planner: Kairos) -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.validation import apply_effects, replay, replay_rest
+from skiros_py.planning.validation import apply_effects, replay
 from skiros_py.skills.parameters import Param
 from skiros_py.testing import tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, CARRIES, DRIVE, EMPTY_HANDED, IN_CONTAINER, PICK, PLACE
@@ -79,11 +79,6 @@ def test_a_hold_condition_that_does_not_hold_at_the_start_is_a_flaw() -> None:
     assert replay(WORLD, [drive], [], {"drive": careful}) is None
     assert flaw is not None
     assert (flaw.step, flaw.verdict.text) == (0, "EmptyHanded(gripper_1)")
-
-
-def test_the_rest_of_a_plan_is_judged_as_if_the_present_step_succeeded() -> None:
-    assert replay_rest(WORLD, DRIVE_A, [PICK_1, PLACE_1], [GOAL], SKILLS) is None
-    assert replay_rest(WORLD, None, [PICK_1, PLACE_1], [GOAL], SKILLS) is not None
 
 
 def test_driving_to_where_one_already_is_changes_nothing() -> None:

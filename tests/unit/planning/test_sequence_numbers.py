@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import cast
 
 import kairos
@@ -10,22 +11,26 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from unified_planning.io import PDDLReader
 
+from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.plan import NoPlan, Plan, Step
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
-from skiros_py.planning.planners.planner import Planner, Solved, Unsolvable
+from skiros_py.planning.planners.planner import Answer, Planner, Solved, Unsolvable
+from skiros_py.planning.planners.programs import Ended
 from skiros_py.planning.problem.task import Capability, PlanningTask
 from skiros_py.planning.proving import proved
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order
 from skiros_py.planning.sequence import Round, counts
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.validation import out_of_sequence, replay, replay_rest
+from skiros_py.planning.validation import out_of_sequence, replay
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
-from skiros_py.testing import tiny_task, tiny_world
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.tasks.lookout import Lookout
+from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
@@ -168,8 +173,8 @@ def test_the_replay_of_the_rest_knows_what_was_reached_and_what_the_present_step
     world = numbered()
 
     assert replay(world, [drive("box_b")], [], SKILLS, reached={"robot_1": 2}) is not None
-    assert replay_rest(world, drive("box_a"), [drive("box_b")], [], SKILLS) is not None
-    assert replay_rest(world, drive("box_b"), [drive("box_a")], [], SKILLS, reached={"robot_1": 1}) is None
+    assert Lookout(world, (), SKILLS).look([drive("box_a")], [drive("box_b")]) is not None
+    assert Lookout(world, (), SKILLS).look([drive("box_b")], [drive("box_a")], {"robot_1": 1}) is None
 
 
 def test_a_round_tells_how_far_each_robot_came() -> None:
@@ -325,9 +330,11 @@ def test_the_replay_refuses_to_begin_a_kit_too_early_and_says_what_comes_first()
 # ------------------------------------------------------------ said to people
 
 
-def outcome(world: World, *goal: Condition, reached: Mapping[str, int] | None = None) -> Plan | NoPlan:
+def outcome(
+    world: World, *goal: Condition, reached: Mapping[str, int] | None = None, by: Planner | None = None
+) -> Plan | NoPlan:
     able = [Capability(skill, tuple(world.instances(skill.agent_class))) for skill in SKILLS.values()]
-    planning = PlanningService(FastDownward()).plan(world, able, goal, reached=reached)
+    planning = PlanningService(by or FastDownward()).plan(world, able, goal, reached=reached)
     while True:
         try:
             next(planning)
@@ -353,3 +360,65 @@ def test_numbers_are_not_blamed_for_what_would_be_impossible_without_them() -> N
     assert isinstance(found, NoPlan)
     assert found.reasons
     assert not any("sequence" in reason for reason in found.reasons)
+
+
+# ------------------------------------------------------------ what has to hold before a later turn
+
+
+def in_turns() -> World:
+    """Slot 2 comes before slot 1; the giant is too heavy for anybody."""
+    giant = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."
+    return tiny_world(ON, giant, "scene:slot_1 sk:workNumber 2 .", "scene:slot_2 sk:workNumber 1 .")
+
+
+@pytest.mark.parametrize(
+    "first",
+    [
+        "In(giant_1, slot_2) or In(ball_1, slot_2)",
+        "In(ball_1, slot_2) or In(giant_1, slot_2)",
+        "(In(giant_1, slot_1) and In(ball_1, slot_2)) or (In(ball_1, slot_2) and not In(ball_1, box_a))",
+        "exists b: Giant (In(b, slot_2)) or exists b: Ball (In(b, slot_2) and not In(b, box_b))",
+        "for all s: Slot (In(red_ball_1, s) or In(ball_1, s) or not In(ball_1, box_a)) and In(ball_1, slot_2)",
+    ],
+)
+def test_any_way_to_do_what_comes_first_will_do(first: str) -> None:
+    world = in_turns()
+    found = outcome(world, *parse_goal([first, "In(red_ball_1, slot_1)"], world, CONDITIONS))
+
+    assert isinstance(found, Plan)
+    assert [step.arguments["Slot"] for step in found.steps if step.skill == "place"] == ["slot_2", "slot_1"]
+
+
+def test_a_place_that_comes_later_than_all_that_is_wanted_waits_too() -> None:
+    world = tiny_world(ON, "scene:slot_1 sk:workNumber 1 .", "scene:slot_2 sk:workNumber 9 .")
+    goal = parse_goal(["In(ball_1, slot_1)", "not In(red_ball_1, box_b)", "EmptyHanded(gripper_1)"], world, CONDITIONS)
+    found = outcome(world, *goal)
+
+    assert isinstance(found, Plan)
+    assert [step.arguments["Slot"] for step in found.steps if step.skill == "place"] == ["slot_1", "slot_2"]
+
+
+def test_what_can_hold_in_very_many_ways_is_left_to_the_replay() -> None:
+    world = in_turns()
+    many = " or ".join(f"(In(ball_1, slot_{n % 2 + 1}) and not Free(slot_{n % 2 + 1}))" for n in range(60))
+    task, _ = written(
+        world, *parse_goal([f"({many}) and In(ball_1, slot_2)", "In(red_ball_1, slot_1)"], world, CONDITIONS)
+    )
+
+    assert len(task.domain.actions) < 200
+
+
+class Tired(Kairos):
+    """Gives up where numbers count."""
+
+    def read(self, ended: Ended, folder: Path) -> Answer:
+        if "goes-on-from" in (folder / "domain.pddl").read_text():
+            return Unsolvable("too tired", proven=False)
+        return super().read(ended, folder)
+
+
+def test_numbers_are_not_blamed_where_it_is_not_proved_that_they_leave_no_plan() -> None:
+    world = numbered(a=1, b=2)
+
+    with pytest.raises(PlanningError, match="too tired"):
+        outcome(world, AT_LOCATION("robot_1", "box_a"), BOTH[1], by=Tired())

@@ -15,6 +15,7 @@ from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.index import Index
 
 GOAL = "In(Ball, slot_1)"
+PICTURE = np.zeros((6, 8, 3), dtype=np.uint8)
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Bench, Path]
             bench.station,
             bench.tasks,
             {"scene": "tiny"},
-            camera=lambda _snapshot, _agent: Done(np.zeros((6, 8, 3), dtype=np.uint8)),
+            camera=lambda _snapshot, _agent: Done(PICTURE),
         )
         with recorder:
             recorder.conclude(bench.pursue(GOAL))
@@ -113,6 +114,19 @@ def test_a_run_that_breaks_leaves_a_record_that_says_so(tmp_path: Path) -> None:
     with Record(path) as record:
         assert record.complete
         assert record.meta["ended"]["fault"] == "KeyError: 'gone'"
+
+
+def test_recorders_that_have_ended_leave_nobody_listening(tmp_path: Path) -> None:
+    with Bench(tiny_world()) as bench:
+        before = listeners(bench)
+        for name in "ab":
+            with RunRecorder(tmp_path / name, bench.station, bench.tasks, {}, camera=lambda *_: Done(PICTURE)):
+                assert listeners(bench) > before
+        assert listeners(bench) == before
+
+
+def listeners(bench: Bench) -> int:
+    return len(bench.monitor._listeners)
 
 
 def test_a_record_is_never_written_over(tmp_path: Path) -> None:

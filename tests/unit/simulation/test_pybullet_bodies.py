@@ -8,7 +8,7 @@ import pytest
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.robot.values import BaseTwist, Commands
-from skiros_py.simulation.pybullet import PyBulletCell
+from skiros_py.simulation.pybullet import PyBulletCell, spawn
 from skiros_py.simulation.truth import Truth
 
 
@@ -44,6 +44,14 @@ def test_a_place_without_room_is_refused_by_name(make_cell, kitting):
     many = [kitting.PARTS["Starter"].body(None, "table", f"s{n}") for n in range(60)]
 
     with pytest.raises(DescriptionError, match="no room on 'table' for s0"):
+        make_cell(kitting.cell_spec(*many))
+
+
+def test_of_far_too_many_parts_none_is_placed_before_they_are_refused(make_cell, kitting, monkeypatch):
+    many = [kitting.PARTS["Starter"].body(None, "table", f"s{n}") for n in range(1000)]
+    monkeypatch.setattr(spawn, "_draw", None)  # to call it would be another error
+
+    with pytest.raises(DescriptionError, match=r"no room on 'table' for s0.* and 992 more"):
         make_cell(kitting.cell_spec(*many))
 
 

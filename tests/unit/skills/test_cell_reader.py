@@ -5,7 +5,7 @@ import pytest
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.testing import tiny_world
+from skiros_py.testing import tiny_world, world_of
 
 
 def test_a_robot_is_read_with_its_base_arm_and_gripper() -> None:
@@ -81,6 +81,25 @@ def test_of_things_without_a_shape_a_stock_brings_no_bodies() -> None:
     world = tiny_world(SHELF, stock('sk:stockOf "tiny:Ball"', "sk:stockCount 3"))
 
     assert [body.id for body in read_cell(world, ["robot_1"]).bodies] == ["box_a"]
+
+
+PALLET = (
+    'scene:pallet a kitting:Pallet ; sk:on scene:floor ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:hasA scene:stock .'
+)
+
+
+@pytest.mark.parametrize(("count", "bodies"), [(3, 4), (10**12, 1)])
+def test_stock_is_bodies_only_where_something_has_to_put_them_somewhere(count: int, bodies: int) -> None:
+    world = world_of(PALLET + stock('sk:stockOf "kitting:Starter"', f"sk:stockCount {count}"))
+
+    assert len(read_cell(world, ["robot_1"], simulated=count < 10).bodies) == bodies
+
+
+def test_of_more_than_any_place_has_room_for_no_bodies_are_made() -> None:
+    world = world_of(PALLET + stock('sk:stockOf "kitting:Starter"', f"sk:stockCount {10**12}"))
+
+    with pytest.raises(DescriptionError, match="stock: no room on 'pallet' for 1000000000000 of kitting:Starter"):
+        read_cell(world, ["robot_1"])
 
 
 @pytest.mark.parametrize(

@@ -76,3 +76,13 @@ def test_what_runs_of_another_plan_comes_first_for_those_only_that_share_somethi
     assert (agenda.running, agenda.ready) == ((0,), (1,))
     agenda.end(0)
     assert agenda.ready == (1, 2)
+
+
+def test_leading_to_is_soon_known_where_there_are_very_many_ways_from_one_step_to_another() -> None:
+    after: list[set[int]] = [set(), set()]
+    for n in range(2, 82, 2):
+        after += [{n - 2, n - 1}] * 2
+    agenda = Agenda(steps(len(after) + 1), [set(), *({i + 1 for i in before} for before in after)])
+
+    assert agenda.leads_to(1, len(after))
+    assert not agenda.leads_to(0, len(after))

@@ -53,7 +53,7 @@ def test_what_cannot_be_reached_is_asked_about_with_reason_and_choices() -> None
     assert question == undertaking.question
     assert question.asker == "kit 7"
     assert question.options == ("retry", "done by hand", "skip", "abort")
-    assert question.text.startswith("In(giant_1, slot_2) cannot be reached: ")
+    assert question.text.startswith("In(giant_1, slot_2) cannot be reached: skill 'place' would do it, but needs that ")
     assert "fits in" in question.text
     assert not undertaking.done
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.planning.plan import Step
-from skiros_py.tasks.reservations import Reservations, robot_of, used_by
+from skiros_py.tasks.reservations import Reservations, in_hands, robot_of, used_by
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
 
@@ -95,3 +95,41 @@ def test_a_subsystem_that_is_gone_stands_for_itself() -> None:
 
     assert robot_of(world, "arm_1") == "robot_1"
     assert robot_of(world, "arm_9") == "arm_9"
+
+
+def test_what_still_moves_when_a_task_is_over_is_free_when_it_stands() -> None:
+    reservations, standing = Reservations(), [False]
+    reservations.request("a", ["robot_1", "robot_2"])
+    assert reservations.granted("a", ())
+    reservations.release("a", ["robot_1", "box_a"], lambda: standing[0])
+
+    for who, robot in (("a", "robot_1"), ("b", "robot_2"), ("c", "box_a")):
+        reservations.request(who, [robot])
+    assert not reservations.granted("a", ()), "another task of that name waits as all others do"
+    assert reservations.waits_for("a") == ("robot_1 (a)",)
+    assert reservations.granted("b", ())
+    assert reservations.granted("c", ()), "that was never reserved"
+    assert "robot_1" in reservations.of_others("b")
+    standing[0] = True
+    assert reservations.granted("a", ())
+
+
+def test_who_withdraws_stands_in_nobodys_way() -> None:
+    reservations = Reservations()
+    for who in "abc":
+        reservations.request(who, ["robot_1"])
+        reservations.granted(who, ())
+    reservations.withdraw("b", ())
+    reservations.release("a")
+
+    assert reservations.granted("c", ())
+
+
+def test_what_a_robot_has_in_its_hand_keeps_the_robot() -> None:
+    world = tiny_world()
+    ids = {"ball_1", "red_ball_1", "slot_1", "robot_1"}
+
+    assert in_hands(world, ids) == set()
+    with world.transaction("somebody", "picked") as tx:
+        tx.place("ball_1", "sk:heldBy", "gripper_1")
+    assert in_hands(world, ids) == {"ball_1", "robot_1"}

@@ -3,8 +3,10 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.planning.plan import Plan
+from skiros_py.planning.plan import Plan, Step
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.skills.outcome import Success
+from skiros_py.tasks.history import History
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.testing import Bench, tiny_world
@@ -12,6 +14,7 @@ from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
+DRIVING = {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
 HAND = {"Arm": "arm_1", "Gripper": "gripper_1", "Robot": "robot_1"}
 
 
@@ -290,3 +293,23 @@ def test_a_step_whose_target_is_left_open_and_that_fails_is_tried_again_and_give
 
     assert undertaking.report is not None
     assert "pick box_a failed 3 times" in undertaking.report.fault
+
+
+def test_a_sequence_that_runs_for_ever_keeps_its_last_steps_and_counts_the_others() -> None:
+    world = tiny_world()
+    history = History(world, 3, longest=4)
+    for n in range(10):
+        history.record(Step("drive", DRIVING), DRIVE, float(n), n + 0.5, Success())
+
+    assert [step.start for step in history.steps] == [6.0, 7.0, 8.0, 9.0]
+    assert history.forgotten == 6
+
+
+def test_how_many_steps_went_before_those_in_the_report_is_said_in_it() -> None:
+    with Bench(tiny_world()) as bench:
+        made = StepSequence(bench.world, SKILLS)
+        made.add("drive", **DRIVING)
+        undertaking = bench.tasks.execute(made, iterate=3)
+        bench.until(lambda: undertaking.done)
+        assert undertaking.report is not None
+        assert (len(undertaking.report.steps), undertaking.report.forgotten) == (3, 0)

@@ -74,6 +74,11 @@ class ArmModel:
         pin.framesForwardKinematics(self.model, self._data, q)
         return Pose.from_matrix(self._data.oMf[frame].homogeneous)
 
+    def joint_places(self, q: Array) -> Array:
+        """Returns where the joints are at joint angles [rad], in the frame of the base [m], shape (n, 3)."""
+        pin.forwardKinematics(self.model, self._data, q)
+        return np.array([placement.translation for placement in list(self._data.oMi)[1:]])
+
     @cached_property
     def shoulder(self) -> Array:
         """Where the second joint of the arm is [m]."""

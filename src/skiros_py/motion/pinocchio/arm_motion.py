@@ -11,6 +11,7 @@ from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
+from skiros_py.motion.pinocchio.coverage import covered
 from skiros_py.motion.pinocchio.ik import IkSolver
 from skiros_py.motion.pinocchio.route_search import Chain, FreeLeg, Refusal, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
@@ -54,7 +55,10 @@ class ArmMotion:
         if isinstance(found, Refusal):
             return NoMotion(found.text(len(request.routes)))
         limits = JointLimits(arm.velocity, arm.acceleration).scaled(request.speed)
-        return MotionPlan(found.route, _timed(found, limits))
+        legs = _timed(found, limits)
+        postures = np.vstack([start, *(leg.positions for leg in legs)])
+        covers, ends = (covered(arm, some, request.held) for some in (postures, postures[-1:]))
+        return MotionPlan(found.route, legs, covers, ends)
 
     def frame_pose(self, arm: str, positions: tuple[float, ...], frame: str) -> Pose:
         """Returns the pose of a URDF link in the robot's base frame at joint angles [rad].

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 
 from skiros_py.planning.domain.bracketed import block, conjuncts, field, read_term, shown, unused
+from skiros_py.planning.domain.goals import FINISHED
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.problem.task import PlanningTask
@@ -28,6 +30,9 @@ UNNUMBERED = "unnumbered"
 """Predicate: the place has no number."""
 TURN = "turn"
 """Predicate, with its number: a thing that is placed there is placed in that turn."""
+
+_MOST_WAYS = 32
+"""In so many ways at most is said what has to hold before a later turn: each is a variant of the action."""
 
 
 def in_sequence(view: WorldView, task: PlanningTask, reached: Mapping[str, int] | None = None) -> PlanningTask:
@@ -104,50 +109,97 @@ class _Numbers:
 def _with_turns(view: WorldView, task: PlanningTask) -> PlanningTask:
     turns = turns_of_goal(view, task.conditions)
     numbers = sorted({turn[0] for turn in turns if turn is not None})
-    if len(numbers) < 2:
-        return task
-    wanted = [(number, _Wish.of(task, i)) for i, turn in enumerate(turns) if turn is not None for number in [turn[0]]]
     ontology = view.ontology
-    placing = {a.name: [p for m, p in moved_by(a, ontology) if a.types[m] not in ("", "object")
-                        and not ontology.is_a(a.types[m], ROBOT)] for a in task.domain.actions}  # fmt: skip
     places = {
         o: _turn(view, o, numbers) for o, class_ in task.problem.objects.items() if ontology.is_a(class_, LOCATION)
     }
-    needs = [[wish for number, wish in wanted if number < numbers[rank]] for rank in range(len(numbers))]
+    if not any(places.values()):
+        return task
+    wanted = [(turn[0], _wish(task, part)) for part, turn in enumerate(turns) if turn is not None]
+    placing = {a.name: [p for m, p in moved_by(a, ontology) if a.types[m] not in ("", "object")
+                        and not ontology.is_a(a.types[m], ROBOT)] for a in task.domain.actions}  # fmt: skip
+    needs = [_together([wish for number, wish in wanted if number in numbers[:rank]]) for rank in _ranks(numbers)]
     actions = tuple(b for a in task.domain.actions for b in _turns(a, placing[a.name], needs, places, task, view))
     facts = {Atom(f"{TURN} {rank + 1}", (place,)) for place, rank in places.items()}
     return _extended(task, view, actions, facts)
 
 
+def _ranks(numbers: Sequence[int]) -> range:
+    return range(len(numbers) + 1)
+
+
 def _turn(view: WorldView, place: str, numbers: Sequence[int]) -> int:
-    """Which turn a place belongs to: the first where it has no number or none that matters for the goal."""
+    """Returns how many of the goal's numbers come before a place; none where it has no number."""
     turn = turn_of(view, place)
-    return 0 if turn is None else max(sum(number <= turn[0] for number in numbers) - 1, 0)
+    return 0 if turn is None else sum(number < turn[0] for number in numbers)
 
 
 @dataclass(frozen=True, slots=True)
-class _Wish:
-    """What shows that a condition of the goal holds."""
+class _Way:
+    """One way in which something that is wanted can hold: these atoms at once, for some values of the variables."""
 
-    atoms: tuple[Atom, ...]
+    atoms: tuple[Atom, ...] = ()
     variables: tuple[Variable, ...] = ()
 
-    @staticmethod
-    def of(task: PlanningTask, part: int) -> _Wish:
-        atoms = task.goal[part][1]
-        ways = [a for a in task.domain.actions if a.skill is None and not set(a.add).isdisjoint(atoms)]
-        if not ways:
-            return _Wish(atoms)
-        stored = {atom.predicate for a in task.domain.actions if a.skill is not None for atom in a.atoms}
-        renamed = {v.name: f"{v.name}_goal_{part + 1}" for v in ways[0].parameters}
-        shown_by = tuple(atom.bind(renamed) for atom in ways[0].pre if atom.predicate in stored)
-        return _Wish(shown_by, tuple(Variable(renamed[v.name], v.type) for v in ways[0].parameters))
+    def and_(self, other: _Way) -> _Way:
+        """Returns both at once."""
+        return _Way(tuple(dict.fromkeys((*self.atoms, *other.atoms))), (*self.variables, *other.variables))
+
+
+def _wish(task: PlanningTask, part: int) -> tuple[_Way, ...]:
+    """Returns the ways in which a condition of the goal can hold, in what skills change and facts say; some at least.
+
+    What the goal's bookkeeping brings about is written out. With very many ways the wish is not said: what is planned
+    then may come too early, which its replay finds.
+    """
+    names = (f"_goal_{part + 1}_{number}" for number in count(1))
+    return _ways(task, task.goal[part][1], names) or (_Way(),)
+
+
+def _ways(task: PlanningTask, atoms: Sequence[Atom], names: Iterator[str]) -> tuple[_Way, ...]:
+    """Returns each way to make all of some atoms true; none where these would be too many."""
+    found: tuple[_Way, ...] = (_Way(),)
+    for atom in atoms:
+        own = _ways_of_one(task, atom, names)
+        found = tuple(one.and_(other) for one in found for other in own)
+        if not 0 < len(found) <= _MOST_WAYS:
+            return ()
+    return found
+
+
+def _ways_of_one(task: PlanningTask, atom: Atom, names: Iterator[str]) -> tuple[_Way, ...]:
+    closing = [(a, e) for a in task.domain.actions if a.skill is None for e in a.add if e.predicate == atom.predicate]
+    if atom == FINISHED:
+        return (_Way(),)
+    if not closing:
+        return (_Way((atom,)),)
+    found: list[_Way] = []
+    for action, effect in closing:
+        bound = dict(zip(effect.arguments, atom.arguments, strict=True))
+        name = next(names)
+        free = {v.name: Variable(f"{v.name}{name}", v.type) for v in action.parameters if v.name not in bound}
+        binding = bound | {old: new.name for old, new in free.items()}
+        below = _ways(task, [pre.bind(binding) for pre in action.pre], names)
+        if not below:
+            return ()
+        found += [_Way((), tuple(free.values())).and_(way) for way in below]
+    return tuple(found)
+
+
+def _together(wishes: Sequence[Sequence[_Way]]) -> tuple[_Way, ...]:
+    """Returns the ways to fulfil all wishes; those with the most ways are left out where these would be too many."""
+    found: tuple[_Way, ...] = (_Way(),)
+    for ways in sorted(wishes, key=len):
+        if len(found) * len(ways) > _MOST_WAYS:
+            break
+        found = tuple(one.and_(other) for one in found for other in ways)
+    return found
 
 
 def _turns(
     action: Action,
     places: Sequence[str],
-    needs: Sequence[Sequence[_Wish]],
+    needs: Sequence[Sequence[_Way]],
     turns: Mapping[str, int],
     task: PlanningTask,
     view: WorldView,
@@ -160,12 +212,12 @@ def _turns(
         return
     place = late[0]
     for rank in sorted(fitting[place]):
-        wishes = needs[rank]
-        name = action.name if rank == 0 else f"{action.name}/{TURN} {rank + 1}"
-        extra = tuple(v for wish in wishes for v in wish.variables)
-        atoms = tuple(atom for wish in wishes for atom in wish.atoms)
-        pre = (*action.pre, Atom(f"{TURN} {rank + 1}", (place,)), *atoms)
-        yield replace(action, name=name, parameters=(*action.parameters, *extra), pre=tuple(dict.fromkeys(pre)))
+        turn = Atom(f"{TURN} {rank + 1}", (place,))
+        for number, way in enumerate(needs[rank], start=1):
+            name = action.name if rank == 0 else f"{action.name}/{TURN} {rank + 1}"
+            name += f"/way {number}" if number > 1 else ""
+            pre = tuple(dict.fromkeys((*action.pre, turn, *way.atoms)))
+            yield replace(action, name=name, parameters=(*action.parameters, *way.variables), pre=pre)
 
 
 def _fits(view: WorldView, task: PlanningTask, element: str, class_: str) -> bool:

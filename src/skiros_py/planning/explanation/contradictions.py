@@ -6,11 +6,14 @@ What of a thing or a place there is only one is known without any search; nothin
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import reduce
 from itertools import combinations
 
+from skiros_py.planning.domain.classes import common_class
 from skiros_py.planning.domain.literals import NOTHING, allows_value, property_of
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.demands import Demand, demands_of, is_exclusive
+from skiros_py.planning.explanation.found import Found, Shortage
 from skiros_py.planning.explanation.matching import short
 from skiros_py.planning.explanation.relaxation import Relaxation
 from skiros_py.planning.explanation.wording import listed
@@ -26,6 +29,9 @@ __all__ = ["Contradictions"]
 _FEW = 2
 """Up to so many things or places are named: more are not what it is about."""
 
+_MOST = 400
+"""So many demands are held against each other; with more, nothing is said of the rest."""
+
 _Apart = Callable[[Demand, Demand], bool]
 
 
@@ -36,21 +42,22 @@ class Contradictions:
         self._relaxed = relaxed
         self._ontology = ontology
         self._demands = demands_of(relaxed, ontology)
+        self._exclusive: dict[tuple[str, str], bool] = {}
 
-    def causes(self) -> tuple[Cause, ...]:
+    def found(self) -> tuple[Found, ...]:
         """Returns each contradiction once; of those about the same conditions, the first."""
-        found: dict[frozenset[str], Cause] = {}
-        for cause in self._all():
-            found.setdefault(frozenset(map(str, cause.conditions)), cause)
-        smallest = sorted(found, key=len)
+        first: dict[frozenset[str], Found] = {}
+        for one in self._all():
+            first.setdefault(frozenset(map(str, one.cause.conditions)), one)
+        smallest = sorted(first, key=len)
         kept = [key for i, key in enumerate(smallest) if not any(other < key for other in smallest[:i])]
-        return tuple(cause for key, cause in found.items() if key in kept)
+        return tuple(one for key, one in first.items() if key in kept)
 
-    def _all(self) -> Iterator[Cause]:
-        yield from self._negations()
-        yield from self._values()
-        yield from self._emptiness()
-        yield from self._two_places()
+    def _all(self) -> Iterator[Found]:
+        yield from map(Found, self._negations())
+        yield from map(Found, self._values())
+        yield from map(Found, self._emptiness())
+        yield from map(Found, self._two_places())
         yield from self._too_few_things()
         yield from self._too_few_places()
 
@@ -97,42 +104,77 @@ class Contradictions:
     # ------------------------------------------------------------ things and places
 
     def _two_places(self) -> Iterator[Cause]:
-        for one, other in combinations(self._demands, 2):
-            by_name = not self._classes(one) and not self._classes(other)
-            if by_name and len(one.things) == 1 and one.things == other.things and not one.places & other.places:
-                (thing,) = one.things
-                where = [_place(one), _place(other)]
-                why = f"{thing} has one place only, it cannot be {where[0]} and {where[1]}"
-                yield _contradiction((one.condition, other.condition), why, (thing, *_only(one.places | other.places)))
+        wanted: dict[str, list[Demand]] = {}
+        for demand in self._demands:
+            if len(demand.things) == 1 and not self._classes(demand):
+                wanted.setdefault(min(demand.things), []).append(demand)
+        for thing, demands in wanted.items():
+            for one, other in combinations(demands, 2):
+                if one.places.isdisjoint(other.places):
+                    why = f"{thing} has one place only, it cannot be {_place(one)} and {_place(other)}"
+                    named = thing, *_only(one.places | other.places)
+                    yield _contradiction((one.condition, other.condition), why, named)
 
-    def _too_few_things(self) -> Iterator[Cause]:
-        apart = _apart(self._demands, lambda one, other: not one.places & other.places)
-        lacking = [apart[i] for i in short([demand.things for demand in apart])]
+    def _too_few_things(self) -> Iterator[Found]:
+        apart = _apart(self._demands, lambda one, other: one.places.isdisjoint(other.places))
+        lacking = _lacking(apart, lambda demand: demand.things)
         things = sorted(frozenset[str]().union(*(demand.things for demand in lacking)))
         if things and any(self._classes(demand) for demand in lacking):
             classes = tuple(dict.fromkeys(c for demand in lacking for c in self._classes(demand)))
             what = listed((local_name(c) for c in classes), "or") or "such thing"
             text = f"{len(lacking)} of {what} are wanted, but there {_is(len(things))} only {listed(by_stock(things))}"
-            yield _together(CauseKind.TOO_FEW, lacking, text, (*classes, *things))
+            cause = _together(CauseKind.TOO_FEW, lacking, text, (*classes, *things))
+            yield Found(cause, shortage=Shortage(len(lacking), tuple(things)))
 
-    def _too_few_places(self) -> Iterator[Cause]:
-        bounded = [d for d in self._demands if all(is_exclusive(self._relaxed, d.relation, p) for p in d.places)]
+    def _too_few_places(self) -> Iterator[Found]:
+        bounded = [d for d in self._demands if all(self._takes_one(d.relation, place) for place in d.places)]
         for relation in dict.fromkeys(d.relation for d in bounded):
             own = [d for d in bounded if d.relation == relation]
-            apart = _apart(own, lambda one, other: not one.things & other.things)
-            lacking = [apart[i] for i in short([demand.places for demand in apart])]
-            places = sorted(frozenset[str]().union(*(demand.places for demand in lacking)))
-            if len(places) == 1 and all(places[0] in demand.condition.arguments for demand in lacking):
-                why = f"{places[0]} takes one thing only"
-                yield _contradiction([d.condition for d in lacking], why, (*places, *_things(lacking)))
-            elif lacking:
-                wholes = self._wholes(lacking)
-                where = f"{listed(wholes)} has" if wholes else "there is"
-                text = f"{where} room for {len(places)} only ({listed(places)}), and {len(lacking)} are wanted there"
-                yield _together(CauseKind.FULL, lacking, text, (*wholes, *places))
+            apart = _apart(own, lambda one, other: one.things.isdisjoint(other.things))
+            lacking = _lacking(apart, lambda demand: demand.places)
+            if lacking:
+                places = sorted(frozenset[str]().union(*(demand.places for demand in lacking)))
+                things = [min(demand.things) for demand in lacking if len(demand.things) == 1]
+                yield Found(self._full(lacking, places), shortage=Shortage(len(lacking), tuple(places), tuple(things)))
+
+    def _full(self, lacking: Sequence[Demand], places: Sequence[str]) -> Cause:
+        """Returns the cause that there are fewer places than are wanted, each of which takes one thing."""
+        conditions = {str(demand.condition) for demand in lacking}
+        if len(places) == 1 and len(conditions) > 1 and all(places[0] in d.condition.arguments for d in lacking):
+            why = f"{places[0]} takes one {self._kind(lacking)} only"
+            return _contradiction([d.condition for d in lacking], why, (*places, *_things(lacking)))
+        wholes = self._wholes(lacking)
+        where = f"{listed(wholes)} has" if wholes else "there is"
+        text = f"{where} room for {len(places)} only ({listed(places)}), and {len(lacking)} are wanted there"
+        if all(len(demand.things) == 1 for demand in lacking):
+            text += f" ({listed(min(demand.things) for demand in lacking)})"
+        return _together(CauseKind.FULL, lacking, text, (*wholes, *places))
+
+    def _kind(self, demands: Sequence[Demand]) -> str:
+        """Returns what all that is wanted is, as people call it."""
+        types = [self._relaxed.task.problem.objects[thing] for demand in demands for thing in demand.things]
+        class_ = reduce(lambda one, other: common_class(one, other, self._ontology), types)
+        return self._ontology.classes[class_].label if class_ in self._ontology.classes else "thing"
+
+    def _takes_one(self, relation: str, place: str) -> bool:
+        """Tells whether a place never holds more than one thing; what holds several now may go on to."""
+        key = relation, place
+        if key not in self._exclusive:
+            init = self._relaxed.task.problem.init
+            now = [atom for atom in init if atom.predicate == relation and atom.arguments[1] == place]
+            at_object = self._ontology.relations[relation].place_end == "object"
+            exclusive = is_exclusive(self._relaxed, relation, place, self._ontology)
+            self._exclusive[key] = at_object and len(now) <= 1 and exclusive
+        return self._exclusive[key]
 
     def _classes(self, demand: Demand) -> tuple[str, ...]:
-        return tuple(a for a in demand.condition.arguments if a in self._ontology.classes)
+        """Returns the classes of which any thing will do; none where the goal means the things."""
+        if demand.meant:
+            return ()
+        objects = self._relaxed.task.problem.objects
+        types = {objects[thing] for thing in demand.things}
+        named = (name for name in demand.condition.names if name in self._ontology.classes)
+        return tuple(c for c in named if all(self._ontology.is_a(t, c) for t in types))
 
     def _wholes(self, demands: Sequence[Demand]) -> tuple[str, ...]:
         """Returns what all conditions name that is neither thing nor place: the kit that they are about."""
@@ -141,17 +183,29 @@ class Contradictions:
         return tuple(sorted(a for a in common if a not in self._ontology.classes))
 
 
+def _lacking(apart: Sequence[Demand], of: Callable[[Demand], frozenset[str]]) -> list[Demand]:
+    """Returns the demands for which there is too little of something, all that want nothing else."""
+    few = [apart[i] for i in short([of(demand) for demand in apart])]
+    there = frozenset[str]().union(*map(of, few))
+    return [demand for demand in apart if few and of(demand) <= there]
+
+
 def _apart(demands: Sequence[Demand], are_apart: _Apart) -> list[Demand]:
     """Returns demands each of which needs one of its own, for no two could be served by the same."""
     found: list[Demand] = []
-    for demand in sorted(demands, key=lambda d: (len(d.things) * len(d.places), str(d.condition))):
+    for demand in sorted(demands, key=_narrowest)[:_MOST]:
         if all(are_apart(demand, other) for other in found):
             found.append(demand)
     return found
 
 
+def _narrowest(demand: Demand) -> tuple[int, str, str]:
+    return len(demand.things) * len(demand.places), str(demand.condition), min(demand.things)
+
+
 def _contradiction(conditions: Sequence[Condition], why: str, elements: Iterable[str]) -> Cause:
-    text = f"{listed(dict.fromkeys(map(str, conditions)))} exclude each other: {why}"
+    said = list(dict.fromkeys(map(str, conditions)))
+    text = f"{listed(said)} {'exclude each other' if len(said) > 1 else 'cannot be reached'}: {why}"
     return Cause(
         CauseKind.CONTRADICTION, text, tuple(dict.fromkeys(conditions)), elements=tuple(dict.fromkeys(elements))
     )
@@ -159,7 +213,8 @@ def _contradiction(conditions: Sequence[Condition], why: str, elements: Iterable
 
 def _together(kind: CauseKind, demands: Sequence[Demand], why: str, elements: Iterable[str]) -> Cause:
     conditions = tuple(dict.fromkeys(demand.condition for demand in demands))
-    text = f"{listed(map(str, conditions))} cannot be reached together: {why}"
+    together = " together" if len(conditions) > 1 else ""
+    text = f"{listed(map(str, conditions))} cannot be reached{together}: {why}"
     return Cause(kind, text, conditions, elements=tuple(dict.fromkeys(elements)))
 
 

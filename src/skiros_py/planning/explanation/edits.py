@@ -11,7 +11,7 @@ from skiros_py.world.names import local_name
 from skiros_py.world.stock import is_token, take
 from skiros_py.world.transaction import Transaction
 
-__all__ = ["Add", "Assign", "Move", "Relate", "Remove", "SceneEdit"]
+__all__ = ["Add", "Assign", "Move", "Relate", "Remove", "SceneEdit", "needed_by"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +140,19 @@ class Relate:
 
 SceneEdit = Move | Remove | Add | Assign | Relate
 """Any of them."""
+
+
+def needed_by(edit: SceneEdit) -> tuple[str, ...]:
+    """Returns the elements that must be there for a change."""
+    match edit:
+        case Move(element, _, place):
+            return element, place
+        case Add(_, placement):
+            return (placement.place,)
+        case Relate(subject, _, object_):
+            return subject, object_
+        case Remove(element) | Assign(element):
+            return (element,)
 
 
 def _individual(tx: Transaction, name: str) -> str:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-
-from skiros_py.planning.explanation.causes import Found, find_causes
+from skiros_py.planning.explanation.causes import finding_causes
 from skiros_py.planning.explanation.explanation import Explanation
+from skiros_py.planning.explanation.found import Found
 from skiros_py.planning.explanation.pairs import exclusive_conditions
 from skiros_py.planning.explanation.repairs import Solve, find_repairs
 from skiros_py.planning.explanation.subsets import conflict_of, smallest_unsolvable
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.view import WorldView
 
 __all__ = ["explain", "explaining"]
 
 
-def explaining(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> Generator[None, None, Explanation]:
+def explaining(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> Work[Explanation]:
     """Explains why a task has no plan; yields after each piece of work, so that others can go on in between.
 
     Args:
@@ -23,7 +23,7 @@ def explaining(task: PlanningTask, view: WorldView, solve: Solve | None = None) 
         view: The world it was made from.
         solve: Tries changed worlds and goals; left out, no conflict is narrowed down and no repair offered.
     """
-    found = find_causes(task, view)
+    found = yield from finding_causes(task, view)
     if not found:
         yield
         goal = exclusive_conditions(task, view.ontology)
@@ -43,10 +43,4 @@ def explaining(task: PlanningTask, view: WorldView, solve: Solve | None = None) 
 
 def explain(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> Explanation:
     """Explains at once; see :func:`explaining`."""
-    work = explaining(task, view, solve)
-    while True:
-        try:
-            next(work)
-        except StopIteration as end:
-            explanation: Explanation = end.value
-            return explanation
+    return at_once(explaining(task, view, solve))

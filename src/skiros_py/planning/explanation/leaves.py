@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from skiros_py.planning.domain.literals import CAN, HAS, NOTHING
+from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.obstacle import Obstacle
@@ -41,6 +41,8 @@ class Leaves:
             return self._full(atom, types)
         if self._is_placement(atom.predicate):
             return self._elsewhere(atom, types)
+        if self._is_placement(atom.predicate.removeprefix(NOT)):
+            return self._still_there(atom, types)
         return self._plainly(atom, types)
 
     def none_of(self, class_: str) -> Obstacle:
@@ -90,6 +92,18 @@ class Leaves:
         text = f"{said}, and no skill takes it from there"
         return Obstacle(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
 
+    def _still_there(self, atom: Atom, types: Types) -> Obstacle:
+        """Says what is where it should not be."""
+        relation = atom.predicate.removeprefix(NOT)
+        subjects, objects = (self._things(argument, types) for argument in atom.arguments)
+        there = [(s, o) for s in subjects for o in objects if self._view.related(s, relation, o)][:_SHOWN]
+        if not there:
+            return self._plainly(atom, types)
+        said = listed(f"{subject} {self._wording.term(relation)} {object_}" for subject, object_ in there)
+        elements = tuple(dict.fromkeys(name for pair in there for name in pair))
+        text = f"{said}, and no skill takes {'it' if len(there) == 1 else 'them'} from there"
+        return Obstacle(CauseKind.MISSING_FACT, text, elements=elements, missing=atom, types=types)
+
     def _plainly(self, atom: Atom, types: Types) -> Obstacle:
         """Says that a fact is not so, with the reason where one is known."""
         asked = self._task.asked.get(atom.predicate)
@@ -105,7 +119,8 @@ class Leaves:
     def _instead(self, atom: Atom, types: Types) -> str:
         if atom.predicate.startswith(HAS):
             thing, property_ = atom.arguments[0], self._wording.term(atom.predicate.removeprefix(HAS))
-            return f"no {local_name(types[thing])} has a {property_}" if is_variable(thing) else f"{thing} has none"
+            who = f"no {local_name(types[thing])} has a" if is_variable(thing) else f"{thing} has no"
+            return f"{who} {property_}"
         asked = self._task.asked.get(atom.predicate)
         if asked is not None and not any(is_variable(a) for a in atom.arguments):
             verdict = asked.evaluate(self._view, dict(zip(("1", "2"), atom.arguments, strict=False)))

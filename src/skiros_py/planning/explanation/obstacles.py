@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from skiros_py.planning.domain.literals import CAN
+from skiros_py.planning.domain.literals import CAN, NOT
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.leaves import Leaves
@@ -14,6 +14,7 @@ from skiros_py.planning.explanation.relaxation import Relaxation
 from skiros_py.planning.explanation.wording import Wording, listed
 from skiros_py.planning.reasons import CauseKind
 from skiros_py.world.names import local_name
+from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 
 __all__ = ["Obstacles"]
@@ -88,8 +89,18 @@ class Obstacles:
         if not givers or atom in chain or len(chain) == _DEPTH or self._left < 0:
             return self._without_giver(atom, types, chain)
         tries = [self._tried(action, effect, atom, types) for action, effect in givers]
-        best = max(tries, key=lambda one: one.progress)
+        best = max(tries, key=lambda one: (one.progress, self._is_open(one)))
+        if best.direct is not None:
+            return replace(best.direct, missing=best.direct.missing or atom, types=best.direct.types or types)
         return self._told(best, (*chain, atom))
+
+    def _is_open(self, one: _Try) -> bool:
+        """Tells whether it is stuck at something that could be otherwise: not at what things are made of."""
+        if one.stuck is None:
+            return True
+        relation = one.stuck.predicate.removeprefix(NOT)
+        family = self._ontology.family(relation) if relation in self._ontology.relations else None
+        return family not in (Family.STRUCTURE, Family.COMPUTED)
 
     def _without_giver(self, atom: Atom, types: Types, chain: Chain) -> Obstacle:
         leaf = self._leaves.of(atom, types)
@@ -171,8 +182,6 @@ class Obstacles:
     # ------------------------------------------------------------ telling it
 
     def _told(self, one: _Try, chain: Chain) -> Obstacle:
-        if one.direct is not None:
-            return one.direct
         if one.stuck is None:
             text = f"skill '{one.action.skill}' could do it for other elements only"
             return Obstacle(CauseKind.MISSING_FACT, text, one.action.skill)

@@ -11,17 +11,25 @@ from itertools import islice, product
 
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.explanation.facts import Binding, Facts, is_variable, solutions, unified
+from skiros_py.planning.pieces import Work
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["Relaxation"]
+__all__ = ["Relaxation", "relaxing"]
 
 _FEW = 40
 """Up to so many objects none are taken together: finding out which are alike would cost more."""
 
 
+def relaxing(task: PlanningTask, ontology: Ontology, *, together: bool = True) -> Work[Relaxation]:
+    """Returns the facts that could ever become true; yields after each."""
+    relaxed = Relaxation(task, ontology, together=together)
+    yield from relaxed.grow()
+    return relaxed
+
+
 class Relaxation:
-    """The facts that could ever become true.
+    """The facts that could ever become true, once :meth:`grow` has come to its end.
 
     Args:
         task: The task.
@@ -44,7 +52,7 @@ class Relaxation:
         self._uses: dict[str, list[tuple[Action, int]]] = {}
         self._new: deque[Atom] = deque()
         self._known: set[Atom] = set()
-        self._grow()
+        self._begin()
 
     # ------------------------------------------------------------ asking
 
@@ -83,7 +91,13 @@ class Relaxation:
 
     # ------------------------------------------------------------ growing
 
-    def _grow(self) -> None:
+    def grow(self) -> Work[None]:
+        """Finds all facts; yields after each."""
+        while self._new:
+            self._take(self._new.popleft())
+            yield
+
+    def _begin(self) -> None:
         for action in self.task.domain.actions:
             if not all(self.is_some(v.type) for v in action.parameters):
                 continue
@@ -95,8 +109,6 @@ class Relaxation:
         for atom in sorted(self.task.problem.init):
             if kept.issuperset(atom.arguments):
                 self._learn(atom)
-        while self._new:
-            self._take(self._new.popleft())
 
     def _learn(self, atom: Atom) -> None:
         if atom not in self._known:

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, islice, product
 
-from skiros_py.planning.domain.literals import CAN, HAS, NOTHING, VALUE, compared
-from skiros_py.planning.explanation.causes import Found
+from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation.facts import is_variable
+from skiros_py.planning.explanation.found import Found, Shortage
 from skiros_py.planning.explanation.obstacle import Obstacle
+from skiros_py.planning.explanation.room import Room
 from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.comparison import Comparison, Constant
-from skiros_py.world.element import Placement
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
-from skiros_py.world.vocabulary import ON
+from skiros_py.world.vocabulary import FLOOR, HAS_A, ON
 
 __all__ = ["Remedy", "advice", "remedies"]
 
-_FLOOR = "sk:Floor"
 _CHOICES = 3
 """Of how many things or places each is a choice of its own."""
 
@@ -43,11 +42,19 @@ class Remedy:
     without: tuple[Condition, ...] = ()
 
 
-def remedies(found: Found, view: WorldView) -> list[Remedy]:
+def remedies(found: Found, view: WorldView, room: Room) -> list[Remedy]:
     """Returns what could be done about a cause, smallest changes first."""
-    edits = _edits(found, view)
-    given_up = (Remedy(4, without=(condition,)) for condition in found.cause.conditions[:_CHOICES])
-    return sorted((*edits, *given_up), key=lambda remedy: remedy.cost)
+    edits = _edits(found, view, room)
+    return sorted((*edits, *_given_up(found)), key=lambda remedy: remedy.cost)
+
+
+def _given_up(found: Found) -> Iterator[Remedy]:
+    """Gives up one condition, or at once as many as are wanted too much."""
+    conditions = found.cause.conditions
+    yield from (Remedy(4, without=(condition,)) for condition in conditions[:_CHOICES])
+    excess = found.shortage.excess if found.shortage is not None else 0
+    if 1 < excess < len(conditions):
+        yield Remedy(4 * excess, without=conditions[-excess:])
 
 
 def advice(cause: Cause) -> str:
@@ -61,54 +68,74 @@ def advice(cause: Cause) -> str:
     return ""
 
 
-def _edits(found: Found, view: WorldView) -> Iterator[Remedy]:
-    if found.cause.kind is CauseKind.TOO_FEW:
-        yield from _more(found.cause, view)
+def _edits(found: Found, view: WorldView, room: Room) -> Iterator[Remedy]:
+    if found.shortage is not None:
+        yield from _more(found.cause, found.shortage, view, room)
+        yield from _fewer(found.cause, found.shortage, view)
     obstacle = found.obstacle
     if obstacle is None:
         return
+    if obstacle.missing is not None and obstacle.missing.predicate.startswith(NOT):
+        yield from _taken_out(obstacle, view, room)
+        return
     match obstacle.kind:
         case CauseKind.MISSING_ELEMENT:
-            yield from (Remedy(2, (Add(obstacle.elements[0], home),)) for home in _homes(obstacle.elements[0], view))
+            homes = room.homes(obstacle.elements[0], view)[:_CHOICES]
+            yield from (Remedy(2, (Add(obstacle.elements[0], home),)) for home in homes)
         case CauseKind.MISSING_FACT:
-            yield from _stated(obstacle, view)
+            yield from _stated(obstacle, view, room)
         case CauseKind.FULL:
-            yield from _cleared(obstacle, view)
+            yield from _cleared(obstacle, view, room)
 
 
-def _more(cause: Cause, view: WorldView) -> Iterator[Remedy]:
+def _more(cause: Cause, shortage: Shortage, view: WorldView, room: Room) -> Iterator[Remedy]:
     """Brings as many more as are lacking."""
-    classes = [name for name in cause.elements if name in view.ontology.classes]
-    there = [name for name in cause.elements if name not in view.ontology.classes]
-    lacking = len(cause.conditions) - len(there)
-    for class_ in classes:
-        for home in _homes(class_, view):
-            yield Remedy(2 * lacking, (Add(class_, home),) * lacking)
+    for class_ in (name for name in cause.elements if name in view.ontology.classes):
+        for home in room.homes(class_, view)[:_CHOICES]:
+            if shortage.excess == 1 or not room.keeps_one(home, view):
+                yield Remedy(2 * shortage.excess, (Add(class_, home),) * shortage.excess)
 
 
-def _homes(class_: str, view: WorldView) -> list[Placement]:
-    """Returns where things of a class are, or else of the next wider one of which some are anywhere."""
-    for above in view.ontology.ancestors(class_):
-        placed = (view.placement(thing) for thing in view.instances(above))
-        there = dict.fromkeys(p for p in placed if p is not None)
-        if there:
-            return list(there)[:_CHOICES]
-    return []
+def _fewer(cause: Cause, shortage: Shortage, view: WorldView) -> Iterator[Remedy]:
+    """Takes out of the scene what there is no room for; not what the goal names, and nothing that has parts."""
+    named = {name for condition in cause.conditions for name in condition.arguments}
+    things = [
+        t for t in dict.fromkeys(shortage.things) if t not in named and view.has(t) and not view.objects(t, HAS_A)
+    ]
+    for chosen in islice(combinations(things, shortage.excess), _CHOICES):
+        yield Remedy(3 * shortage.excess, tuple(map(Remove, chosen)))
 
 
-def _cleared(obstacle: Obstacle, view: WorldView) -> Iterator[Remedy]:
-    """Takes away what is in the way: to where such things lie, else to the floor, else out of the scene."""
+def _taken_out(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
+    """Takes a thing from where it should not be."""
+    atom = obstacle.missing
+    relation = atom.predicate.removeprefix(NOT) if atom is not None else ""
+    if atom is None or relation not in view.ontology.relations or not view.ontology.is_placement(relation):
+        return
+    subjects, objects = (_things(argument, obstacle, view) for argument in atom.arguments)
+    for subject, object_ in product(subjects, objects):
+        if view.related(subject, relation, object_):
+            thing, placement = view.ontology.placed(subject, relation, object_)
+            yield from _away(thing, (placement.place,), view, room)
+
+
+def _cleared(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
+    """Takes away what is in the way."""
     for thing in obstacle.elements:
         at = view.placement(thing) if view.has(thing) else None
-        if at is None or at.place not in obstacle.elements:
-            continue
-        others = [home for home in _homes(view.element(thing).type, view) if home.place not in obstacle.elements]
-        yield from (Remedy(1, (Move(thing, home.relation, home.place),)) for home in others[:1])
-        yield from (Remedy(2, (Move(thing, ON, floor),)) for floor in view.instances(_FLOOR)[:1])
-        yield Remedy(3, (Remove(thing),))
+        if at is not None and at.place in obstacle.elements:
+            yield from _away(thing, obstacle.elements, view, room)
 
 
-def _stated(obstacle: Obstacle, view: WorldView) -> Iterator[Remedy]:
+def _away(thing: str, places: Sequence[str], view: WorldView, room: Room) -> Iterator[Remedy]:
+    """Takes a thing out of places: to where such things lie, else to the floor, else out of the scene."""
+    homes = room.homes(view.element(thing).type, view, besides=places)
+    yield from (Remedy(1, (Move(thing, home.relation, home.place),)) for home in homes[:1])
+    yield from (Remedy(2, (Move(thing, ON, floor),)) for floor in view.instances(FLOOR)[:1])
+    yield Remedy(3, (Remove(thing),))
+
+
+def _stated(obstacle: Obstacle, view: WorldView, room: Room) -> Iterator[Remedy]:
     """Makes the missing fact true."""
     atom = obstacle.missing
     if atom is None or atom.predicate.startswith((CAN, NOTHING)):
@@ -122,7 +149,7 @@ def _stated(obstacle: Obstacle, view: WorldView) -> Iterator[Remedy]:
         if value is not None:
             yield from (Remedy(1, (Assign(thing, property_, value),)) for thing in choices[0])
     elif atom.predicate in view.ontology.relations and len(choices) == 2:
-        yield from _related(atom.predicate, choices[0], choices[1], view)
+        yield from _related(atom.predicate, choices[0], choices[1], view, room)
 
 
 def _things(argument: str, obstacle: Obstacle, view: WorldView) -> tuple[str, ...]:
@@ -154,13 +181,16 @@ def _value(comparison: Comparison) -> Constant | None:
     return next((one for one in tried if comparison.allows(one)), None)
 
 
-def _related(relation: str, subjects: tuple[str, ...], objects: tuple[str, ...], view: WorldView) -> Iterator[Remedy]:
+def _related(
+    relation: str, subjects: tuple[str, ...], objects: tuple[str, ...], view: WorldView, room: Room
+) -> Iterator[Remedy]:
     ontology = view.ontology
     for subject, object_ in product(subjects, objects):
         if ontology.family(relation) in (Family.COMPUTED, Family.STRUCTURE):
             return  # saying so would not make it so
         if ontology.is_placement(relation):
             element, placement = ontology.placed(subject, relation, object_)
-            yield Remedy(1, (Move(element, relation, placement.place),))
+            if room.has_room(placement, view):
+                yield Remedy(1, (Move(element, relation, placement.place),))
         else:
             yield Remedy(1, (Relate(subject, relation, object_),))

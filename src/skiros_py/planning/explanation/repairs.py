@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Generator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import count
 
 from skiros_py.errors import SkirosError
-from skiros_py.planning.explanation.causes import Found, find_causes
-from skiros_py.planning.explanation.edits import Add, SceneEdit
+from skiros_py.planning.explanation.causes import finding_causes
+from skiros_py.planning.explanation.edits import Add, Move, Remove, SceneEdit, needed_by
+from skiros_py.planning.explanation.found import Found
 from skiros_py.planning.explanation.remedies import Remedy, advice, remedies
+from skiros_py.planning.explanation.room import Room
 from skiros_py.planning.explanation.supposition import Supposition
 from skiros_py.planning.explanation.wording import listed
+from skiros_py.planning.pieces import Work
 from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.planning.reasons import Repair
 from skiros_py.skills.conditions import Condition
@@ -20,8 +23,8 @@ from skiros_py.world.view import WorldView
 
 __all__ = ["Solve", "find_repairs"]
 
-Solve = Callable[[WorldView, Sequence[Condition]], bool | None]
-"""Tells whether a goal has a plan that survives its replay; None when nobody knows."""
+Solve = Callable[[WorldView, Sequence[Condition]], Work[bool | None]]
+"""Tells whether a goal has a plan that survives its replay, None when nobody knows; yields while it looks for one."""
 
 _OFFERED = 5
 _LOOKED_AT = 32
@@ -45,12 +48,19 @@ class _Change:
     without: tuple[Condition, ...] = ()
 
     def and_(self, remedy: Remedy) -> _Change | None:
-        """Returns the change with one more remedy; None where that is nothing new."""
+        """Returns the change with one more remedy; None where that is nothing new, or moves a thing once more."""
         edits = tuple(e for e in remedy.edits if isinstance(e, Add) or e not in self.edits)
         without = tuple(c for c in remedy.without if c not in self.without)
-        if not edits and not without:
+        if not (edits or without) or _placed(edits) & _placed(self.edits):
             return None
         return _Change(self.cost + remedy.cost, self.edits + edits, self.without + without)
+
+    def leaving_out(self) -> Iterator[_Change]:
+        """Yields the changes that do one thing less."""
+        for i in range(len(self.edits)):
+            yield replace(self, edits=self.edits[:i] + self.edits[i + 1 :])
+        for condition in self.without:
+            yield replace(self, without=tuple(c for c in self.without if c is not condition))
 
     @property
     def key(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -68,14 +78,19 @@ class _Change:
         return Repair(text, self.edits, self.without)
 
 
+def _placed(edits: Sequence[SceneEdit]) -> set[str]:
+    """Returns what is put somewhere, or taken away."""
+    return {edit.element for edit in edits if isinstance(edit, Move | Remove)}
+
+
 def find_repairs(
     found: Sequence[Found],
     view: WorldView,
     goal: Sequence[Condition],
     capabilities: Sequence[Capability],
     solve: Solve,
-) -> Generator[None, None, tuple[Repair, ...]]:
-    """Finds changes after which there is a plan, smallest first; yields after each that was looked at.
+) -> Work[tuple[Repair, ...]]:
+    """Finds changes after which there is a plan, smallest first; yields after each piece of work.
 
     Causes are taken one by one: what is done about the first may show another one behind it. A planner is asked only
     where no cause is left.
@@ -90,7 +105,7 @@ def find_repairs(
     search = _Search(view, goal, capabilities, solve)
     search.extend(_Change(), found, view)
     for _ in range(_LOOKED_AT):
-        if not search.step():
+        if not (yield from search.step()):
             break
         yield
     outside = [Repair(text) for text in dict.fromkeys(advice(one.cause) for one in found) if text]
@@ -109,6 +124,7 @@ class _Search:
         self._goal = goal
         self._capabilities = capabilities
         self._solve = solve
+        self._room = Room(capabilities, view.ontology)
         self._queue: list[tuple[int, int, _Change]] = []
         self._order = count()
         self._seen: set[object] = set()
@@ -116,7 +132,10 @@ class _Search:
 
     def extend(self, change: _Change, found: Sequence[Found], view: WorldView) -> None:
         """Puts everything that could be done about the first of the causes that are left into the queue."""
-        for remedy in remedies(found[0], view):
+        made = set(view.further) if isinstance(view, Supposition) else set[str]()
+        for remedy in remedies(found[0], view, self._room):
+            if made.intersection(name for edit in remedy.edits for name in needed_by(edit)):
+                continue  # what is only brought by the change has no name yet
             further = change.and_(remedy)
             if further is not None and self._is_new(further):
                 self._seen.add(further.key)
@@ -128,7 +147,7 @@ class _Search:
         more = any(change.includes(offer) for offer in self.offers)
         return not more and change.key not in self._seen and len(change.without) < len(self._goal)
 
-    def step(self) -> bool:
+    def step(self) -> Work[bool]:
         """Looks at the most promising change; returns False where there is nothing left to do."""
         if not self._queue or len(self.offers) == _OFFERED or self._tried == _TRIED:
             return False
@@ -136,20 +155,39 @@ class _Search:
         if any(change.includes(offer) for offer in self.offers):
             return True
         try:
-            self._look_at(change)
+            yield from self._look_at(change)
         except SkirosError:  # a change that cannot be made, or after which the goal cannot be said, is no repair
             return True
         return True
 
-    def _look_at(self, change: _Change) -> None:
-        view = Supposition(self._view)
-        for edit in change.edits:
-            edit.suppose(view)
-        goal = [condition for condition in self._goal if condition not in change.without]
-        left = find_causes(build_task(view, self._capabilities, goal), view)
+    def _look_at(self, change: _Change) -> Work[None]:
+        view, goal = self._after(change)
+        left = yield from finding_causes(build_task(view, self._capabilities, goal), view)
         if left:
             self.extend(change, left, view)
             return
         self._tried += 1
-        if self._solve(view, goal):
-            self.offers.append(change.repair())
+        if (yield from self._solve(view, goal)):
+            smallest = yield from self._reduced(change)
+            if not any(smallest.includes(offer) for offer in self.offers):
+                self.offers.append(smallest.repair())
+
+    def _after(self, change: _Change) -> tuple[WorldView, list[Condition]]:
+        """Returns the world and the goal as they are after a change."""
+        view = Supposition(self._view)
+        for edit in change.edits:
+            edit.suppose(view)
+        return view, [condition for condition in self._goal if condition not in change.without]
+
+    def _reduced(self, change: _Change) -> Work[_Change]:
+        """Leaves out of a change that works everything without which it works still."""
+        for smaller in change.leaving_out():
+            if (smaller.edits or smaller.without) and (yield from self._works(smaller)):
+                return (yield from self._reduced(smaller))
+        return change
+
+    def _works(self, change: _Change) -> Work[bool]:
+        view, goal = self._after(change)
+        if (yield from finding_causes(build_task(view, self._capabilities, goal), view)):
+            return False
+        return bool((yield from self._solve(view, goal)))

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 
 from skiros_py.planning.explanation.wording import listed
+from skiros_py.planning.pieces import Work
 from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import Condition
 
 __all__ = ["conflict_of", "smallest_unsolvable"]
 
-Reachable = Callable[[Sequence[Condition]], bool | None]
-"""Tells whether conditions can be reached together; None when nobody knows."""
+Reachable = Callable[[Sequence[Condition]], Work[bool | None]]
+"""Tells whether conditions can be reached together, None when nobody knows; yields while it looks for a plan."""
 
 _MOST_CALLS = 16
 """So often a planner is asked for one explanation."""
 
 
-def smallest_unsolvable(
-    goal: Sequence[Condition], reachable: Reachable
-) -> Generator[None, None, tuple[Condition, ...]]:
+def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> Work[tuple[Condition, ...]]:
     """Leaves conditions out for as long as the rest still cannot be reached; yields after each call of the planner.
 
     What is known to be unsolvable only counts: where the planner does not know, the condition stays. In a goal of more
@@ -28,7 +27,7 @@ def smallest_unsolvable(
     kept = list(goal)
     for condition in goal[:_MOST_CALLS]:
         rest = [other for other in kept if other is not condition]
-        if rest and reachable(rest) is False:
+        if rest and (yield from reachable(rest)) is False:
             kept = rest
         yield
     return tuple(kept)

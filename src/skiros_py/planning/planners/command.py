@@ -86,7 +86,12 @@ class CommandPlanner(ProgramPlanner):
             path = last_plan_file(folder, _filled(pattern, DOMAIN, PROBLEM))
             if path is not None:
                 return read_plan_file(self.title, path)
-        return steps_among(self.title, ended.output) if self._plans is _USUAL_PLAN_FILES else None
+        if self._plans is _USUAL_PLAN_FILES:
+            return steps_among(self.title, ended.output)
+        for pattern in self._plans:
+            for path in folder.glob(_filled(pattern, DOMAIN, PROBLEM)):
+                raise PlanningError(f"{self.title} left '{path.name}', which is {_kind(path)} and no plan file")
+        return None
 
     def _proved(self, ended: Ended) -> bool:
         if isinstance(self._no_plan, str):
@@ -123,6 +128,13 @@ def _filled(text: str, domain: str, problem: str) -> str:
     for hole, value in values.items():
         text = text.replace(hole, value)
     return text
+
+
+def _kind(path: Path) -> str:
+    """Says what something is that is no plain file."""
+    if path.is_symlink():
+        return "a link"
+    return "a folder" if path.is_dir() else "a pipe or device"
 
 
 def _leaves(path: str) -> bool:

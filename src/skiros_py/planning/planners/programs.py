@@ -1,13 +1,16 @@
-"""One way to run a program: limits of time, memory and output; whatever happens, nothing of it is left running.
+"""One way to run a program: limits of time, memory and output; however it ends, its children end with it.
 
 The program gets a process group of its own, which is killed when the program has ended, too: it may have left children.
-Those that left the group as well are found by a mark in their environment.
+Those that left the group as well are found by a mark in their environment. This is tidiness, no prison: a child that
+starts a session of its own *and* clears its environment is not found. Only a setting of our whole process (that all
+orphans become its children) would find it, and that would meddle with what other libraries start.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import re
 import resource
 import select
 import signal
@@ -30,6 +33,9 @@ _DYING = 0.2
 """Longest time to wait until what was killed is gone [s]."""
 _KEPT = 100_000
 """So many bytes of the output are kept, from its start and from its end."""
+_STACK = ("Traceback (most recent call last):", '  File "')
+_OUT_OF_MEMORY = re.compile(r"MemoryError|bad_alloc|out of memory|cannot allocate memory", re.IGNORECASE)
+"""What programs say at last whose memory is used up; the system does not tell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,16 +66,20 @@ class Ended:
     Attributes:
         code: Its exit code; minus the signal's number where one killed it.
         output: What it printed, on both channels; of very much, the start and the end.
+        memory: Address space that each of its processes could have [bytes]; None for no limit.
     """
 
     code: int
     output: str
+    memory: int | None = None
 
     @property
     def words(self) -> str:
         """How it ended, with its last words, for people."""
         how = f"ended with code {self.code}" if self.code >= 0 else f"was killed by {_signal_name(-self.code)}"
-        tail = "\n".join(self.output.strip().splitlines()[-8:])[-2000:]
+        tail = "\n".join(_without_stacks(self.output)[-8:])[-2000:]
+        if self.code != 0 and self.memory is not None and _OUT_OF_MEMORY.search(tail):
+            how = f"ran out of memory (it may take {self.memory / (1 << 30):.2g} GiB) and {how}"
         return f"{how}:\n{tail}" if tail else f"{how} and said nothing"
 
 
@@ -92,12 +102,12 @@ def run_program(title: str, command: Sequence[str], folder: Path, limits: Limits
     with _started(title, command, folder, mark) as process:
         _limit(process.pid, limits)
         output = _attended(title, process, limits, stopped)
-    return Ended(process.returncode, output)
+    return Ended(process.returncode, output, limits.memory)
 
 
 @contextlib.contextmanager
 def _started(title: str, command: Sequence[str], folder: Path, mark: str) -> Iterator[subprocess.Popen[bytes]]:
-    """Starts a program; when the block is left, neither it nor anything that it has started is there any more."""
+    """Starts a program; when the block is left, neither it nor what can be found of its children is there any more."""
     try:
         process = subprocess.Popen(
             command,
@@ -228,6 +238,18 @@ def _environment(pid: int) -> list[bytes]:
     with contextlib.suppress(OSError):
         return Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
     return []
+
+
+def _without_stacks(output: str) -> list[str]:
+    """Returns the lines of an output, fit for a terminal, without those of where in a Python program it broke."""
+    lines = [_printable(line) for line in output.strip().splitlines()]
+    if any(line.startswith(_STACK) for line in lines):
+        return [line for line in lines if not line.startswith((" ", *_STACK))]
+    return lines
+
+
+def _printable(line: str) -> str:
+    return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in line)
 
 
 def _signal_name(number: int) -> str:

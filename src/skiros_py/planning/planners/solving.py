@@ -1,4 +1,4 @@
-"""What runs in the process of a :class:`~skiros_py.planning.files_planner.FilesPlanner`: one call, one reply."""
+"""What runs in the process of a planner that is a method (``FilesPlanner``): one call, one reply."""
 
 from __future__ import annotations
 
@@ -33,8 +33,18 @@ def main(domain: str, problem: str, call: str, reply: str) -> None:
         if by_user(error):
             raise
         traceback.print_exc()
-        words = f"broke\n{error if isinstance(error, PlanningError) else f'{type(error).__name__}: {error}'}"
+        words = f"broke\n{_fault(error)}"
     Path(reply).write_text(words, encoding="utf-8")
+
+
+def _fault(error: BaseException) -> str:
+    match error:
+        case PlanningError():
+            return str(error)
+        case MemoryError():
+            return "it ran out of memory"
+        case _:
+            return f"{type(error).__name__}: {error}"
 
 
 def _words(answer: object) -> str:

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.domain.placing import moved_and_place
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.robots.effort import efforts
+from skiros_py.planning.robots.effort import estimating
 from skiros_py.planning.robots.handling import Handling, columns
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
-__all__ = ["ASSIGNED", "Share", "deal", "shares", "teams"]
+__all__ = ["ASSIGNED", "Share", "deal", "dealing", "shares", "teams"]
 
 ASSIGNED = "assigned"
 """Predicate that says that an agent may handle a thing."""
@@ -53,13 +54,18 @@ def deal(view: WorldView, task: PlanningTask) -> PlanningTask:
         view: The world.
         task: Any task; that of one robot comes back as it is.
     """
+    return at_once(dealing(view, task))
+
+
+def dealing(view: WorldView, task: PlanningTask) -> Work[PlanningTask]:
+    """Does what :func:`deal` does; in pieces."""
     robots = teams(view, task)
     if len(robots) < 2:
         return task
-    dealing = _Dealing(view, task, robots)
-    dealing.run()
-    owners = dict.fromkeys(dealing.surplus, frozenset[str]())
-    owners |= {thing: share.agents for share in dealing.shares for thing in share.things}
+    dealt = _Dealing(view, task, robots)
+    yield from dealt.run()
+    owners = dict.fromkeys(dealt.surplus, frozenset[str]())
+    owners |= {thing: share.agents for share in dealt.shares for thing in share.things}
     return _narrowed(view, task, owners) if owners else task
 
 
@@ -71,9 +77,9 @@ def shares(view: WorldView, task: PlanningTask) -> tuple[Share, ...]:
     robots = teams(view, task)
     if len(robots) < 2:
         return ()
-    dealing = _Dealing(view, task, robots)
-    dealing.run()
-    return dealing.shares
+    dealt = _Dealing(view, task, robots)
+    at_once(dealt.run())
+    return dealt.shares
 
 
 def teams(view: WorldView, task: PlanningTask) -> dict[str, frozenset[str]]:
@@ -127,8 +133,8 @@ class _Dealing:
         self._handling = Handling(task, view.ontology)
         alone = [self._group(part) for part in range(len(self._task.goal))]
         self._groups = [group for group in _merged(alone) if group.things or group.kind]
-        sketch = self._sketched()
-        self._costs = [efforts(sketch, view.ontology, agents) for agents in robots.values()]
+        self._sketch = self._sketched()
+        self._costs: list[Mapping[Atom, float]] = []
         self._loads = [0.0] * len(robots)
         self._fair = 0.0
         self._parts: list[list[int]] = [[] for _ in robots]
@@ -140,8 +146,10 @@ class _Dealing:
         each = zip(self._robots.items(), self._parts, self._things, self._loads, strict=True)
         return tuple(Share(r, a, tuple(sorted(p)), frozenset(t), load) for (r, a), p, t, load in each)
 
-    def run(self) -> None:
+    def run(self) -> Work[None]:
         """Deals everything out."""
+        for agents in self._robots.values():
+            self._costs.append((yield from estimating(self._sketch, self._ontology, agents)))
         wanted = {group: [self._effort(group, cost) for cost in self._costs] for group in self._groups}
         self._fair = sum(least for efforts in wanted.values() if (least := min(efforts)) < float("inf"))
         self._fair /= len(self._robots)

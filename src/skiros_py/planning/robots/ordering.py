@@ -6,20 +6,22 @@ reads or writes, or both need the same device.
 
 from __future__ import annotations
 
+import heapq
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch
 from skiros_py.planning.domain.pddl import PddlTexts
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.validation import replay
+from skiros_py.planning.validation import replaying
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
-__all__ = ["contrary", "makespan", "order", "partial_order", "schedule"]
+__all__ = ["contrary", "makespan", "order", "ordering", "partial_order", "schedule"]
 
 Order = tuple[frozenset[int], ...]
 """For each step the indices of the steps that must have ended before it starts; only those that no other implies."""
@@ -39,12 +41,18 @@ def order(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> 
         texts: The task as written.
         plan: The steps, replayed and found right, and their PDDL lines.
     """
+    return at_once(ordering(view, task, texts, plan))
+
+
+def ordering(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> Work[Plan]:
+    """Does what :func:`order` does, in pieces."""
     skills = {c.skill.name: c.skill for c in task.capabilities}
     after = partial_order(texts, plan.pddl, skills)
+    yield
     if len(after) != len(plan.steps):
         return plan
     other = [plan.steps[index] for index in contrary(after)]
-    if replay(view, other, task.conditions, skills) is not None:
+    if (yield from replaying(view, other, task.conditions, skills)) is not None:
         return plan
     return replace(plan, after=after, starts=_starts(texts, plan, after))
 
@@ -169,10 +177,20 @@ def contrary(after: Order) -> tuple[int, ...]:
     >>> contrary((frozenset(), frozenset({0}), frozenset()))
     (2, 0, 1)
     """
+    waits = [len(earlier) for earlier in after]
+    behind: list[list[int]] = [[] for _ in after]
+    for index, earlier in enumerate(after):
+        for one in earlier:
+            behind[one].append(index)
+    ready = [-index for index, number in enumerate(waits) if number == 0]  # as a heap, the last at its front
+    heapq.heapify(ready)
     taken: list[int] = []
-    while len(taken) < len(after):
-        ready = (i for i in range(len(after)) if i not in taken and after[i] <= set(taken))
-        taken.append(max(ready))
+    while ready:
+        taken.append(-heapq.heappop(ready))
+        for index in behind[taken[-1]]:
+            waits[index] -= 1
+            if waits[index] == 0:
+                heapq.heappush(ready, -index)
     return tuple(taken)
 
 

@@ -72,7 +72,7 @@ def _arrange(
     place: BodySpec, bodies: Sequence[BodySpec], standing: Sequence[Pose], rng: np.random.Generator
 ) -> dict[str, Pose]:
     """Draws poses in the place's frame; starts anew when the first ones leave no room for the last."""
-    for _ in range(_ARRANGEMENTS):
+    for _ in range(_ARRANGEMENTS if len(bodies) <= _most(place) else 0):
         drawn: dict[str, Pose] = {}
         for body in bodies:
             pose = _draw(place, body, [*standing, *drawn.values()], rng)
@@ -83,6 +83,12 @@ def _arrange(
             return drawn
     names = _names(bodies)
     raise DescriptionError(f"no room on '{place.id}' for {names} with {_MIN_DISTANCE} m between their middles")
+
+
+def _most(place: BodySpec) -> float:
+    """Returns how many bodies a place can never have more of: discs around their middles would overlap."""
+    half_x, half_y = _surface(place)
+    return (2.0 * half_x + _MIN_DISTANCE) * (2.0 * half_y + _MIN_DISTANCE) / (math.pi * (_MIN_DISTANCE / 2.0) ** 2)
 
 
 def _names(bodies: Sequence[BodySpec]) -> str:

@@ -34,12 +34,12 @@ class Verdict:
         """Returns the tree as indented lines, the decisive parts only: where it fails, why it fails."""
         mark = "holds" if self.holds else "does not hold"
         own = f"{'  ' * indent}{self.text}" + (f" ({mark})" if self.parts else "")
-        return [own, *(line for part in self._decisive for line in part.lines(indent + 1))]
+        return [own, *(line for part in self.decisive for line in part.lines(indent + 1))]
 
     @property
     def why(self) -> str:
         """What decides it, in one line for people: "ball_1 is not in box_b: it is in box_a"."""
-        return self.sentence if all(end.vague for end in self._ends()) else self._reasons
+        return self.sentence if all(end.vague for end in _ends(self)) else self._reasons
 
     @property
     def sentence(self) -> str:
@@ -49,17 +49,19 @@ class Verdict:
     @property
     def _reasons(self) -> str:
         """The ends of the tree of reasons, each once."""
-        ends = tuple(self._ends())
+        ends = tuple(_ends(self))
         said = list(dict.fromkeys(end.text for end in ends if not end.vague) or dict.fromkeys(end.text for end in ends))
         rest = [f"and {len(said) - _SHOWN} more"] if len(said) > _SHOWN else []
         return "; ".join((*said[:_SHOWN], *rest))
 
     @property
-    def _decisive(self) -> tuple[Verdict, ...]:
+    def decisive(self) -> tuple[Verdict, ...]:
+        """The parts that decide it: where it fails, those that fail."""
         return tuple(part for part in self.parts if part.holds == self.holds) or self.parts
 
-    def _ends(self) -> Iterator[Verdict]:
-        if not self.parts:
-            yield self
-        for part in self._decisive:
-            yield from part._ends()
+
+def _ends(verdict: Verdict) -> Iterator[Verdict]:
+    if not verdict.parts:
+        yield verdict
+    for part in verdict.decisive:
+        yield from _ends(part)

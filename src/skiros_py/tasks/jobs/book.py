@@ -24,6 +24,9 @@ class JobBook:
     Args:
         store: Where they are kept.
         clock: Gives the wall time [s since 1970].
+
+    Attributes:
+        version: Grows with every change of any job.
     """
 
     def __init__(self, store: JobStore, clock: Callable[[], float]) -> None:
@@ -31,6 +34,7 @@ class JobBook:
         self._clock = clock
         self._jobs = {job.id: job for job in store.all()}
         self._listeners: list[Callable[[Job], None]] = []
+        self.version = 0
 
     @property
     def jobs(self) -> Mapping[str, Job]:
@@ -74,11 +78,13 @@ class JobBook:
     def remove(self, job: str) -> None:
         """Forgets a job."""
         self._store.forget(job)
+        self.version += 1
         self._jobs = {id_: known for id_, known in self._jobs.items() if id_ != job}
 
     def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
         self._store.keep(job, trigger, comment)
         self._jobs = self._jobs | {job.id: job}
+        self.version += 1
         for listener in tuple(self._listeners):
             try:
                 listener(job)

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from skiros_py.errors import UnknownName
 from skiros_py.planning.domain.needs import with_defaults
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.conditions import effects_of, write_effects
 from skiros_py.skills.inference import applying
+from skiros_py.tasks.by_hand import write_by_hand
 from skiros_py.tasks.jobs.job import Intent
-from skiros_py.world.change import Writer
 from skiros_py.world.world import World
 
 __all__ = ["done_by_hand"]
@@ -34,6 +33,5 @@ def done_by_hand(world: World, capabilities: Sequence[Capability], intent: Inten
         raise UnknownName("skill", intent.skill, skills)
     skill = skills[intent.skill]
     values = with_defaults(skill, intent.arguments)
-    effects = [e for condition in applying(skill.post, values) for e in effects_of(condition.bind(values))]
-    with world.transaction(by, f"{intent.skill} was done by hand", writer=Writer.PERSON) as tx:
-        write_effects(tx, world.ontology, effects)
+    done = (condition.bind(values) for condition in applying(skill.post, values))
+    write_by_hand(world, done, by, f"{intent.skill} was done by hand")

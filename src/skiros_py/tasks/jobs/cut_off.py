@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skiros_py.tasks.jobs.book import JobBook
-from skiros_py.tasks.jobs.job import Intent
+from skiros_py.tasks.jobs.job import Intent, Job
 from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
 
-__all__ = ["ABORT", "BY_HAND", "RETRY", "hold_what_was_cut_off"]
+__all__ = ["ABORT", "BY_HAND", "CUT_OFF", "RETRY", "hold_what_was_cut_off", "hold_what_was_halted"]
 
 RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
 """What a person may answer: go on from what is believed now; a person has done the step; give the job up."""
+
+CUT_OFF = "nobody knows: it was cut off, and planned anew"
+"""How a step ended that was cut off, when a person has looked and wants the job to go on."""
 
 
 def hold_what_was_cut_off(book: JobBook, store: JobStore) -> None:
@@ -21,7 +24,13 @@ def hold_what_was_cut_off(book: JobBook, store: JobStore) -> None:
         if job.state.has_begun:
             moving = [intent for intent in store.intents(job.id) if intent.ended is None]
             choices = (RETRY, BY_HAND, ABORT) if moving else (RETRY, ABORT)
-            book.move(job, Trigger.HOLD, "the program ended", detail=_detail(moving), choices=choices)
+            book.move(job, Trigger.HOLD, "the program ended", detail=_detail(moving), choices=choices, question=None)
+
+
+def hold_what_was_halted(book: JobBook, job: Job, why: str) -> Job:
+    """Lets a job wait for a person because everything was halted; everything it moved stands."""
+    detail = f"everything was halted ({why}): look, reset, then answer"
+    return book.move(job, Trigger.HOLD, why, detail=detail, choices=(RETRY, ABORT), question=None)
 
 
 def _detail(moving: Sequence[Intent]) -> str:

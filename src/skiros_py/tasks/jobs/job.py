@@ -122,6 +122,7 @@ class Job(BaseModel):
         state: Its state.
         detail: What it does or waits for in this state, in words ("queued", "planning", "held: …").
         choices: The answers that it waits for from a person; empty while it waits for none.
+        question: Id of the question that they answer; None where the job itself asks: it was cut off.
         outcome: What came of it; None until it is over.
         actuals: What became of each condition.
         reasons: Why there is no plan, or why it was given up.
@@ -138,6 +139,7 @@ class Job(BaseModel):
     state: JobState
     detail: str = ""
     choices: tuple[str, ...] = ()
+    question: int | None = None
     outcome: Outcome | None = None
     actuals: tuple[Actual, ...] = ()
     reasons: tuple[str, ...] = ()

@@ -6,6 +6,7 @@ control cycle. What runs is touched in the control thread only.
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -18,9 +19,9 @@ from skiros_py.execution.station import Station
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.by_hand import done_by_hand
-from skiros_py.tasks.jobs.cut_off import ABORT, BY_HAND, hold_what_was_cut_off
+from skiros_py.tasks.jobs.cut_off import ABORT, BY_HAND, CUT_OFF, hold_what_was_cut_off, hold_what_was_halted
 from skiros_py.tasks.jobs.job import Intent, Job, JobOrder, Outcome, Transition
-from skiros_py.tasks.jobs.queue import next_job
+from skiros_py.tasks.jobs.queue import next_job, next_opening
 from skiros_py.tasks.jobs.run import JobRun
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.store import JobStore
@@ -61,6 +62,7 @@ class JobManager:
         self._book = JobBook(store, clock)
         self._runs: dict[str, JobRun] = {}
         self._wishes: deque[Callable[[], None]] = deque()
+        self._looked, self._opening = -1, math.inf
         hold_what_was_cut_off(self._book, store)
         station.cycle.observe(self._attend)
 
@@ -154,17 +156,27 @@ class JobManager:
         """Lets a job come to a standstill where it is."""
         with self._guard:
             if self._job(job).state is JobState.INTERRUPTED:
+                self._wish(job, JobRun.pause)  # what waits for an answer shall stand when that has come
                 return self._job(job)
             changed = self._move(job, Trigger.PAUSE, comment, detail="paused")
             self._wish(job, JobRun.pause)
             return changed
 
     def resume(self, job: str, comment: str = "") -> Job:
-        """Goes on with a job that stands; one that was cut off is planned anew from what is believed now."""
+        """Goes on with a job that stands; one that was cut off is planned anew from what is believed now.
+
+        Raises:
+            UnknownName: There is no such job.
+            UsageError: It waits for an answer, or everything is halted, or it does not stand.
+        """
         with self._guard:
-            if self._job(job).state is JobState.RUNNING:
-                return self._job(job)
-            changed = self._move(job, Trigger.RESUME, comment, detail="goes on", choices=())
+            now = self._job(job)
+            if now.state is JobState.RUNNING:
+                return now
+            if job in self._runs and self._runs[job].asks:
+                raise UsageError(f"job '{job}' waits for an answer: {', '.join(now.choices)}")
+            self._require_ready(job)
+            changed = self._move(job, Trigger.RESUME, comment, detail="goes on", choices=(), question=None)
             self._wishes.append(partial(self._go_on, job))
             return changed
 
@@ -211,18 +223,21 @@ class JobManager:
 
         Raises:
             UnknownName: There is no such job, or it does not offer that choice.
+            UsageError: It asks something else by now, or everything is halted.
         """
         with self._guard:
             now = self._job(job)
             if choice not in now.choices:
                 raise UnknownName("answer", choice, now.choices, where=f"of job '{job}'")
             if job in self._runs:
-                self._runs[job].answer(choice, by=by)
+                self._runs[job].answer(choice, by=by, asked=now.question)
                 return now
             if choice == ABORT:
                 return self.abort(job, f"answered by {by}")
+            self._require_ready(job)
             if choice == BY_HAND:
                 self._wishes.append(partial(self._note_done, job, by))
+                return now
             return self.resume(job, f"{choice}, says {by}")
 
     def _end(self, job: str, trigger: Trigger, outcome: Outcome, comment: str) -> Job:
@@ -237,6 +252,11 @@ class JobManager:
             run.end_as(trigger, outcome, comment)
             self._wish(job, JobRun.stop)
             return self._book.change(now.but(detail=f"is being {outcome.value}"))
+
+    def _require_ready(self, job: str) -> None:
+        halted = self._station.cycle.halted
+        if halted:
+            raise UsageError(f"job '{job}' cannot go on: everything is halted ({halted}); look, reset, then answer")
 
     def _wish(self, job: str, what: Callable[[JobRun], None]) -> None:
         """Has something done to what runs for a job, in the control thread."""
@@ -264,10 +284,17 @@ class JobManager:
             self._wishes.popleft()()
         for job, run in tuple(self._runs.items()):
             self._follow(job, run)
-        if len(self._runs) < self._at_once and not self._station.cycle.halted:
-            coming = next_job(self._book.jobs.values(), self._clock())
+        if len(self._runs) < self._at_once and not self._station.cycle.halted and self._may_have_changed():
+            jobs, now = self._book.jobs.values(), self._clock()
+            coming = next_job(jobs, now)
             if coming is not None:
                 self._dispatch(coming)
+            else:
+                self._looked, self._opening = self._book.version, next_opening(jobs, now)
+
+    def _may_have_changed(self) -> bool:
+        """Tells whether a job may start now that could not when that was last looked at."""
+        return self._book.version != self._looked or self._clock() >= self._opening
 
     def _follow(self, job: str, run: JobRun) -> None:
         with self._guard:
@@ -291,6 +318,11 @@ class JobManager:
                 self._begin(self._job(job))
 
     def _begin(self, job: Job) -> None:
+        if self._station.cycle.halted:
+            hold_what_was_halted(self._book, job, self._station.cycle.halted)
+            return
+        for intent in self._cut_off(job.id):
+            self._store.settle(job.id, intent.number, CUT_OFF)
         try:
             goal = self._parse(job.order.goal)
             undertaking = self._tasks.begin(goal, name=job.id, policy=job.order.policy)
@@ -301,8 +333,19 @@ class JobManager:
         self._runs[job.id] = JobRun(undertaking, self._station, self._book, self._store)
 
     def _note_done(self, job: str, by: str) -> None:
-        """Believes what a person says they did in the place of the step that was cut off."""
-        cut_off = [intent for intent in self._store.intents(job) if intent.ended is None]
-        for intent in cut_off:
-            done_by_hand(self._station.world, self._tasks.capabilities, intent, by)
-            self._store.settle(job, intent.number, f"done by hand, says {by}")
+        """Believes what a person says they did in the place of the step that was cut off, and goes on."""
+        with self._guard:
+            now = self._book.jobs.get(job)
+            if now is None or now.state is not JobState.INTERRUPTED or job in self._runs:  # somebody was quicker
+                return
+            try:
+                for intent in self._cut_off(job):
+                    done_by_hand(self._station.world, self._tasks.capabilities, intent, by)
+                    self._store.settle(job, intent.number, f"done by hand, says {by}")
+                self.resume(job, f"{BY_HAND}, says {by}")
+            except SkirosError as error:
+                self._book.change(now.but(detail=f"that it was done by hand cannot be believed: {error}; answer again"))
+
+    def _cut_off(self, job: str) -> tuple[Intent, ...]:
+        """Returns the steps of which nobody knows how they ended."""
+        return tuple(intent for intent in self._store.intents(job) if intent.ended is None)

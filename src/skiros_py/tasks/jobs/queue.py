@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.states import JobState
 
-__all__ = ["next_job"]
+__all__ = ["next_job", "next_opening"]
 
 
 def next_job(jobs: Iterable[Job], now: float) -> Job | None:
@@ -22,6 +22,12 @@ def next_job(jobs: Iterable[Job], now: float) -> Job | None:
     """
     ready = [job for job in jobs if job.state is JobState.ALLOWED_TO_START and _gate_is_open(job, now)]
     return min(ready, key=_rank, default=None)
+
+
+def next_opening(jobs: Iterable[Job], now: float) -> float:
+    """Returns when the next start gate opens [s since 1970]; infinity where none will."""
+    gates = (job.order.not_before for job in jobs if job.state is JobState.ALLOWED_TO_START)
+    return min((gate.timestamp() for gate in gates if gate is not None and gate.timestamp() > now), default=math.inf)
 
 
 def _gate_is_open(job: Job, now: float) -> bool:

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.station import Station
-from skiros_py.planning.plan import Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
 from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.jobs.cut_off import hold_what_was_halted
 from skiros_py.tasks.jobs.job import Actual, Job, Outcome
-from skiros_py.tasks.jobs.states import JobState, Trigger
+from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
@@ -35,10 +35,12 @@ class JobRun:
 
     Attributes:
         ending: What comes of the job when it stands, because somebody ended it; None while nobody did.
+        paused: True while somebody wants it to stand.
     """
 
     def __init__(self, undertaking: Undertaking, station: Station, book: JobBook, store: JobStore) -> None:
         self.ending: Outcome | None = None
+        self.paused = False
         self._undertaking = undertaking
         self._station = station
         self._book = book
@@ -47,8 +49,7 @@ class JobRun:
         self._numbers: dict[int, int] = {}
         self._entries: list[TraceEntry] = []
         self._written = time.monotonic()
-        self._status = ""
-        self._steps: tuple[Step, ...] = ()
+        self._seen: tuple[object, ...] = ()
         undertaking.trace.subscribe(self._entries.append)
         undertaking.before_step(self._intend)
         undertaking.after_step(self._settle)
@@ -56,11 +57,13 @@ class JobRun:
     # ------------------------------------------------------------------ commands
 
     def pause(self) -> None:
-        """Lets it come to a standstill."""
+        """Lets it come to a standstill; what waits for an answer then stands when that has come."""
+        self.paused = True
         self._undertaking.pause()
 
     def resume(self) -> None:
         """Goes on."""
+        self.paused = False
         self._undertaking.resume()
 
     def stop(self) -> None:
@@ -71,15 +74,26 @@ class JobRun:
         """Says what comes of the job when it stands; the last one who says so counts."""
         self.ending, self._trigger, self._comment = outcome, trigger, comment
 
-    def answer(self, choice: str, *, by: str) -> None:
+    @property
+    def asks(self) -> bool:
+        """True while it waits for an answer."""
+        return self._undertaking.question is not None
+
+    def answer(self, choice: str, *, by: str, asked: int | None) -> None:
         """Answers what it asks; may be called in any thread.
 
+        Args:
+            choice: One of the answers that it offers.
+            by: Who answers.
+            asked: Id of the question that this answers.
+
         Raises:
-            UsageError: It asks nothing any more.
+            UsageError: It asks nothing, or something else, by now.
         """
         question = self._undertaking.question
-        if question is None:
-            raise UsageError(f"job '{self._undertaking.name}' waits for no answer any more")
+        if question is None or question.id != asked:
+            now = "waits for no answer any more" if question is None else f"asks something else by now: {question.text}"
+            raise UsageError(f"job '{self._undertaking.name}' {now}")
         self._station.questions.answer(question.id, choice, by=by)
 
     # ------------------------------------------------------------------ what is written down
@@ -111,22 +125,24 @@ class JobRun:
             self._finish(job)
             return True
         steps = undertaking.plan.steps if undertaking.plan is not None else ()
-        if undertaking.status == self._status and steps is self._steps:
-            return False
-        self._status, self._steps = undertaking.status, steps
-        self._note(job, tuple(map(str, steps)))
+        seen = (undertaking.status, undertaking.question, steps, self.paused)
+        if seen != self._seen:
+            self._seen = seen
+            self._note(job, tuple(map(str, steps)))
         return False
 
     def _note(self, job: Job, plan: Sequence[str]) -> None:
         """Passes on what it does now: whether it waits for a person is a state of the job."""
         question = self._undertaking.question
-        if question is not None and job.state in (JobState.RUNNING, JobState.INTERRUPTED):
-            held = f"held: {question.text}"
-            self._book.move(job, Trigger.HOLD, question.text, detail=held, choices=question.options, plan=plan)
-        elif job.choices and question is None:
-            self._book.move(job, Trigger.RESUME, "answered", detail=self._status, choices=(), plan=plan)
+        if question is not None:
+            asks = {"detail": f"held: {question.text}", "choices": question.options, "question": question.id}
+            self._book.move(job, Trigger.HOLD, question.text, plan=plan, **asks)
+        elif job.choices and not self.paused:
+            status = self._undertaking.status
+            self._book.move(job, Trigger.RESUME, "answered", detail=status, choices=(), question=None, plan=plan)
         else:
-            self._book.change(job.but(detail=self._status, plan=plan))
+            detail = "paused" if self.paused else self._undertaking.status
+            self._book.change(job.but(detail=detail, choices=(), question=None, plan=plan))
 
     def _write_trace(self, *, at_once: bool) -> None:
         if self._entries and (at_once or time.monotonic() - self._written > _BETWEEN_WRITES):
@@ -142,8 +158,7 @@ class JobRun:
         if self.ending is not None:
             self._close(job, self._trigger, self.ending, report)
         elif halted:
-            detail = f"everything was halted ({halted}): look, reset, then answer"
-            self._book.move(job, Trigger.HOLD, halted, detail=detail, choices=("retry", "abort"))
+            hold_what_was_halted(self._book, job, halted)
         elif report is None or report.stopped:
             self._close(job, Trigger.STOP, Outcome.STOPPED, report)
         else:
@@ -154,10 +169,10 @@ class JobRun:
     def _close(self, job: Job, trigger: Trigger, outcome: Outcome, report: GoalReport | None) -> None:
         conditions = report.conditions if report is not None else ()
         actuals = tuple(Actual(condition=c.condition, reached=c.believed, reason=c.reason) for c in conditions)
-        reasons = report.no_plan if report is not None else ()
-        self._book.move(
-            job, trigger, self._comment, outcome=outcome, detail="", choices=(), actuals=actuals, reasons=reasons
-        )
+        fault = (report.fault,) if report is not None and report.fault else ()
+        reasons = (*(report.no_plan if report is not None else ()), *fault)
+        over = {"outcome": outcome, "detail": "", "choices": (), "question": None}
+        self._book.move(job, trigger, self._comment, actuals=actuals, reasons=reasons, **over)
 
 
 def _outcome(report: GoalReport) -> Outcome:

@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+import shapely
 
 from skiros_py.errors import SkirosError
 from skiros_py.geometry import Array, Pose, Solid
@@ -141,6 +142,15 @@ class ArmPlannerContract:
 
         assert np.array_equal(one.legs[0].positions, other.legs[0].positions)
 
+    def test_a_motion_stays_above_what_it_says_it_covers_of_the_floor(self, planner: ArmPlanner) -> None:
+        """With another robot about: its way must not lead through an arm."""
+        plan = self._planned(planner, (JointMove(self._near),))
+        tips = [self._tip(planner, row).position[:2] for row in plan.legs[0].positions]
+
+        assert _all_inside(tips, plan.covers)
+        assert _all_inside(tips[-1:], plan.ends)
+        assert _all_inside(plan.ends, plan.covers)
+
     # ------------------------------------------------------------------ what is not possible
 
     def test_a_pose_out_of_reach_has_a_reason_instead_of_a_motion(self, planner: ArmPlanner) -> None:
@@ -191,3 +201,8 @@ class ArmPlannerContract:
         turn: Any = (tip.inverse() @ wanted).orientation
         assert tip.distance(wanted) <= self.reach_tolerance
         assert 2.0 * math.acos(min(1.0, abs(turn[3]))) <= self.turn_tolerance
+
+
+def _all_inside(points: Sequence[tuple[float, float]], outline: Sequence[tuple[float, float]]) -> bool:
+    hull = shapely.buffer(shapely.MultiPoint(list(outline)).convex_hull, 1e-6)
+    return bool(shapely.covers(hull, shapely.MultiPoint(list(points))))

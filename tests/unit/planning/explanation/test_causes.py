@@ -61,6 +61,13 @@ def lost() -> World:
         ),
         pytest.param(
             tiny_world(),
+            REACHABLE("floor"),
+            None,
+            "Reachable(floor) cannot be reached: floor has no driving pose, and no skill changes it",
+            id="nobody taught where to stand, and nothing else is wanted",
+        ),
+        pytest.param(
+            tiny_world(),
             IN_CONTAINER("ball_1", "box_b"),
             None,
             "In(ball_1, box_b) cannot be reached: box_b is not a Slot, which skill 'place' needs",

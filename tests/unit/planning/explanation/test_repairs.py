@@ -1,13 +1,12 @@
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import pytest
 
 from skiros_py.errors import WorldError
 from skiros_py.planning.explanation import Explanation, explain
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation.supposition import Supposition
+from skiros_py.planning.pieces import Work
 from skiros_py.planning.reasons import Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world
@@ -18,10 +17,12 @@ from skiros_py.world.world import World
 
 
 def explained(world: World, *goal: Condition, works: bool | None = True) -> Explanation:
-    def solve(_view: WorldView, _goal: Sequence[Condition]) -> bool | None:
-        return works
+    return explain(tiny_task(world, *goal), world, lambda _view, _goal: answering(works))
 
-    return explain(tiny_task(world, *goal), world, solve)
+
+def answering(works: bool | None) -> Work[bool | None]:
+    yield
+    return works
 
 
 def full() -> World:
@@ -62,7 +63,7 @@ def test_what_nobody_can_do_in_the_scene_is_said_in_words() -> None:
     world = tiny_world()
     task = tiny_task(world, AT_LOCATION("robot_1", "box_a"), agents=("arm_1",))
 
-    found = explain(task, world, lambda _view, _goal: True)
+    found = explain(task, world, lambda _view, _goal: answering(True))
 
     assert found.repairs == (Repair("give base_1 the skill 'drive', or start a robot that has it"),)
 

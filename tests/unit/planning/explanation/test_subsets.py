@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.planning.explanation.subsets import conflict_of, smallest_unsolvable
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing.tiny_skills import FREE
 
@@ -13,16 +14,11 @@ GOAL = tuple(FREE(f"slot_{n}") for n in range(8))
 
 
 def smallest(goal: Sequence[Condition], bad: Sequence[Condition], *, known: bool = True) -> tuple[Condition, ...]:
-    def reachable(some: Sequence[Condition]) -> bool | None:
+    def reachable(some: Sequence[Condition]) -> Work[bool | None]:
+        yield
         return not set(bad) <= set(some) if known else None
 
-    work = smallest_unsolvable(goal, reachable)
-    try:
-        while True:
-            next(work)
-    except StopIteration as end:
-        found: tuple[Condition, ...] = end.value
-        return found
+    return at_once(smallest_unsolvable(goal, reachable))
 
 
 @given(st.sets(st.sampled_from(GOAL), min_size=1))
@@ -35,10 +31,14 @@ def test_where_the_planner_does_not_know_nothing_is_left_out() -> None:
 
 
 def test_a_planner_is_asked_a_bounded_number_of_times() -> None:
-    calls = []
+    calls: list[Sequence[Condition]] = []
     many = tuple(FREE(f"slot_{n}") for n in range(100))
 
-    list(smallest_unsolvable(many, lambda some: bool(calls.append(some))))
+    def reachable(some: Sequence[Condition]) -> Work[bool | None]:
+        yield
+        return bool(calls.append(some))
+
+    at_once(smallest_unsolvable(many, reachable))
 
     assert len(calls) <= 16
 

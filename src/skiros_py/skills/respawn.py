@@ -1,0 +1,52 @@
+"""A simulation that starts anew in a world that has gone on: what cannot be as it was is believed otherwise.
+
+The bodies of a simulation live as long as its process. A part can start where it lay, but not between fingers, and a
+robot starts where its scene puts it. The journal knows where things were before.
+"""
+
+from __future__ import annotations
+
+from skiros_py.world import vocabulary as v
+from skiros_py.world.change import PlacementEdit, Writer
+from skiros_py.world.element import Placement
+from skiros_py.world.journal import Journal
+from skiros_py.world.world import World
+
+__all__ = ["respawn"]
+
+
+def respawn(world: World, journal: Journal) -> None:
+    """Believes what will be so when the simulation starts: held parts lie where they were taken, robots stand anywhere.
+
+    Args:
+        world: The world of a data directory.
+        journal: Its changes.
+    """
+    held = {part: place for part in _held(world) if (place := _before(journal, part)) is not None}
+    robots = [robot for robot in world.instances(v.ROBOT) if _is_somewhere(world, robot)]
+    if not (held or robots):
+        return
+    (anywhere, *_) = world.instances(v.UNKNOWN_LOCATION)
+    with world.transaction("simulation", "it starts anew", writer=Writer.SYSTEM) as tx:
+        for part, placement in held.items():
+            tx.place(part, placement.relation, placement.place)
+            tx.set(part, v.POSE, None)  # where in its place nobody knows any more
+        for robot in robots:
+            tx.place(robot, v.AT, anywhere)
+
+
+def _held(world: World) -> list[str]:
+    placed = ((part, world.placement(part)) for part in world.instances(v.MANIPULATABLE))
+    return [part for part, placement in placed if placement is not None and placement.relation == v.HELD_BY]
+
+
+def _before(journal: Journal, part: str) -> Placement | None:
+    """Returns where a part was before it was taken; None where the journal goes back no further."""
+    edits = (edit for entry in reversed(journal.history(part)) for edit in entry.change.edits)
+    moves = (edit for edit in edits if isinstance(edit, PlacementEdit) and edit.element == part)
+    return next((e.old for e in moves if e.old is not None and e.old.relation != v.HELD_BY), None)
+
+
+def _is_somewhere(world: World, robot: str) -> bool:
+    placement = world.placement(robot)
+    return placement is not None and not world.ontology.is_a(world.element(placement.place).type, v.UNKNOWN_LOCATION)

@@ -1,0 +1,130 @@
+"""Several jobs at once on two robots (fake): side by side where they do not meet, one after the other where they do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from skiros_py.runtime import Options, Session
+from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Outcome
+
+NORTH = "ObjectAtLocation(starter_1, kit_1_a)"
+SOUTH = "ObjectAtLocation(compressor_2, kit_2_a)"
+MORE = "ObjectAtLocation(alternator_2, kit_2_b)"
+
+
+@pytest.fixture
+def session() -> Iterator[Session]:
+    with Session("kitting_two", Options(fake=True)) as made:
+        yield made
+
+
+@pytest.fixture
+def jobs(session: Session, tmp_path: Path) -> Iterator[JobManager]:
+    with closing(JobStore(tmp_path / "jobs.db")) as store:
+        yield JobManager(session.tasks, session.station, store, session.parse, at_once=2)
+
+
+def order(id_: str, goal: str) -> JobOrder:
+    return JobOrder(id=id_, goal=(goal,))
+
+
+def until(session: Session, reached: Callable[[], object], cycles: int = 60_000) -> None:
+    for _ in range(cycles):
+        if reached():
+            return
+        session.cycle.step()
+    raise AssertionError("it was never reached")
+
+
+def running(jobs: JobManager) -> list[str]:
+    return [job.id for job in jobs.jobs.values() if job.state is JobState.RUNNING]
+
+
+def times(jobs: JobManager, job: str, what: str) -> list[float]:
+    return [entry["time"] for entry in jobs.trace(job) if entry["what"] == what]
+
+
+def agents(jobs: JobManager, job: str) -> set[str]:
+    return {entry["agent"][-1] for entry in jobs.trace(job) if entry["what"] == "started"}
+
+
+def succeeded(job: Job) -> bool:
+    return (job.state, job.outcome) == (JobState.ENDED, Outcome.SUCCEEDED)
+
+
+def test_two_jobs_run_side_by_side_each_by_a_robot_of_its_own(session: Session, jobs: JobManager) -> None:
+    jobs.submit(order("a", NORTH))
+    jobs.submit(order("b", SOUTH))
+    until(session, lambda: jobs.idle)
+
+    assert all(map(succeeded, jobs.jobs.values()))
+    assert agents(jobs, "a").isdisjoint(agents(jobs, "b"))
+    assert times(jobs, "a", "started")[0] < times(jobs, "b", "ended")[0]
+    assert times(jobs, "b", "started")[0] < times(jobs, "a", "ended")[0]
+
+
+def test_no_more_jobs_are_under_way_than_wanted_and_the_next_one_follows(session: Session, jobs: JobManager) -> None:
+    for id_, goal in (("a", NORTH), ("b", SOUTH), ("c", MORE)):
+        jobs.submit(order(id_, goal))
+    together: list[int] = []
+    until(session, lambda: together.append(len(running(jobs))) or jobs.idle)
+
+    assert max(together) == 2
+    assert all(map(succeeded, jobs.jobs.values()))
+
+
+def test_a_job_that_wants_the_part_of_another_one_waits_for_its_end_and_plans_with_what_is_so_then(
+    session: Session, jobs: JobManager
+) -> None:
+    jobs.submit(order("a", NORTH))
+    jobs.submit(order("b", "ObjectAtLocation(starter_1, kit_2_a)"))
+    until(session, lambda: jobs.idle)
+
+    assert succeeded(jobs.jobs["a"])
+    assert jobs.jobs["b"].outcome is Outcome.NO_PLAN, "nobody takes a part out of a kit"
+    assert "starter_1 is in kit_1_a" in jobs.jobs["b"].actuals[0].reason
+    assert times(jobs, "b", "started") == []
+    assert any("(a)" in entry["text"] for entry in jobs.trace("b") if entry["what"] == "waits")
+
+
+def test_stopping_one_job_leaves_the_other_one_alone(session: Session, jobs: JobManager) -> None:
+    jobs.submit(order("a", NORTH))
+    jobs.submit(order("b", SOUTH))
+    until(session, lambda: len(running(jobs)) == 2 and session.cycle.board.now > 7.0)
+    jobs.stop("a", "enough")
+    until(session, lambda: jobs.idle)
+
+    assert jobs.jobs["a"].outcome is Outcome.STOPPED
+    assert succeeded(jobs.jobs["b"])
+
+
+def test_a_halt_in_the_cycle_in_which_a_job_begins_holds_it_for_a_person(session: Session, jobs: JobManager) -> None:
+    jobs.submit(order("a", NORTH))
+    until(session, lambda: running(jobs))
+    session.cycle.stop_all("somebody hit the button")
+    session.cycle.step()
+    assert jobs.jobs["a"].state is JobState.INTERRUPTED
+    session.reset()
+    jobs.answer("a", "retry", by="ann")
+    until(session, lambda: jobs.idle)
+
+    assert succeeded(jobs.jobs["a"])
+
+
+def test_after_a_halt_both_jobs_are_held_and_both_are_done_after_a_retry(session: Session, jobs: JobManager) -> None:
+    jobs.submit(order("a", NORTH))
+    jobs.submit(order("b", SOUTH))
+    until(session, lambda: session.cycle.board.now > 7.0)
+    session.cycle.stop_all("somebody hit the button")
+    session.cycle.step()
+    assert {job.state for job in jobs.jobs.values()} == {JobState.INTERRUPTED}
+    session.reset()
+    for id_ in "ab":
+        jobs.answer(id_, "retry", by="ann")
+    until(session, lambda: jobs.idle)
+
+    assert all(map(succeeded, jobs.jobs.values()))

@@ -1,0 +1,46 @@
+"""A data directory opened again after a part was left in the gripper."""
+
+from pathlib import Path
+
+import pytest
+
+from skiros_py.runtime import Options, Session
+from skiros_py.skills.respawn import respawn
+from skiros_py.world.change import Writer
+
+
+def leave_a_part_in_the_gripper(data: Path) -> None:
+    with Session("kitting", Options(fake=True, data=data)) as session:
+        assert session.run("Holding(gripper_1, starter_1)").reached
+
+
+def test_a_robot_that_pretends_goes_on_with_what_it_holds(tmp_path: Path) -> None:
+    leave_a_part_in_the_gripper(tmp_path / "data")
+    with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
+        report = session.run("InKit(Starter, kit_1)")
+    assert report.reached
+    assert [step.skill for step in report.steps] == ["drive", "place"]
+
+
+def test_a_simulation_starts_with_the_part_where_it_was_taken_and_the_robot_anywhere(tmp_path: Path) -> None:
+    from skiros_py.runtime import open_data
+
+    leave_a_part_in_the_gripper(tmp_path / "data")
+    with open_data(tmp_path / "data", create=False) as directory:
+        world = directory.world
+        respawn(world, directory.journal)
+        assert (world.placement("starter_1").relation, world.placement("starter_1").place) == ("sk:in", "pallet_a")
+        assert world.placement("robot_1").place == "unknown_location"
+        assert world.changes[-1].writer is Writer.SYSTEM
+        before = world.version
+        respawn(world, directory.journal)
+        assert world.version == before
+
+
+@pytest.mark.physics
+def test_physics_goes_on_after_a_restart_with_a_part_in_the_gripper(tmp_path: Path) -> None:
+    leave_a_part_in_the_gripper(tmp_path / "data")
+    with Session("kitting", Options(data=tmp_path / "data")) as session:
+        report = session.run("InKit(Starter, kit_1)")
+    assert report.reached
+    assert all(condition.true for condition in report.conditions)

@@ -1,0 +1,115 @@
+"""What repairs do: no more than is needed, to places that have room, and such that they can be applied."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import pytest
+
+from skiros_py.planning.explanation import Explanation, Trial, explain
+from skiros_py.planning.explanation.edits import Move, needed_by
+from skiros_py.planning.pieces import Work
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.problem.task import Capability
+from skiros_py.skills.conditions import Condition
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
+from skiros_py.testing.mutations import IN_TRAY
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
+from skiros_py.world.view import WorldView
+from skiros_py.world.world import World
+
+WORDS = {**CONDITIONS, "InTray": IN_TRAY}
+TRAY = (
+    "scene:tray_1 a sk:Container ; sk:on scene:floor ; sk:hasA scene:tray_1_1 , scene:tray_1_2 .",
+    "scene:tray_1_1 a tiny:Slot . scene:tray_1_2 a tiny:Slot .",
+)
+
+
+@pytest.fixture(scope="module")
+def planners() -> Iterator[Planners]:
+    found = Planners.only(Kairos())
+    yield found
+    found.close()
+
+
+def able(world: WorldView) -> list[Capability]:
+    return [Capability(skill, world.instances(skill.agent_class)) for skill in (DRIVE, PICK, PLACE)]
+
+
+def trial(world: World, planners: Planners) -> Trial:
+    return Trial(planners, able(world), each=30.0, together=300.0)
+
+
+def explained(world: World, planners: Planners, *goal: str) -> Explanation:
+    conditions = parse_goal(list(goal), world, WORDS)
+    return explain(tiny_task(world, *conditions), world, trial(world, planners))
+
+
+def ball(number: int, place: str) -> str:
+    return f"scene:ball_{number} a tiny:Ball ; sk:in scene:{place} ."
+
+
+def test_a_thing_is_put_where_such_things_are_stored_and_never_into_a_place_for_one(planners: Planners) -> None:
+    """The other balls lie in slots: in full ones, and one that is free."""
+    world = tiny_world(*TRAY, ball(8, "tray_1_1"), ball(9, "tray_1_2"))
+
+    found = explained(world, planners, "Free(tray_1_1)")
+
+    assert found.repairs[0].text == "put ball_8 in box_a"
+    places = {edit.place for repair in found.repairs for edit in repair.edits if isinstance(edit, Move)}
+    assert places == {"box_a", "floor"}
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"),
+    [
+        ("not InTray(ball_8, tray_1)", "ball_8 is in tray_1_1, and no skill takes it from there"),
+        ("not In(ball_8, tray_1_1)", "tray_1_1 is not a Box, which skill 'pick' needs"),
+    ],
+)
+def test_what_should_not_lie_where_nothing_takes_it_from_is_put_elsewhere(
+    goal: str, reason: str, planners: Planners
+) -> None:
+    found = explained(tiny_world(*TRAY, ball(8, "tray_1_1")), planners, goal)
+
+    assert reason in found.reasons[0]
+    assert found.repairs[0].text == "put ball_8 in box_a"
+
+
+def test_parts_that_there_is_no_room_for_may_be_taken_out_of_the_scene(planners: Planners) -> None:
+    world = tiny_world(*TRAY, *(ball(n, "box_a") for n in (8, 9)))
+
+    found = explained(world, planners, "for all b: Ball (InTray(b, tray_1))")
+
+    assert all(len(repair.edits) == 2 for repair in found.repairs)
+    assert found.repairs[0].text == "remove ball_1 from the scene and remove ball_8 from the scene"
+
+
+def test_what_a_repair_brings_is_not_changed_by_it(planners: Planners) -> None:
+    """It is brought to where it hinders something else: its name is known only when it is there."""
+    world = tiny_world(*TRAY, ball(8, "tray_1_1"))
+    with world.transaction("test", "only one ball, in a slot") as tx:
+        tx.remove("ball_1")
+        tx.remove("red_ball_1")
+
+    found = explained(world, planners, "In(Giant, box_a) or In(RedBall, slot_1)", "Free(tray_1_2)", "Free(tray_1_1)")
+
+    there = set(world.instances("sk:Element"))
+    assert found.repairs
+    assert all(there.issuperset(needed_by(edit)) for repair in found.repairs for edit in repair.edits)
+
+
+def test_what_a_repair_does_not_need_is_left_out_of_it() -> None:
+    """To whoever tries it, it matters only that slot 1 is free: what else is in the way is put up with."""
+    world = tiny_world(*TRAY, ball(8, "tray_1_1"), ball(9, "slot_1"))
+    goal = parse_goal(["Free(tray_1_1)", "Free(slot_1)"], world, WORDS)
+
+    def solve(view: WorldView, some: Sequence[Condition]) -> Work[bool | None]:
+        yield
+        return set(goal) <= set(some) and not view.subjects("sk:in", "slot_1")
+
+    found = explain(tiny_task(world, *goal), world, solve)
+
+    assert [repair.text for repair in found.repairs][:1] == ["put ball_8 in box_a and put ball_9 in box_a"]
