@@ -64,6 +64,16 @@ def test_the_small_scene_of_the_manual_plans_and_runs(tmp_path, monkeypatch, cap
     assert "goal reached" in capsys.readouterr().out
 
 
+def test_the_second_robot_of_the_manual_comes_into_the_small_scene(tmp_path, capsys):
+    small, second, *_ = blocks(ROOT / "docs" / "scenes.md", "turtle")
+    (tmp_path / "two.ttl").write_text(small + second, encoding="utf-8")
+
+    status = cli.main(args=["scene", "show", str(tmp_path / "two.ttl")], standalone_mode=False)
+
+    assert status == 0
+    assert "gripper_2" in capsys.readouterr().out
+
+
 def test_the_world_commands_of_the_manual_work(tmp_path, monkeypatch, capsys):
     from skiros_py.runtime import open_data
     from skiros_py.world.change import Writer
@@ -96,7 +106,8 @@ def test_the_part_of_the_manual_is_a_valid_class(tmp_path):
         if "@prefix" in line
     )
     file = tmp_path / "pump.ttl"
-    file.write_text(f"{prefixes}\n{blocks(ROOT / 'docs' / 'scenes.md', 'turtle')[1]}", encoding="utf-8")
+    part = next(block for block in blocks(ROOT / "docs" / "scenes.md", "turtle") if "kitting:Pump" in block)
+    file.write_text(f"{prefixes}\n{part}", encoding="utf-8")
 
     ontology = Ontology.load([*ontology_paths(), file])
 

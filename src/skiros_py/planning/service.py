@@ -29,7 +29,7 @@ from skiros_py.world.view import WorldView
 
 __all__ = ["Planned", "PlanningService"]
 
-_TRIES = {False: (1.0, 4.0), True: (10.0, 60.0)}
+_TRIES = {False: (1.0, 4.0), True: (5.0, 10.0)}
 """How long one planner, and all together, may try out what would help, by whether simulated time stands still [s].
 
 Where it does, what is found must not depend on the clock: there it is only a guard, and what is tried is counted.

@@ -21,7 +21,7 @@ from skiros_py.planning.service import Planned, PlanningService
 from skiros_py.robot.pending import Pending
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import SKILLS, GivenPlanner, tiny_world
-from skiros_py.testing.tiny_skills import IN_CONTAINER
+from skiros_py.testing.tiny_skills import AT_LOCATION, IN_CONTAINER
 from skiros_py.world.world import World
 
 MUCH = [f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_a ." for n in range(2, 80)]
@@ -79,12 +79,12 @@ def planning(
 
 @pytest.mark.parametrize("lockstep", [True, False])
 def test_what_is_known_to_be_impossible_is_said_though_the_planner_never_answers(lockstep: bool) -> None:
-    planner = Failing(times=1000)
+    planner = Failing(*RIGHT, times=1)
     outcome = at_once(planning(tiny_world(*MUCH), planner, THREE_IN_ONE, lockstep=lockstep)).outcome
 
     assert isinstance(outcome, NoPlan)
-    assert "slot_1 takes one thing only" in outcome.reasons[0]
-    assert all(call.cancelled for call in planner.calls)
+    assert "slot_1 takes one" in outcome.reasons[0]
+    assert planner.calls[0].cancelled
 
 
 @pytest.mark.parametrize("facts", [MUCH, []], ids=["much", "little"])
@@ -93,7 +93,7 @@ def test_what_is_known_to_be_impossible_is_said_though_all_planners_fail(facts: 
     outcome = at_once(planning(tiny_world(*facts), Failing(times=1000, error="found no answer in 3 s"), goal)).outcome
 
     assert isinstance(outcome, NoPlan)
-    assert "slot_1 takes one thing only" in outcome.reasons[0]
+    assert "slot_1 takes one" in outcome.reasons[0]
 
 
 def test_where_planners_fail_and_nothing_is_known_it_is_their_fault() -> None:
@@ -155,7 +155,7 @@ class Later(GivenPlanner):
     def solve(self, domain: str, problem: str) -> Pending[Answer]:  # type: ignore[override]
         planner, given = self, super().solve(domain, problem)
 
-        class Pending_(Never):
+        class Waiting(Never):
             def done(self) -> bool:
                 planner.looks -= 1
                 return planner.looks < 0
@@ -163,7 +163,7 @@ class Later(GivenPlanner):
             def result(self) -> Answer:
                 return given.result()
 
-        return Pending_()
+        return Waiting()
 
 
 def test_trying_something_out_yields_while_the_planner_works() -> None:
@@ -192,3 +192,14 @@ def test_a_closed_plan_ends_the_call_of_the_planner() -> None:
 
     assert planner.calls
     assert all(call.cancelled for call in planner.calls)
+
+
+@pytest.mark.parametrize(("rounds", "steps"), [(20, 4), (200, 404)])
+def test_detours_are_looked_for_in_plans_that_are_not_very_long(rounds: int, steps: int) -> None:
+    there_and_back = "drive base_1 robot_1 box_b box_a", "drive base_1 robot_1 box_a box_b"
+    answer = GivenPlanner(RIGHT[0], *there_and_back * rounds, *RIGHT[1:], "drive base_1 robot_1 box_b box_a")
+    goal = IN_CONTAINER("ball_1", "slot_1"), AT_LOCATION("robot_1", "box_b")
+    outcome = at_once(planning(tiny_world(), answer, goal)).outcome
+
+    assert isinstance(outcome, Plan)
+    assert len(outcome.steps) == steps

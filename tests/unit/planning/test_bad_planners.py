@@ -36,12 +36,18 @@ LEAVES_GROUP = (
 )
 
 
+_BEFORE: set[int] = set()
+"""Our children when a test began: other tests may have left workers behind for the next."""
+
+
 @pytest.fixture(autouse=True)
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A place of its own for temporary files: when the test is over, no file is there and no process runs."""
     place = tmp_path / "temporary"
     place.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(place))
+    _BEFORE.clear()
+    _BEFORE.update(child.pid for child in psutil.Process().children(recursive=True))
     yield place
     assert list(place.iterdir()) == []
     deadline = time.monotonic() + 5.0
@@ -51,9 +57,10 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
 
 
 def strays(folder: Path) -> list[str]:
-    """Returns what runs that was started from a folder, and all our children."""
+    """Returns what runs that was started from a folder, and our children that were not there before the test."""
     found = [words for pid in psutil.pids() if str(folder / "planner") in (words := words_of(pid))]
-    return found + [words_of(child.pid) for child in psutil.Process().children(recursive=True)]
+    new = (child.pid for child in psutil.Process().children(recursive=True) if child.pid not in _BEFORE)
+    return found + [words for pid in new if (words := words_of(pid))]
 
 
 def words_of(pid: int) -> str:
@@ -337,7 +344,8 @@ def test_a_planner_that_is_killed_from_outside_is_a_fault(tmp_path: Path) -> Non
     wait_for(lambda: strays(tmp_path))
 
     for child in psutil.Process().children():
-        child.kill()
+        if child.pid not in _BEFORE:
+            child.kill()
 
     with pytest.raises(PlanningError, match="was killed by SIGKILL"):
         pending.result()

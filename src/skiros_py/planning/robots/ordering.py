@@ -47,8 +47,7 @@ def order(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> 
 def ordering(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> Work[Plan]:
     """Does what :func:`order` does, in pieces."""
     skills = {c.skill.name: c.skill for c in task.capabilities}
-    after = partial_order(texts, plan.pddl, skills)
-    yield
+    after = yield from _partially_ordered(texts, plan.pddl, skills)
     if len(after) != len(plan.steps):
         return plan
     other = [plan.steps[index] for index in contrary(after)]
@@ -72,6 +71,11 @@ def partial_order(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, S
         lines: The plan, "(drive base_1 robot_1 box_a)" each; the task's bookkeeping is looked through.
         skills: What is known of each skill: which of its parameters are devices.
     """
+    return at_once(_partially_ordered(texts, lines, skills))
+
+
+def _partially_ordered(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, SkillDescription]) -> Work[Order]:
+    """Does what :func:`partial_order` does; yields after each action."""
     actions = _only_changing([_ground(texts, line, skills) for line in lines])
     before: list[int] = []  # for each action those that precede it, as bits
     for index, action in enumerate(actions):
@@ -80,6 +84,7 @@ def partial_order(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, S
             if not known >> earlier & 1 and _interfere(actions[earlier], action):
                 known |= before[earlier] | 1 << earlier
         before.append(known)
+        yield
     steps = [index for index, action in enumerate(actions) if action.is_step]
     return tuple(_nearest(index, steps, before) for index in steps)
 
