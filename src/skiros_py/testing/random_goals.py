@@ -10,13 +10,24 @@ from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing.tiny_skills import CONDITIONS
 from skiros_py.world.world import World
 
-__all__ = ["random_goal"]
+__all__ = ["goal_in_turns", "random_goal"]
 
 _CLASSES = ("Ball", "RedBall", "Giant")
 _BOXES = ("box_a", "box_b")
 
 _Scope = tuple[tuple[str, str], ...]
 """The variables of the quantifiers around, each with its class."""
+
+
+def goal_in_turns(chance: random.Random, world: World) -> tuple[Condition, ...]:
+    """Returns a choice of what is wanted in one slot, and one of these in another: to be done one after the other.
+
+    Only the other choice does not stand in the way of what comes later.
+    """
+    one, other = chance.sample(world.instances("tiny:Slot"), 2)
+    balls = chance.sample(world.instances("tiny:Ball"), 2)
+    texts = [f"In({balls[0]}, {one}) or In({balls[1]}, {one})", f"In({chance.choice(balls)}, {other})"]
+    return parse_goal(chance.sample(texts, 2), world, CONDITIONS)
 
 
 def random_goal(chance: random.Random, world: World, depth: int = 2) -> tuple[Condition, ...]:

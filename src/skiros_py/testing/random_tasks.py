@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.sequence import counts
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.parameters import Param
-from skiros_py.testing.random_goals import random_goal
+from skiros_py.testing.random_goals import goal_in_turns, random_goal
 from skiros_py.testing.tiny import tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
@@ -57,7 +58,8 @@ def mixed_task(seed: int) -> RandomTask:
     world = tiny_world(*facts)
     _scatter(chance, world)
     able = _able(chance, world)
-    return RandomTask(world, able, random_goal(chance, world))
+    is_in_turns = counts(world) and chance.random() < 0.5
+    return RandomTask(world, able, goal_in_turns(chance, world) if is_in_turns else random_goal(chance, world))
 
 
 def _able(chance: random.Random, world: World) -> tuple[Capability, ...]:
