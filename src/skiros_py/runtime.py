@@ -75,6 +75,7 @@ class Options:
             a name.
         data: A data directory, in which world and jobs outlive the session; the scene is the first content of a new
             one. None for a session that leaves nothing behind.
+        temporal: True to plan in time, with durations; that takes a planner for durative actions.
     """
 
     seed: int = 0
@@ -88,6 +89,7 @@ class Options:
     planner: str | None = None
     planner_command: str | None = None
     data: Path | None = None
+    temporal: bool = False
 
     def __post_init__(self) -> None:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
@@ -147,7 +149,14 @@ class Session:
         self._watch()
         planners = self._stack.enter_context(closing(self._planners()))
         title = scene_title(scene)
-        self.tasks = TaskManager.of(self.station, planners, title, on_plan=self._tell_plan, leaving=self._is_stopping)
+        self.tasks = TaskManager.of(
+            self.station,
+            planners,
+            title,
+            on_plan=self._tell_plan,
+            leaving=self._is_stopping,
+            temporal=self.options.temporal,
+        )
         if not self.options.fake:
             learn_durations(self.tasks, self.station)
 

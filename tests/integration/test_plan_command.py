@@ -33,3 +33,17 @@ def test_a_program_gets_it_as_data_beside_domain_and_plan() -> None:
     assert all(action["notes"] for told in answer["skills"] for action in told["actions"])
     assert answer["steps"]
     assert answer["domain"].startswith("(define")
+
+
+def test_a_plan_in_time_has_durative_actions() -> None:
+    result = skiros("plan", "kitting", "--temporal")
+
+    assert result.returncode == 0, result.stderr
+    assert "(:requirements :strips :typing :durative-actions)" in result.stdout
+
+
+def test_a_planner_that_knows_no_time_is_refused_with_what_it_does_not_take() -> None:
+    result = skiros("plan", "kitting", "--temporal", "--planner", "fast-downward")
+
+    assert result.returncode == 1
+    assert "fast-downward does not take :durative-actions" in result.stderr

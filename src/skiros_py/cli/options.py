@@ -106,6 +106,7 @@ CONFIG = click.option(
 )
 """What holds for every run of a module."""
 _PLANNER = click.option("--planner", metavar="NAME", help="Planner to use.  [default: the first that fits the task]")
+_TEMPORAL = click.option("--temporal", is_flag=True, help="Plan in time, with durations; takes a planner for that.")
 _PLANNER_COMMAND = click.option(
     "--planner-command",
     metavar="TEMPLATE",
@@ -114,8 +115,8 @@ _PLANNER_COMMAND = click.option(
 
 
 def planner_options(command: _Command) -> _Command:
-    """Adds the options that choose a planner: ``planner`` and ``planner_command``."""
-    return _PLANNER(_PLANNER_COMMAND(command))
+    """Adds the options that choose a planner: ``planner``, ``planner_command`` and ``temporal``."""
+    return _PLANNER(_PLANNER_COMMAND(_TEMPORAL(command)))
 
 
 AUTHOR = click.option("--author", default=_login, metavar="NAME", help="Who does it.  [default: your login]")

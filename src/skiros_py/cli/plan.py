@@ -43,13 +43,16 @@ def command(
     explain: bool,
     planner: str | None,
     planner_command: str | None,
+    temporal: bool,
     as_json: bool,
 ) -> int:
     """Shows domain, problem and plan for the goal of SCENE; nothing moves."""
     from skiros_py.planning.plan import NoPlan
     from skiros_py.runtime import Options, Session
 
-    options = Options(robot=robot, fake=True, goal=goals, planner=planner, planner_command=planner_command)
+    options = Options(
+        robot=robot, fake=True, goal=goals, planner=planner, planner_command=planner_command, temporal=temporal
+    )
     with Session(scene, options) as session:
         planned = session.plan()
         skills = [skill.description for _, skill in sorted(session.catalogue.skills.items())]

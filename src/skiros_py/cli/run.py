@@ -69,6 +69,7 @@ def command(
     config: dict[str, str],
     planner: str | None,
     planner_command: str | None,
+    temporal: bool,
     ask: bool | None,
     as_json: bool,
 ) -> int:
@@ -93,6 +94,7 @@ def command(
         config=config,
         planner=planner,
         planner_command=planner_command,
+        temporal=temporal,
         data=data,
     )
     with Session(scene, options) as session:

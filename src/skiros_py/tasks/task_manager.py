@@ -76,6 +76,7 @@ class TaskManager:
         on_plan: Callable[[Planned], None] = lambda _planned: None,
         attempts: int = 3,
         leaving: Callable[[], bool] = lambda: False,
+        temporal: bool = False,
     ) -> Self:
         """Makes the task manager of a station.
 
@@ -86,6 +87,7 @@ class TaskManager:
             on_plan: Told of every new plan.
             attempts: How often a skill may fail on one target before that target is left out of further plans.
             leaving: Tells whether somebody wants everything to stop: then no planner is waited for.
+            temporal: True to plan in time, with a planner that takes durative actions.
         """
         cycle = station.cycle
         planning = PlanningService(
@@ -94,6 +96,7 @@ class TaskManager:
             lockstep=cycle.pace is None,
             waiting=cycle.pulse.waiting,
             leaving=lambda: leaving() or made._setting.turn.stop_wanted,
+            temporal=temporal,
         )
         made = cls(
             station.world,
