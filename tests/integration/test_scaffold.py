@@ -341,7 +341,7 @@ BAD = {
     "scene cell --robot rover": "unknown robot 'rover'",
     "scene cell --thing part:number": "must be of a class",
     "scene cell --thing part:sk:Manipulatable --goal 'Inspected(part, part)'": "takes (part)",
-    "scene cell --goal 'Inspected(part)'": "unknown element 'part'",
+    "scene cell --goal 'Inspected(part)'": "Inspected needs one element of the scene: none",
 }
 """What the message says, by what is asked for."""
 

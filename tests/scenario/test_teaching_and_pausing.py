@@ -162,7 +162,7 @@ def test_where_to_stand_at_a_kit_is_taught_once_and_the_goal_is_planned_and_done
     report = session.run("ObjectAtLocation(Starter, kit_1_a)")
 
     assert isinstance(before, NoPlan)
-    assert "a Kit has a driving pose" in before.reasons[0]
+    assert "needs that kit_1 has a driving pose" in before.reasons[0]
     assert isinstance(outcome, Success), outcome
     assert [(c.believed, c.true) for c in report.conditions] == [(True, True)]
     assert [step.arguments["Location"] for step in report.steps if step.skill == "drive"] == ["pallet_a", "kit_1"]
