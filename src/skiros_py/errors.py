@@ -5,7 +5,8 @@
     SkirosError
     ├── UsageError            somebody asked for something that does not exist or does not parse
     │   ├── UnknownName       ... and here are the names that do exist
-    │   └── GoalSyntaxError   ... at this column of the goal
+    │   ├── GoalSyntaxError   ... at this column of the goal
+    │   └── WrongState        ... that cannot be done now, in the state things are in
     ├── FileError             a file cannot be read or understood: path, line, reason
     ├── WorldError            a write to the world model was refused
     │   ├── StaleVersion      ... because the author had not seen the latest change
@@ -14,6 +15,7 @@
     ├── ModuleError           a skill or primitive broke while it ran, or was stopped with everything else
     ├── PlanningError         a planner broke (not: "there is no plan", which is an answer)
     ├── DeviceError           a device or the simulation broke
+    ├── Busy                  there is too much to do already: the same request may do later
     └── MissingSystemLibrary  a library that pip cannot install is absent
 
 Beside it stands Interruption: the platform breaks off what runs; nobody but the platform catches it.
@@ -31,6 +33,7 @@ from collections.abc import Set as AbstractSet
 from pathlib import Path
 
 __all__ = [
+    "Busy",
     "DescriptionError",
     "DeviceError",
     "FileError",
@@ -44,6 +47,7 @@ __all__ = [
     "UnknownName",
     "UsageError",
     "WorldError",
+    "WrongState",
 ]
 
 
@@ -150,6 +154,10 @@ class GoalSyntaxError(UsageError):
         super().__init__(f"goal, column {column}: {reason}\n  {shown}\n  {' ' * (column - 1 - start)}^")
 
 
+class WrongState(UsageError):
+    """Something that cannot be done now: a job that is over takes no pause, what is halted starts nothing."""
+
+
 class FileError(SkirosError):
     """A file that cannot be read or understood; nothing was started.
 
@@ -193,6 +201,18 @@ class PlanningError(SkirosError):
 
 class DeviceError(SkirosError):
     """A device, the simulation or a worker process broke."""
+
+
+class Busy(SkirosError):
+    """There is too much to do already; nothing was taken, and the same request may do later.
+
+    Attributes:
+        retry_after: When it is worth trying again [s].
+    """
+
+    def __init__(self, text: str, *, retry_after: float = 1.0) -> None:
+        self.retry_after = retry_after
+        super().__init__(text)
 
 
 class MissingSystemLibrary(SkirosError):

@@ -334,6 +334,12 @@ class Session:
             self.cycle.step()
         self._obey_stop()
 
+    @property
+    def resting(self) -> bool:
+        """True while nothing is under way that anybody started: no job, no task, no module by itself."""
+        at_work = self.tasks.undertakings or any(manager.running for manager in self.managers.values())
+        return not at_work and ("jobs" not in self.__dict__ or self.jobs.idle)
+
     def reset(self) -> None:
         """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.
 

@@ -1,0 +1,1 @@
+"""The typed client of the REST API, for blocking and for asynchronous programs."""

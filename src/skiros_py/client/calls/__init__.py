@@ -1,0 +1,1 @@
+"""What can be asked of a server, one module for each topic: functions that make a :class:`Call`, and send nothing."""

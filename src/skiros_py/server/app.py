@@ -1,0 +1,73 @@
+"""The application: routes, the gate in front of them, and how faults are told."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+
+from fastapi import APIRouter, FastAPI
+
+from skiros_py.server.access.gate import Gate
+from skiros_py.server.problems import PROBLEMS, add_problem_handlers
+from skiros_py.server.routes import (
+    alarms,
+    elements,
+    events,
+    goals,
+    health,
+    jobs,
+    keys,
+    learned,
+    locks,
+    modules,
+    ontology,
+    plugins,
+    previews,
+    queries,
+    robots,
+    scenes,
+    sequences,
+    session,
+    simulation,
+    stop,
+    tasks,
+    templates,
+    webhooks,
+    world,
+)
+from skiros_py.server.services import Services
+
+__all__ = ["PREFIX", "create_app"]
+
+PREFIX = "/api/v1"
+_TOPICS = (
+    jobs, goals, templates, previews, world, elements, ontology, queries, learned, locks, scenes, simulation,
+    modules, plugins, tasks, sequences, robots, stop, events, alarms, webhooks, keys, session,
+)  # fmt: skip
+"""The routes, in the order in which the documentation shows them."""
+
+
+def create_app(services: Services) -> FastAPI:
+    """Makes the ASGI application of a server.
+
+    Args:
+        services: What its routes reach; whoever made it starts and closes it.
+    """
+    app = FastAPI(
+        title="skiros-py",
+        version=version("skiros-py"),
+        summary="Order goals, follow and command the robots that pursue them.",
+        max_body_size=services.settings.body,
+        openapi_url=f"{PREFIX}/openapi.json",
+        docs_url=f"{PREFIX}/docs",
+        redoc_url=None,
+        redirect_slashes=False,
+    )
+    app.state.services = services
+    api = APIRouter(prefix=PREFIX, responses=PROBLEMS)
+    for topic in _TOPICS:
+        api.include_router(topic.router)
+    app.include_router(api)
+    app.include_router(health.router)
+    add_problem_handlers(app)
+    app.add_middleware(Gate)
+    return app

@@ -1,0 +1,1 @@
+"""What happens, as streams: events with replay, and the robots' live state."""

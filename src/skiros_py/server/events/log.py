@@ -1,0 +1,79 @@
+"""The events of the last while, in order: written by any thread, read by streams that each are but a place in it."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from skiros_py.server.events.event import Event, Kind
+
+__all__ = ["EventLog"]
+
+
+class EventLog:
+    """A bounded log. Who reads slowly loses the oldest events, and nobody waits for them.
+
+    Args:
+        kept: How many events are kept.
+        clock: Gives the run time [s]; may be replaced.
+
+    Attributes:
+        epoch: Names this start of the server: numbers of another one mean nothing here.
+        clock: Gives the run time [s].
+    """
+
+    def __init__(self, kept: int, clock: Callable[[], float] = lambda: 0.0) -> None:
+        self.epoch = secrets.token_hex(4)
+        self.clock = clock
+        self._events: deque[Event] = deque(maxlen=kept)
+        self._guard = threading.Lock()
+        self._last = 0
+        self._listeners: list[Callable[[], None]] = []
+
+    @property
+    def last(self) -> int:
+        """Number of the last event; 0 before the first."""
+        return self._last
+
+    @property
+    def first(self) -> int:
+        """Number of the oldest event that is kept; one more than :attr:`last` where none is."""
+        return self._last - len(self._events) + 1
+
+    def append(
+        self,
+        kind: Kind,
+        type_: str,
+        subject: str = "",
+        *,
+        job: str = "",
+        elements: Iterable[str] = (),
+        data: Mapping[str, Any] | None = None,
+    ) -> Event:
+        """Writes an event down, and wakes who waits for it; quick, and for any thread."""
+        with self._guard:
+            event = Event(
+                self._last + 1, time.time(), self.clock(), kind, type_, subject, job, frozenset(elements), data or {}
+            )
+            self._events.append(event)
+            self._last = event.number
+        for listener in tuple(self._listeners):
+            listener()
+        return event
+
+    def since(self, number: int, most: int = 500) -> list[Event]:
+        """Returns the events after a number, oldest first, at most so many; those that are lost are left out."""
+        with self._guard:
+            first = self._last - len(self._events) + 1
+            skip = max(0, number + 1 - first)
+            end = min(len(self._events), skip + most)
+            return [self._events[index] for index in range(skip, end)]
+
+    def on_event(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Calls the listener after each event, in the thread that wrote it; it must be quick. Returns how to end that."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)

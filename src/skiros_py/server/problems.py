@@ -1,0 +1,161 @@
+"""Problems: every request that cannot be fulfilled is answered in the same form (RFC 9457)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from skiros_py.api.problem import ProblemDetails
+from skiros_py.errors import (
+    Busy,
+    GoalSyntaxError,
+    Locked,
+    SkirosError,
+    StaleVersion,
+    UnknownName,
+    UsageError,
+    WorldError,
+    WrongState,
+)
+
+__all__ = ["PROBLEMS", "Problem", "add_problem_handlers", "found", "problem_response"]
+
+_TYPE = "urn:skiros:problem:"
+"""Kinds of problems are names, not addresses: nobody shall try to fetch them."""
+
+
+class Problem(Exception):
+    """A request cannot be fulfilled; raised by routes, answered as a problem document.
+
+    Args:
+        status: HTTP status.
+        code: The kind of problem, for programs.
+        detail: What is wrong, and what would be right.
+        headers: Further headers of the answer.
+        extra: Further members of the problem document.
+    """
+
+    def __init__(
+        self, status: int, code: str, detail: str, *, headers: Mapping[str, str] | None = None, **extra: Any
+    ) -> None:
+        super().__init__(detail)
+        self.status = status
+        self.code = code
+        self.detail = detail
+        self.headers = dict(headers or {})
+        self.extra = extra
+
+
+@contextmanager
+def found(code: str = "NotFound") -> Iterator[None]:
+    """Answers 404 where something that the address names is not there; use it around looking that up only."""
+    try:
+        yield
+    except UnknownName as error:
+        raise Problem(404, code, str(error), known=list(error.known[:20]), nearest=error.nearest) from None
+
+
+_KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
+    (WrongState, 409, "WrongState"),
+    (StaleVersion, 412, "StaleVersion"),
+    (Locked, 423, "Locked"),
+    (WorldError, 422, "WorldRefused"),
+    (GoalSyntaxError, 422, "GoalSyntax"),
+    (UnknownName, 422, "UnknownName"),
+    (UsageError, 422, "InvalidRequest"),
+    (Busy, 503, "Busy"),
+    (SkirosError, 500, "Fault"),
+)
+"""Which status a fault of the platform has; the first that fits counts."""
+
+
+def _of(error: SkirosError) -> Problem:
+    status, code = next((status, code) for kind, status, code in _KINDS if isinstance(error, kind))
+    extra: dict[str, Any] = {}
+    if isinstance(error, UnknownName):
+        extra = {"known": list(error.known[:20]), "nearest": error.nearest}
+    if isinstance(error, GoalSyntaxError):
+        extra = {"column": error.column}
+    headers = {"Retry-After": f"{max(1, round(error.retry_after))}"} if isinstance(error, Busy) else {}
+    return Problem(status, code, str(error), headers=headers, **extra)
+
+
+def problem_response(request: Request, problem: Problem) -> JSONResponse:
+    """Makes the answer to a request that cannot be fulfilled."""
+    details = ProblemDetails(
+        type=_TYPE + problem.code,
+        title=_title(problem.code),
+        status=problem.status,
+        detail=problem.detail,
+        code=problem.code,
+        instance=getattr(request.state, "id", ""),
+        **problem.extra,
+    )
+    content = details.model_dump(mode="json", exclude_none=True)
+    return JSONResponse(content, problem.status, problem.headers, media_type="application/problem+json")
+
+
+def _title(code: str) -> str:
+    """Writes a code as words: "UnknownJobOrderID" is "Unknown job order ID"."""
+    words = "".join(f" {c}" if c.isupper() and code[max(0, i - 1)].islower() else c for i, c in enumerate(code))
+    first, *rest = words.split() or ["Problem"]
+    return " ".join([first, *(word if word.isupper() else word.lower() for word in rest)])
+
+
+def add_problem_handlers(app: FastAPI) -> None:
+    """Has every fault answered as a problem document."""
+
+    def answering(make: Callable[[Any], Problem]) -> Callable[[Request, Exception], JSONResponse]:
+        return lambda request, error: problem_response(request, make(error))
+
+    app.add_exception_handler(Problem, answering(lambda error: error))
+    app.add_exception_handler(SkirosError, answering(_of))
+    app.add_exception_handler(HTTPException, answering(_of_http))
+    app.add_exception_handler(RequestValidationError, answering(_of_validation))
+
+
+_HTTP = {
+    400: "InvalidRequest",
+    404: "NotFound",
+    405: "MethodNotAllowed",
+    413: "BodyTooLong",
+    415: "UnsupportedMediaType",
+}
+
+
+def _of_http(error: HTTPException) -> Problem:
+    code = _HTTP.get(error.status_code, "InvalidRequest")
+    return Problem(error.status_code, code, str(error.detail), headers=error.headers)
+
+
+def _of_validation(error: RequestValidationError) -> Problem:
+    fields = [{"field": ".".join(map(str, one["loc"])), "message": one["msg"]} for one in error.errors()]
+    detail = "; ".join(f"{one['field']}: {one['message']}" for one in fields[:10])
+    return Problem(422, "InvalidRequest", detail, errors=fields[:100])
+
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    status: {"model": ProblemDetails, "description": words, "content": {"application/problem+json": {}}}
+    for status, words in {
+        400: "The request cannot be understood.",
+        401: "A valid key is needed.",
+        403: "The caller's role, host or origin does not allow it.",
+        404: "There is no such thing.",
+        409: "It cannot be done in the present state.",
+        412: "It was changed since: If-Match names an old version.",
+        413: "The body is too long.",
+        415: "The body is of another media type.",
+        422: "Something in the request is wrong; the text says what would be right.",
+        423: "Somebody else has locked it.",
+        428: "If-Match is missing: say which version you have seen.",
+        429: "Too many requests; Retry-After says when to go on.",
+        503: "Too much to do, or not ready; Retry-After says when to come again.",
+    }.items()
+}
+"""What any route may answer; for ``responses=``."""

@@ -1,0 +1,9 @@
+"""Routes: goals."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+__all__ = ["router"]
+
+router = APIRouter(tags=["goals"])
