@@ -40,11 +40,13 @@ from skiros_py.world.reasoners.plugins import load_reasoners
 from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.vocabulary import ROBOT
+from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.cell import PyBulletCell
     from skiros_py.tasks.jobs import JobManager
+    from skiros_py.world.index import Index
     from skiros_py.world.journal import DataDirectory
 
 __all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
@@ -76,6 +78,7 @@ class Options:
         data: A data directory, in which world and jobs outlive the session; the scene is the first content of a new
             one. None for a session that leaves nothing behind.
         temporal: True to plan in time, with durations; that takes a planner for durative actions.
+        overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
     """
 
     seed: int = 0
@@ -90,6 +93,7 @@ class Options:
     planner_command: str | None = None
     data: Path | None = None
     temporal: bool = False
+    overrun: float | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
@@ -102,6 +106,11 @@ class Options:
 
 class Session:
     """A scene brought to life: world, robots, skill managers, task manager. Close it, or use it in a ``with``.
+
+    Args:
+        scene: Name or path of the scene; empty where the data directory has its world already.
+        options: How to open it.
+        catalogue: Plug-ins, where they were found already.
 
     Attributes:
         world: The live world model.
@@ -141,14 +150,14 @@ class Session:
         self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners, fake=fake)
         _warn(self.catalogue.faults)
         self.goal = self._own_goal()
-        self.spec = read_cell(self.world, self._robots(), simulated=self._simulates)
+        self.spec = read_cell(self.world, self._robots(self.world), simulated=self._simulates)
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
         self.world.subscribe(self._digest.add_change)
         self._set_up(libraries)
         self._watch()
         planners = self._stack.enter_context(closing(self._planners()))
-        title = scene_title(scene)
+        title = self._source.stem
         self.tasks = TaskManager.of(
             self.station,
             planners,
@@ -167,7 +176,7 @@ class Session:
 
         ontology, reasoners, faults = _installed()
         directory = DataDirectory.open(
-            self.options.data, ontology, reasoners, find_scene(scene), imports=ontology_paths()
+            self.options.data, ontology, reasoners, find_scene(scene) if scene else None, imports=ontology_paths()
         )
         self._stack.enter_context(directory)
         if self._simulates:
@@ -186,16 +195,23 @@ class Session:
         try:
             return self.parse(self.world.goals)
         except UsageError as error:
-            raise FileError(find_scene(self.scene), f"sk:goal: {error}") from error
+            raise FileError(self._source, f"sk:goal: {error}") from error
 
-    def _robots(self) -> tuple[str, ...]:
-        robots = self.world.instances(ROBOT)
+    @property
+    def _source(self) -> Path:
+        """Where the world comes from: a scene, or the data directory alone."""
+        if self.scene or self.options.data is None:
+            return find_scene(self.scene)
+        return self.options.data
+
+    def _robots(self, world: WorldView) -> tuple[str, ...]:
+        robots = world.instances(ROBOT)
         if not robots:
             raise UsageError(f"scene '{self.scene}' has no robot: import one, such as robots/mobile_panda.ttl")
         wanted = self.options.robot
         if wanted is None:
             return robots
-        by_name = {name: robot for robot in robots for name in (self.world.element(robot).label, robot)}
+        by_name = {name: robot for robot in robots for name in (world.element(robot).label, robot)}
         if wanted not in by_name:
             raise UnknownName("robot", wanted, robots, where=f"in scene '{self.scene}'")
         return (by_name[wanted],)
@@ -237,7 +253,9 @@ class Session:
         """Brings control cycle, skill managers and watchdog up."""
         skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
         seed = (self.options.seed, _STREAM)
-        options = StationOptions(None, seed, self.options.pace, libraries, self.options.config)
+        options = StationOptions(
+            None, seed, self.options.pace, libraries, self.options.config, overrun=self.options.overrun
+        )
         station = Station(self.world, self.spec, self.cell, skills, self.catalogue.primitives, options)
         self.station = self._stack.enter_context(station)
         self.cycle, self.managers = station.cycle, station.managers
@@ -336,9 +354,23 @@ class Session:
 
     @property
     def resting(self) -> bool:
-        """True while nothing is under way that anybody started: no job, no task, no module by itself."""
+        """True while nothing is under way that anybody started, or would start by itself: no job, task or module.
+
+        While everything is halted, jobs that wait do not start.
+        """
         at_work = self.tasks.undertakings or any(manager.running for manager in self.managers.values())
-        return not at_work and ("jobs" not in self.__dict__ or self.jobs.idle)
+        return not at_work and ("jobs" not in self.__dict__ or bool(self.cycle.halted) or self.jobs.idle)
+
+    def check(self, scene: Index) -> None:
+        """Sees whether a session such as this one could be opened in another scene; where bodies fit is not looked at.
+
+        Raises:
+            UsageError: There is no robot to use, or the goals that go with it cannot be understood.
+            DescriptionError: A robot or body lacks something.
+            WorldError: A shape cannot be read.
+        """
+        read_cell(scene, self._robots(scene), simulated=self._simulates)
+        parse_goal(scene.goals, scene, self.catalogue.conditions)
 
     def reset(self) -> None:
         """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.

@@ -16,7 +16,7 @@ import click
 from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 
-__all__ = ["GRACE", "end_unless", "leave"]
+__all__ = ["GRACE", "end_now", "end_unless", "leave"]
 
 GRACE = 3.0
 """For how long the control thread may be stuck once the command shall end [s]."""
@@ -25,22 +25,25 @@ _LEAVING = 2.0
 _LOOK = 0.05
 
 
-def end_unless(comes_back: Callable[[], bool], text: str, status: int, *, as_json: bool) -> None:
-    """Ends the process from a thread of its own, unless there is a sign of life within :data:`GRACE`.
+def end_unless(
+    comes_back: Callable[[], bool], text: str, status: int, *, as_json: bool, within: float = GRACE
+) -> None:
+    """Ends the process from a thread of its own, unless there is a sign of life in time.
 
     Args:
         comes_back: Tells whether there is one; asked again and again.
         text: What is said then.
         status: Exit status then.
         as_json: Whether that is an answer in JSON, too.
+        within: For how long it is waited for [s].
     """
 
     def wait() -> None:
-        if not _soon(comes_back, GRACE):
+        if not _soon(comes_back, within):
             click.echo(escaped(f"skiros: {text}"), err=True)
             if as_json:
                 answer({"error": text, "status": status})
-            _end(status)
+            end_now(status)
 
     threading.Thread(target=wait, name="skiros-ending", daemon=True).start()
 
@@ -60,7 +63,7 @@ def _end_late(status: int) -> None:
     left = [thread.name for thread in threading.enumerate() if thread is not main and not thread.daemon]
     what = f"threads that are no daemons still run: {', '.join(left)}" if left else "an exit handler does not end"
     click.echo(escaped(f"skiros: warning: {what}; the command ends nevertheless"), err=True)
-    _end(status)
+    end_now(status)
 
 
 def _soon(came: Callable[[], bool], seconds: float) -> bool:
@@ -72,7 +75,7 @@ def _soon(came: Callable[[], bool], seconds: float) -> bool:
     return True
 
 
-def _end(status: int) -> None:
+def end_now(status: int) -> None:
     """Ends at once: no clean-up of others runs any more; what is in a data directory is on the disk already."""
     for child in _children():
         with suppress(ProcessLookupError):

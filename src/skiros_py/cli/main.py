@@ -23,6 +23,7 @@ __all__ = ["cli", "main"]
 
 _COMMANDS = {
     "run": ("skiros_py.cli.run", "Plan and do the goal of a scene."),
+    "serve": ("skiros_py.cli.serve", "Serve a scene or data directory to factory systems, clients and people."),
     "report": ("skiros_py.cli.report", "Make a page about a run: timeline, pictures, what happened and why."),
     "plan": ("skiros_py.cli.plan", "Show domain, problem and plan without doing anything."),
     "skills": ("skiros_py.cli.skills", "List the skills, primitives and conditions that were found."),

@@ -15,7 +15,7 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
-__all__ = ["AUTHOR", "CONFIG", "DATA", "JSON", "PACE", "Seconds", "data_option", "open_existing", "planner_options"]
+__all__ = ["AUTHOR", "CONFIG", "DATA", "JSON", "PACE", "Seconds", "data_option", "open_existing", "pace_option", "planner_options"]
 
 _SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])
@@ -99,7 +99,14 @@ DATA = data_option()
 """Where the world lives."""
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 """For programs that read the answer."""
-PACE = click.option("--pace", type=_Pace(), default="max", help="Simulated seconds per second.  [default: max]")
+def pace_option(default: str) -> Callable[[_Command], _Command]:
+    """Makes the option that says how fast it goes."""
+    return click.option(
+        "--pace", type=_Pace(), default=default, help=f"Simulated seconds per second.  [default: {default}]"
+    )
+
+
+PACE = pace_option("max")
 """How fast a run goes."""
 CONFIG = click.option(
     "--config", multiple=True, metavar="MODULE.KEY=VALUE", callback=_configuration, help="A configuration parameter."

@@ -11,7 +11,7 @@ import click
 
 from skiros_py.cli.text import brief, escaped
 
-__all__ = ["warnings_on_stderr"]
+__all__ = ["no_warnings_on_stderr", "warnings_on_stderr"]
 
 
 @contextmanager
@@ -22,6 +22,13 @@ def warnings_on_stderr() -> Iterator[None]:
     try:
         yield
     finally:
+        logger.removeHandler(handler)
+
+
+def no_warnings_on_stderr() -> None:
+    """Ends that early, where a log says it all."""
+    logger = logging.getLogger("skiros_py")
+    for handler in [one for one in logger.handlers if isinstance(one, _Stderr)]:
         logger.removeHandler(handler)
 
 

@@ -6,6 +6,7 @@ All tasks of a cycle see the same snapshot. Time is the cell's; the pace says ho
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Callable, Generator
 from functools import partial
@@ -161,6 +162,23 @@ class ControlCycle:
             for task in self._tasks:
                 task.stop(self.halted)
             self._sort_out()
+
+    def set_pace(self, pace: float) -> None:
+        """Goes on at another pace from now on; only between two cycles, and not in lockstep.
+
+        Args:
+            pace: Simulated seconds per wall second.
+
+        Raises:
+            UsageError: It is no positive number, or the run is in lockstep: whether workers are waited for was
+                decided when it began.
+        """
+        if self.pace is None:
+            raise UsageError("a run in lockstep goes as fast as it can: start it with a pace to be able to change that")
+        if not 0.0 < pace < math.inf:
+            raise UsageError(f"pace: a positive factor, not {pace!r}")
+        self.pace = pace
+        self._epoch = (time.perf_counter(), self.board.snapshot.time)
 
     # ------------------------------------------------------------------ parts of a cycle
 

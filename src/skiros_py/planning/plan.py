@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Any
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import PddlTexts
@@ -61,6 +62,15 @@ class Plan:
         """Returns the same plan on other elements, where there are other names for its own."""
         return replace(self, steps=tuple(step.renamed(names) for step in self.steps))
 
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data, without the PDDL."""
+        return {
+            "steps": [str(step) for step in self.steps],
+            "calls": [{"skill": step.skill, "arguments": dict(step.arguments)} for step in self.steps],
+            "after": [sorted(indices) for indices in self.order],
+            "starts": list(self.starts),
+        }
+
     def __str__(self) -> str:
         return "\n".join(f"{i:2}. {step}" for i, step in enumerate(self.steps, start=1))
 
@@ -78,6 +88,14 @@ class NoPlan:
     reasons: tuple[str, ...]
     causes: tuple[Cause, ...] = field(default=(), compare=False)
     repairs: tuple[Repair, ...] = field(default=(), compare=False)
+
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data."""
+        return {
+            "reasons": list(self.reasons),
+            "causes": [cause.as_json() for cause in self.causes],
+            "repairs": [repair.as_json() for repair in self.repairs],
+        }
 
 
 def read_plan(

@@ -7,6 +7,7 @@ from importlib.metadata import version
 from fastapi import APIRouter, FastAPI
 
 from skiros_py.server.access.gate import Gate
+from skiros_py.server.metrics import RequestMetrics
 from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
     alarms,
@@ -56,7 +57,6 @@ def create_app(services: Services) -> FastAPI:
         title="skiros-py",
         version=version("skiros-py"),
         summary="Order goals, follow and command the robots that pursue them.",
-        max_body_size=services.settings.body,
         openapi_url=f"{PREFIX}/openapi.json",
         docs_url=f"{PREFIX}/docs",
         redoc_url=None,
@@ -69,5 +69,6 @@ def create_app(services: Services) -> FastAPI:
     app.include_router(api)
     app.include_router(health.router)
     add_problem_handlers(app)
-    app.add_middleware(Gate)
+    app.add_middleware(Gate, services)
+    app.add_middleware(RequestMetrics, services.metrics)
     return app

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future
-from concurrent.futures import TimeoutError as FutureTimeout
-from typing import TypeVar
+from concurrent.futures import Future, wait
+from contextlib import suppress
+from typing import Any, Generic, TypeVar
 
-from skiros_py.errors import Busy, DeviceError, SkirosError
+from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
 from skiros_py.runtime import Session
 
-__all__ = ["ControlThread", "OpenSession"]
+__all__ = ["ControlThread", "Listener", "OpenSession"]
 
 T = TypeVar("T")
 OpenSession = Callable[[], Session]
+Listener = Callable[[Session], object]
 
 _log = logging.getLogger(__name__)
 
@@ -26,6 +28,8 @@ _OPENING = 60.0
 """How long a caller waits while the session is being opened anew [s]."""
 _REST = 0.005
 """In lockstep, the pause between two cycles while nothing is to be done [s]: time stands still for nobody's sake."""
+_BUDGET = 0.02
+"""How long what others ask may keep the next cycle waiting [s]; what is left then is done after it."""
 
 
 class ControlThread:
@@ -45,22 +49,29 @@ class ControlThread:
         self._opening = opening
         self._session: Session | None = None
         self._ready = threading.Condition()
-        self._commands: deque[Callable[[], None]] = deque()
+        self._commands: deque[_Command[Any]] = deque()
         self._asked = threading.Event()
         self._ending = False
-        self._reopen: Callable[[], None] | None = None
-        self._on_open: list[Callable[[Session], None]] = []
-        self._on_close: list[Callable[[Session], None]] = []
+        self._takes = False
+        self._stepped = time.monotonic()
+        self._on_open: list[Listener] = []
+        self._on_close: list[Listener] = []
         self._thread = threading.Thread(target=self._run, name="skiros-control", daemon=True)
 
     # ------------------------------------------------------------------ life
 
-    def on_open(self, listener: Callable[[Session], None]) -> None:
-        """Calls the listener in the control thread with each session before its first cycle; before :meth:`start`."""
+    def on_open(self, listener: Listener) -> None:
+        """Calls the listener in the control thread with each session before its first cycle; before :meth:`start`.
+
+        If it raises, that session is not opened.
+        """
         self._on_open.append(listener)
 
-    def on_close(self, listener: Callable[[Session], None]) -> None:
-        """Calls the listener in the control thread with each session after its last cycle; before :meth:`start`."""
+    def on_close(self, listener: Listener) -> None:
+        """Calls the listener in the control thread with each session after its last cycle; before :meth:`start`.
+
+        What it raises is logged.
+        """
         self._on_close.append(listener)
 
     def start(self) -> None:
@@ -69,10 +80,11 @@ class ControlThread:
         Raises:
             SkirosError: It cannot be opened.
         """
+        self._takes = True
         self._thread.start()
         with self._ready:
             self._ready.wait_for(lambda: self._session is not None or self.fault is not None)
-        if self.fault is not None:
+        if self._session is None and self.fault is not None:
             self._thread.join()
             raise self.fault
 
@@ -80,13 +92,22 @@ class ControlThread:
         """Stops everything, waits until all stands, closes the session and ends the thread; may be called twice."""
         self._ending = True
         self._asked.set()
-        if self._thread.ident is not None:
+        if self._thread.ident is not None and not self._is_mine:
             self._thread.join()
 
     @property
     def alive(self) -> bool:
         """True while there is a session whose cycle runs."""
         return self._session is not None and self._thread.is_alive() and self.fault is None
+
+    @property
+    def opening(self) -> bool:
+        """True while there is no session yet, or not yet again, and one is on its way."""
+        return self._session is None and self.fault is None and self._thread.is_alive()
+
+    def stuck_for(self) -> float:
+        """Returns for how long the cycle of an open session has not come round [s]; 0 while none is open."""
+        return time.monotonic() - self._stepped if self._session is not None else 0.0
 
     @property
     def session(self) -> Session:
@@ -98,120 +119,182 @@ class ControlThread:
         session = self._session
         if session is not None:
             return session
-        with self._ready:
-            self._ready.wait_for(lambda: self._session is not None or self.fault is not None, timeout=_OPENING)
-            if self._session is None:
-                why = f": {self.fault}" if self.fault is not None else ""
-                raise Busy(f"the station is not running{why}", retry_after=5.0)
-            return self._session
+        if not self._is_mine:  # the control thread would wait for itself
+            with self._ready:
+                self._ready.wait_for(lambda: self._session is not None or self.fault is not None, timeout=_OPENING)
+        return self._present()
+
+    def _present(self) -> Session:
+        session = self._session
+        if session is None:
+            why = f": {self.fault}" if self.fault is not None else ""
+            raise Busy(f"the station is not running{why}", retry_after=5.0)
+        return session
+
+    @property
+    def _is_mine(self) -> bool:
+        return threading.get_ident() == self._thread.ident
 
     # ------------------------------------------------------------------ asking
 
     def call(self, work: Callable[[Session], T]) -> T:
         """Has something quick done in the control thread between two cycles, and returns what comes of it.
 
+        In the control thread itself (a listener, an observer of the cycle) it is done at once.
+
+        Args:
+            work: Gets the session of that moment, which may be another one than when it was asked for.
+
         Raises:
-            Busy: Its turn did not come in time.
+            Busy: Its turn did not come in time, or there is no session; nothing was done.
+            DeviceError: It did not come to an end; nobody knows what was done.
             Exception: Whatever the work raises.
         """
-        session = self.session
+        if self._is_mine:
+            return work(self._present())
+        self.session  # noqa: B018 - while it is being opened anew, that may take longer than a turn
         answer: Future[T] = Future()
+        self._post(_Command(answer, lambda: work(self._present())))
+        return self._outcome(answer)
 
-        def do() -> None:
-            if not answer.set_running_or_notify_cancel():
-                return
-            try:
-                answer.set_result(work(session))
-            except BaseException as error:  # noqa: BLE001 - it is raised where the work was asked for
-                answer.set_exception(error)
+    def soon(self, work: Callable[[Session], object]) -> None:
+        """Has something quick done in the control thread between two cycles, and does not wait for it.
 
-        self._commands.append(do)
-        self._asked.set()
-        try:
-            return answer.result(_PATIENCE)
-        except FutureTimeout:
-            answer.cancel()
-            raise Busy(f"the control cycle did not come round within {_PATIENCE:g} s") from None
+        For listeners that must not wait. What it raises is logged; where there is no session, nothing is done.
+        """
+        answer: Future[object] = Future()
+        answer.add_done_callback(_log_failure)
+        with suppress(Busy):
+            self._post(_Command(answer, lambda: work(self._present())))
 
-    def reopen(self, prepare: Callable[[Session], None] = lambda _session: None) -> None:
+    def reopen(
+        self,
+        prepare: Callable[[Session], object] = lambda _session: None,
+        restore: Callable[[], object] | None = None,
+    ) -> None:
         """Closes the session and opens it anew, such as after another scene was loaded; returns when that is done.
 
         Args:
             prepare: Called in the control thread between its last cycle and its end; what it raises is raised here,
-                and the session goes on.
+                and the session goes on. Where the session broke before, it is not called.
+            restore: Called in the control thread where the new session cannot be opened: takes back what was prepared,
+                and then it is tried once more. The error is raised here all the same.
 
         Raises:
-            SkirosError: The new one cannot be opened; then there is none until the next :meth:`reopen`.
+            SkirosError: The new one cannot be opened; where it cannot be restored either there is none until the next
+                :meth:`reopen`.
+            Busy: The server ends.
+            UsageError: The control thread itself calls it: the cycle would end in the midst of itself.
         """
-        done: Future[None] = Future()
+        if self._is_mine:
+            raise UsageError("the control thread cannot open its own session anew: ask for it in another thread")
+        answer: Future[None] = Future()
+        self._post(_Command(answer, lambda: self._renew(prepare, restore)))
+        answer.result()
 
-        def do() -> None:
-            session = self._session
-            try:
-                if session is not None:
-                    prepare(session)
-                    self._leave(session)
-                self._enter()
-            except BaseException as error:  # noqa: BLE001 - it is raised where it was asked for
-                done.set_exception(error)
-            else:
-                done.set_result(None)
-
-        self._commands.append(do)
+    def _post(self, command: _Command[Any]) -> None:
+        with self._ready:
+            if not self._takes:
+                raise Busy("the station is not running: the server begins or ends", retry_after=5.0)
+            self._commands.append(command)
         self._asked.set()
-        done.result()
+
+    def _outcome(self, answer: Future[T]) -> T:
+        wait([answer], _PATIENCE)
+        if not answer.done() and self._session is None:  # somebody opens another session first
+            wait([answer], _OPENING)
+        if not answer.done() and answer.cancel():
+            raise Busy(f"the control cycle did not come round within {_PATIENCE:g} s")
+        wait([answer], _PATIENCE)
+        if not answer.done():
+            raise DeviceError(
+                "the control cycle is held up by what was asked for: whether it takes effect is not known"
+            )
+        return answer.result()
 
     # ------------------------------------------------------------------ in the thread
 
     def _run(self) -> None:
         try:
             self._enter()
-        except BaseException:  # noqa: BLE001 - told by start()
-            return
-        while not self._ending:
-            self._do_commands()
-            session = self._session
-            if session is None:  # broken: only a new session helps
-                self._asked.wait(0.1)
-                self._asked.clear()
-                continue
-            try:
-                session.cycle.step()
-                self.beat += 1
-            except BaseException as error:  # noqa: BLE001 - the server outlives its station, and says what broke
-                _log.critical("the control cycle broke: %s", error, exc_info=error)
-                self._break(session, error)
-                continue
-            if session.cycle.pace is None and session.resting:
-                self._asked.wait(_REST)
-            self._asked.clear()
-        if self._session is not None:
-            self._leave(self._session)
+        except BaseException as error:  # noqa: BLE001 - told by start()
+            self._tell_fault(error)
+        else:
+            while not self._ending:
+                self._go_round()
+            if self._session is not None:
+                self._leave(self._session)
         self._refuse_commands()
 
+    def _go_round(self) -> None:
+        self._do_commands()
+        session = self._session
+        if session is None:  # broken: only a new session helps
+            self._pause(0.1)
+            return
+        try:
+            session.cycle.step()
+            rests = session.cycle.pace is None and session.resting
+        except BaseException as error:  # noqa: BLE001 - the server outlives its station, and says what broke
+            _log.critical("the control cycle broke: %s", error, exc_info=error)
+            self._break(session, error)
+            return
+        self.beat += 1
+        self._stepped = time.monotonic()
+        if rests:
+            self._pause(_REST)
+
+    def _pause(self, seconds: float) -> None:
+        """Waits until somebody asks for something; what was asked for since the last look counts."""
+        if not self._commands:
+            self._asked.wait(seconds)
+        self._asked.clear()
+
     def _do_commands(self) -> None:
-        while self._commands:
-            self._commands.popleft()()
+        """Does what was asked for until now, as far as the time goes: who asks all the time must not stop the cycle."""
+        end = time.perf_counter() + _BUDGET
+        for _ in range(len(self._commands)):
+            self._commands.popleft().do()
+            if time.perf_counter() > end:
+                return
 
     def _refuse_commands(self) -> None:
-        self.fault = self.fault or DeviceError("the station was shut down")
         with self._ready:
+            self._takes = False
+            self.fault = self.fault or DeviceError("the station was shut down")
             self._ready.notify_all()
+        while self._commands:
+            self._commands.popleft().refuse(Busy("the station was shut down before that was done", retry_after=5.0))
+
+    def _renew(self, prepare: Callable[[Session], object], restore: Callable[[], object] | None) -> None:
+        session = self._session
+        if session is not None:
+            prepare(session)
+            self._leave(session)
+        try:
+            try:
+                self._enter()
+            except BaseException:
+                if restore is not None and session is not None:
+                    restore()
+                    self._enter()
+                raise
+        except BaseException as error:
+            if self._session is None:
+                self._tell_fault(error)
+            raise
 
     def _enter(self) -> None:
         self.fault = None
-        session = None
+        session = self._opening()
         try:
-            session = self._opening()
+            session.jobs  # noqa: B018 - what is queued goes on, though nobody has asked for a job yet
             for listener in self._on_open:
                 listener(session)
-        except BaseException as error:
-            if session is not None:
-                session.close()
-            with self._ready:
-                self.fault = error
-                self._ready.notify_all()
+        except BaseException:
+            self._end(session)
             raise
+        self._stepped = time.monotonic()
         with self._ready:
             self._session = session
             self._ready.notify_all()
@@ -219,21 +302,71 @@ class ControlThread:
     def _leave(self, session: Session) -> None:
         """Lets everything come to a standstill, and closes the session."""
         try:
-            if not session.cycle.halted:
-                session.cycle.stop_all("the station shuts down")
-        except SkirosError as error:
-            _log.error("not everything came to a standstill: %s", error)
+            session.cycle.stop_all("the station shuts down")  # what was halted a moment ago may still move
+        except BaseException as error:  # noqa: BLE001 - it is closed all the same
+            _log.error("not everything came to a standstill: %s", error, exc_info=_trace(error))
         self._part(session)
 
     def _break(self, session: Session, error: BaseException) -> None:
+        """Brakes what can be braked, and closes the session: what it was about to do is not known any more."""
         fault = error if isinstance(error, SkirosError) else DeviceError(f"the control cycle broke: {error}")
         with self._ready:
             self.fault = fault
+        try:
+            session.cycle.halt(str(fault))
+        except BaseException as worse:  # noqa: BLE001 - it is closed all the same
+            _log.error("the devices cannot be halted: %s", worse, exc_info=_trace(worse))
         self._part(session)
 
     def _part(self, session: Session) -> None:
         with self._ready:
             self._session = None
-        for listener in self._on_close:
-            listener(session)
-        session.close()
+        self._end(session)
+
+    def _end(self, session: Session) -> None:
+        """Tells everybody, and closes the session; whatever breaks, the rest is still done."""
+        for end in (*self._on_close, Session.close):
+            try:
+                end(session)
+            except BaseException as error:  # noqa: BLE001 - the thread outlives whatever breaks here
+                _log.error("a session did not end well: %s", error, exc_info=error)
+
+    def _tell_fault(self, error: BaseException) -> None:
+        with self._ready:
+            self.fault = error
+            self._ready.notify_all()
+
+
+class _Command(Generic[T]):
+    """Something that was asked for, and where the asker waits for what comes of it."""
+
+    def __init__(self, answer: Future[T], work: Callable[[], T]) -> None:
+        self._answer: Future[T] = answer
+        self._work = work
+
+    def do(self) -> None:
+        """Does it, unless nobody waits any more."""
+        if not self._answer.set_running_or_notify_cancel():
+            return
+        try:
+            self._answer.set_result(self._work())
+        except Exception as error:  # noqa: BLE001 - it is raised where the work was asked for
+            self._answer.set_exception(error)
+        except BaseException as error:  # noqa: BLE001 - there it would end more than the request
+            self._answer.set_exception(DeviceError(f"it was broken off: {error!r}"))
+
+    def refuse(self, error: SkirosError) -> None:
+        """Says that it will not be done."""
+        if self._answer.set_running_or_notify_cancel():
+            self._answer.set_exception(error)
+
+
+def _log_failure(answer: Future[object]) -> None:
+    error = None if answer.cancelled() else answer.exception()
+    if error is not None and not isinstance(error, Busy):
+        _log.error("what was asked of the control thread failed: %s", error, exc_info=_trace(error))
+
+
+def _trace(error: BaseException) -> BaseException | None:
+    """The words of our own faults say it all."""
+    return None if isinstance(error, SkirosError) else error

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import json
+import logging
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import Response
 from starlette.exceptions import HTTPException
 
 from skiros_py.api.problem import ProblemDetails
@@ -25,6 +27,8 @@ from skiros_py.errors import (
 )
 
 __all__ = ["PROBLEMS", "Problem", "add_problem_handlers", "found", "problem_response"]
+
+_log = logging.getLogger(__name__)
 
 _TYPE = "urn:skiros:problem:"
 """Kinds of problems are names, not addresses: nobody shall try to fetch them."""
@@ -86,8 +90,10 @@ def _of(error: SkirosError) -> Problem:
     return Problem(status, code, str(error), headers=headers, **extra)
 
 
-def problem_response(request: Request, problem: Problem) -> JSONResponse:
+def problem_response(request: Request, problem: Problem) -> Response:
     """Makes the answer to a request that cannot be fulfilled."""
+    if problem.status == 500:
+        _log.error("request %s: %s", getattr(request.state, "id", ""), problem.detail)
     details = ProblemDetails(
         type=_TYPE + problem.code,
         title=_title(problem.code),
@@ -95,10 +101,22 @@ def problem_response(request: Request, problem: Problem) -> JSONResponse:
         detail=problem.detail,
         code=problem.code,
         instance=getattr(request.state, "id", ""),
-        **problem.extra,
+        **{"return_status": _return_status(request, problem), **problem.extra},
     )
-    content = details.model_dump(mode="json", exclude_none=True)
-    return JSONResponse(content, problem.status, problem.headers, media_type="application/problem+json")
+    # In ASCII, since a text that was refused may hold what cannot be written in UTF-8.
+    content = json.dumps(details.model_dump(exclude_none=True), default=str)
+    return Response(content, problem.status, problem.headers, media_type="application/problem+json")
+
+
+_BITS = {"UnknownJobOrderID": 1, "InvalidJobOrderStatus": 3, "WrongState": 3, "UnableToAcceptJobOrder": 4, "Busy": 4}
+_INVALID_REQUEST = 32
+
+
+def _return_status(request: Request, problem: Problem) -> int | None:
+    """Returns the ISA-95 return status of what has to do with jobs (OPC 10031-4 v2.00, annex B.2); None elsewhere."""
+    if "/jobs" not in request.url.path or problem.status >= 500 and problem.code != "Busy":
+        return None
+    return 1 << _BITS.get(problem.code, _INVALID_REQUEST)
 
 
 def _title(code: str) -> str:
@@ -111,7 +129,7 @@ def _title(code: str) -> str:
 def add_problem_handlers(app: FastAPI) -> None:
     """Has every fault answered as a problem document."""
 
-    def answering(make: Callable[[Any], Problem]) -> Callable[[Request, Exception], JSONResponse]:
+    def answering(make: Callable[[Any], Problem]) -> Callable[[Request, Exception], Response]:
         return lambda request, error: problem_response(request, make(error))
 
     app.add_exception_handler(Problem, answering(lambda error: error))
@@ -122,6 +140,7 @@ def add_problem_handlers(app: FastAPI) -> None:
 
 _HTTP = {
     400: "InvalidRequest",
+    401: "KeyNeeded",
     404: "NotFound",
     405: "MethodNotAllowed",
     413: "BodyTooLong",
@@ -134,10 +153,18 @@ def _of_http(error: HTTPException) -> Problem:
     return Problem(error.status_code, code, str(error.detail), headers=error.headers)
 
 
+def _where(place: Sequence[str | int]) -> str:
+    return ".".join(str(part) for part in place)[:200]
+
+
 def _of_validation(error: RequestValidationError) -> Problem:
-    fields = [{"field": ".".join(map(str, one["loc"])), "message": one["msg"]} for one in error.errors()]
+    fields = [{"field": _where(one["loc"]), "message": str(one["msg"])[:_LONGEST]} for one in error.errors()[:100]]
     detail = "; ".join(f"{one['field']}: {one['message']}" for one in fields[:10])
-    return Problem(422, "InvalidRequest", detail, errors=fields[:100])
+    return Problem(422, "InvalidRequest", detail[:_LONGEST], errors=fields)
+
+
+_LONGEST = 4000
+"""Length of what is said about wrong fields; names of fields may be as long as the body."""
 
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
@@ -147,6 +174,7 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
         401: "A valid key is needed.",
         403: "The caller's role, host or origin does not allow it.",
         404: "There is no such thing.",
+        408: "The body did not arrive in time.",
         409: "It cannot be done in the present state.",
         412: "It was changed since: If-Match names an old version.",
         413: "The body is too long.",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from types import TracebackType
 from typing import Annotated, Self
@@ -11,9 +11,25 @@ from typing import Annotated, Self
 from fastapi import Depends, Request
 
 from skiros_py.runtime import Session
+from skiros_py.server.access.audit import AuditLog
+from skiros_py.server.access.doorkeeper import Doorkeeper
+from skiros_py.server.access.keys import KeyStore
+from skiros_py.server.access.setup import set_up_access
+from skiros_py.server.alarm_sources import AlarmSources
+from skiros_py.server.alarms import Alarms
 from skiros_py.server.control import ControlThread, OpenSession
+from skiros_py.server.events.live import LiveState
 from skiros_py.server.events.log import EventLog
+from skiros_py.server.events.sources import EventSources
+from skiros_py.server.events.streams import Streams
+from skiros_py.server.job_desk import JobDesk
+from skiros_py.server.metrics import Metrics
 from skiros_py.server.settings import ServerSettings
+from skiros_py.server.stops import Stops
+from skiros_py.server.store import DocumentStore
+from skiros_py.server.webhooks.office import WebhookOffice
+from skiros_py.server.webhooks.setup import open_office
+from skiros_py.server.webhooks.store import WebhookStore
 
 __all__ = ["Services", "ServicesDep"]
 
@@ -31,15 +47,50 @@ class Services:
     Attributes:
         settings: How the server is set up.
         data: The data directory.
+        keys: Who may come in; from :meth:`start` on.
+        doorkeeper: Finds out who makes a request; from :meth:`start` on.
+        audit: Who changed what, and who was refused; from :meth:`start` on.
         control: Runs the session.
         events: What happens.
+        streams: Who listens to it.
+        live: What the robots do at this moment.
+        alarms: What stopped a robot, or waits for a person.
+        stops: Halts and resets everything.
+        documents: What the server keeps beside world and jobs, such as goal templates; from :meth:`start` on.
+        desk: Where jobs are waited for.
+        previews: Goals that are planned and not done.
+        metrics: Figures for those who watch the server.
+        webhooks: Who else is told of jobs, and what became of that; from :meth:`start` on.
     """
 
     def __init__(self, opening: OpenSession, data: Path, settings: ServerSettings) -> None:
         self.settings = settings
         self.data = data
+        self.keys: KeyStore
+        self.doorkeeper: Doorkeeper
+        self.audit: AuditLog
         self.control = ControlThread(opening)
         self.events = EventLog(settings.kept_events)
+        self.streams = Streams(self.events, settings.streams)
+        self.alarms = Alarms(self.events)
+        self.stops = Stops(self.control, self.events)
+        self.live = LiveState(lambda: self.streams.ending)
+        for part in (
+            self.stops,  # the first: a stop that was asked for meanwhile holds before anything else
+            self.live,
+            EventSources(self.events),
+            AlarmSources(self.alarms, self.control),
+        ):
+            self.control.on_open(part.open)
+            self.control.on_close(part.close)
+        self.documents: DocumentStore
+        self.desk = JobDesk(settings.open_jobs)
+        self.control.on_open(self.desk.open)
+        self.previews = Previews(settings.scene_name)
+        self.metrics = Metrics(self.control, self.events)
+        self.webhooks: WebhookStore
+        self._office: WebhookOffice | None = None
+        self.control.on_open(lambda session: _ignore(session.jobs.subscribe(lambda _job: self.send_webhooks())))
         self._stack = ExitStack()
 
     @property
@@ -58,11 +109,21 @@ class Services:
             SkirosError: It cannot be opened.
         """
         try:
+            self.keys, self.doorkeeper, self.audit = set_up_access(self.settings, self.data, self._stack)
             self._stack.callback(self.control.close)
-            self.control.start()
+            self.control.start()  # which takes the data directory, so that no other server has its files open
+            self._stack.callback(self.desk.close)
+            self._stack.callback(self.previews.close)
+            self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db")))
+            self.webhooks, self._office = open_office(self, self._stack)
         except BaseException:
             self.close()
             raise
+
+    def send_webhooks(self) -> None:
+        """Tells that there may be something to be sent; quick, and for any thread."""
+        if self._office is not None:
+            self._office.wake()
 
     def on_close(self, callback: Callable[[], object]) -> None:
         """Has something done when the server ends."""
@@ -80,6 +141,10 @@ class Services:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _ignore(_ending: object) -> None:
+    """For subscriptions that end with what they are to."""
 
 
 def _services(request: Request) -> Services:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import logging
 import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import uvicorn
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import SkirosError, UsageError
 from skiros_py.server.app import create_app
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
 
-__all__ = ["bind", "serve"]
+__all__ = ["Serving", "bind", "url_of"]
 
 _GRACE = 3
 """How long open connections (streams) are waited for at the end [s]."""
+_log = logging.getLogger(__name__)
 
 
 def bind(settings: ServerSettings) -> socket.socket:
@@ -28,27 +32,79 @@ def bind(settings: ServerSettings) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((settings.host, settings.port))
-    except OSError as error:
+        listening.listen()  # two sockets that only wait to listen may have one address
+    except (OSError, OverflowError) as error:
         listening.close()
+        why = getattr(error, "strerror", None) or error
         raise UsageError(
-            f"cannot listen at {settings.host}:{settings.port}: {error.strerror}; choose another --port, 0 for any free one"
+            f"cannot listen at {settings.host}:{settings.port}: {why}; choose another --port, 0 for any free one"
         ) from None
     return listening
 
 
-def serve(services: Services, listening: socket.socket) -> None:
-    """Serves until the process is asked to end (Ctrl-C, a polite kill).
+def url_of(listening: socket.socket) -> str:
+    """Returns the address at which a server that listens there is reached from this machine."""
+    host, port = listening.getsockname()[:2]
+    here = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)  # noqa: S104 - it is compared with, not bound
+    return f"http://[{here}]:{port}" if ":" in here else f"http://{here}:{port}"
+
+
+class Serving:
+    """One run of the server.
 
     Args:
         services: Started already; whoever made it closes it.
         listening: From :func:`bind`.
+        on_listening: Called as soon as requests are answered.
     """
-    config = uvicorn.Config(
-        create_app(services),
-        http="httptools",
-        log_config=None,
-        access_log=False,
-        server_header=False,
-        timeout_graceful_shutdown=_GRACE,
-    )
-    uvicorn.Server(config).run(sockets=[listening])
+
+    def __init__(self, services: Services, listening: socket.socket, on_listening: Callable[[], None]) -> None:
+        config = uvicorn.Config(
+            create_app(services),
+            http="httptools",
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=_GRACE,
+        )
+        self._server = _Server(config, on_listening, lambda: _halt(services))
+        self._listening = listening
+
+    def run(self) -> None:
+        """Serves until :meth:`end`, then brakes everything and lets open requests come to their end."""
+        self._server.run(sockets=[self._listening])
+
+    def end(self) -> None:
+        """Asks the server to end; safe to call from a signal handler."""
+        self._server.should_exit = True
+
+
+class _Server(uvicorn.Server):
+    """Tells when it listens and when it ends; signals are the business of whoever runs it."""
+
+    def __init__(self, config: uvicorn.Config, on_listening: Callable[[], None], on_end: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._on_listening = on_listening
+        self._on_end = on_end
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        self._on_listening()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._on_end()
+        await super().shutdown(sockets)
+
+
+def _halt(services: Services) -> None:
+    """Brakes everything before the connections are waited for; running jobs wait for a person then."""
+    if not services.control.alive:
+        return
+    try:
+        services.session.cycle.halt("the server ends")
+    except SkirosError as error:
+        _log.error("not everything was halted: %s", error)

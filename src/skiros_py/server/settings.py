@@ -20,11 +20,13 @@ class ServerSettings:
     Attributes:
         host: Address to listen at.
         port: Port to listen at; 0 for any free one.
-        authentication: "keys": every request needs a key; "none": none does; "auto": as soon as there are keys.
+        authentication: "keys": every request needs a key; "none": none does; "auto": as soon as there are keys,
+            and always where other machines reach the server.
         allowed_hosts: Further names under which the server is reached, for the check of the Host header.
         allowed_origins: Origins of web pages (``https://mes.example``) that may use the API from a browser.
         webhook_hosts: Hosts, perhaps with a port, that webhooks may be sent to; none are where it is empty.
         rate: Requests in a second that one caller may make.
+        requests: Requests that may be under way at the same time, streams included.
         open_jobs: Jobs that may be open at the same time.
         streams: Event streams that may be open at the same time.
         body: Longest body of a request [bytes].
@@ -38,6 +40,7 @@ class ServerSettings:
     allowed_origins: tuple[str, ...] = ()
     webhook_hosts: tuple[str, ...] = ()
     rate: int = 1000
+    requests: int = 500
     open_jobs: int = 50_000
     streams: int = 200
     body: int = 1 << 20

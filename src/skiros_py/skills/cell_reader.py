@@ -16,7 +16,7 @@ from skiros_py.world import vocabulary as v
 from skiros_py.world.stock import Stocked, stocks
 from skiros_py.world.view import WorldView
 
-__all__ = ["read_cell"]
+__all__ = ["read_body", "read_cell"]
 
 _FAR, _HEAVY = 1000.0, 1000.0
 """Greatest distance from the map's origin [m] and greatest mass [kg] that make sense for a cell."""
@@ -44,6 +44,26 @@ def read_cell(view: WorldView, robots: Sequence[str], *, simulated: bool = True)
     bodies += [body for stock in view.instances(v.STOCK) for body in _stocked(view, stock, simulated=simulated)]
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
     return CellSpec(tuple(bodies), tuple(_robot(view, robot) for robot in robots))
+
+
+def read_body(view: WorldView, element: str) -> BodySpec | None:
+    """Reads one body.
+
+    Args:
+        view: The world.
+        element: Id of an element.
+
+    Returns:
+        The body, or None for what has no shape, is in a gripper, or is a robot or a piece of one.
+
+    Raises:
+        UnknownName: There is no such element.
+        DescriptionError: The body lacks something.
+        WorldError: Its shape cannot be read.
+    """
+    if not view.ontology.is_a(view.element(element).type, v.SPATIAL_THING) or not _is_body(view, element):
+        return None
+    return None if _is_held(view, element) else _body(view, element)
 
 
 def _is_body(view: WorldView, element: str) -> bool:

@@ -195,8 +195,7 @@ class GoalRun:
         self._following.adopt(plan, kept)
         self._task.plan = plan
         said = ", then ".join(self._dispatcher.telling.said(step) for step in plan.steps) or "nothing is to be done"
-        steps = [str(step) for step in plan.steps]
-        self._tell(Happening.PLANNED, f"plan: {said}", {"steps": steps, "after": [sorted(a) for a in plan.order]})
+        self._tell(Happening.PLANNED, f"plan: {said}", plan.as_json())
 
     # ------------------------------------------------------------------ what cannot be reached
 
@@ -205,7 +204,7 @@ class GoalRun:
         if not self.history.steps:
             self._account.no_plan = answer.reasons
             self._setting.on_plan(planned)
-        self._tell(Happening.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", {"reasons": list(answer.reasons)})
+        self._tell(Happening.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", answer.as_json())
         self._following.break_off()
         if self._dispatcher.active:  # when that has ended, it is known better what is possible
             yield from self._let_end()

@@ -208,6 +208,19 @@ class Index:
         self.element(element_id)
         return self._stamps.get(element_id, _NEVER)
 
+    def count(self, class_: str, *, abstract: bool = False) -> int:
+        """Returns how many elements there are of a class or of its subclasses; costs nothing for each of them.
+
+        Args:
+            class_: The class.
+            abstract: True to count the abstract ones instead.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        table = self._abstract if abstract else self._of_class
+        return sum(len(table.get(below, EMPTY)) for below in self._ontology.subclasses(class_))
+
     def contents(self, place: str) -> tuple[str, ...]:
         """Returns ids of what is placed directly there, by whatever relation, sorted."""
         return _merged(self._guests, [(below, place) for below in self._ontology.sub_relations(PLACEMENT)])

@@ -86,6 +86,10 @@ class Locks:
                 if self._locks[name].owner == owner:
                     del self._locks[name]
 
+    def now(self) -> float:
+        """Returns the time by which locks end [s, the locks' clock]."""
+        return self._clock()
+
     def held(self) -> tuple[Lock, ...]:
         """Returns the locks in force, by element."""
         with self._guard:

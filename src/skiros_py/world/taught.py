@@ -21,7 +21,7 @@ from skiros_py.world.vocabulary import (
 if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 
-__all__ = ["TEACHABLE", "class_value", "lessons"]
+__all__ = ["TEACHABLE", "class_value", "lesson_about", "lessons"]
 
 TEACHABLE = frozenset({DRIVING_POSE, GRASP_POSE, GRASP_WIDTH, PLACING_POSE})
 """Properties whose values can be taught."""
@@ -35,8 +35,23 @@ def class_value(view: WorldView, class_: str, property_: str) -> Value | None:
     Raises:
         UnknownName: It is not a class.
     """
-    taught = _taught(view, class_, property_) if property_ in TEACHABLE else None
-    return view.ontology.class_value(class_, property_) if taught is None else taught
+    lesson = lesson_about(view, class_, property_)
+    return view.ontology.class_value(class_, property_) if lesson is None else lesson.properties[property_]
+
+
+def lesson_about(view: WorldView, class_: str, property_: str) -> Element | None:
+    """Returns what says the taught value that things of a class have, or None where nothing was taught.
+
+    Raises:
+        UnknownName: It is not a class.
+    """
+    if property_ not in TEACHABLE:
+        return None
+    about: dict[str, Element] = {}
+    for lesson in lessons(view):
+        if property_ in lesson.properties and APPLIES_TO in lesson.properties:
+            about[str(lesson.properties[APPLIES_TO])] = lesson
+    return next((about[above] for above in view.ontology.ancestors(class_) if above in about), None)
 
 
 def lessons(view: WorldView) -> tuple[Element, ...]:
@@ -44,15 +59,6 @@ def lessons(view: WorldView) -> tuple[Element, ...]:
     if TAUGHT_POSE not in view.ontology.classes:
         return ()
     return tuple(view.element(name) for name in sorted(view.abstracts(TAUGHT_POSE), key=_age))
-
-
-def _taught(view: WorldView, class_: str, property_: str) -> Value | None:
-    about: dict[str, Value] = {}
-    for lesson in lessons(view):
-        properties = lesson.properties
-        if property_ in properties and APPLIES_TO in properties:
-            about[str(properties[APPLIES_TO])] = properties[property_]
-    return next((about[above] for above in view.ontology.ancestors(class_) if above in about), None)
 
 
 def _age(element: str) -> tuple[int, str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from skiros_py.errors import WorldError
+from skiros_py.errors import StaleVersion, WorldError
 from skiros_py.world.change import Change, Writer
 from skiros_py.world.past import ChangeLog, subjects_of
 from skiros_py.world.world import World
@@ -23,17 +23,22 @@ def last_undoable(log: ChangeLog) -> Change | None:
     return None
 
 
-def undo(world: World, author: str) -> Change:
+def undo(world: World, author: str, *, expects: int | None = None) -> Change:
     """Takes back the last edit that a person made, as a new change; called again, it takes back the one before.
 
     Args:
         world: The world.
         author: Who wants it.
+        expects: Number of the change that they mean; None for whichever is the last.
 
     Raises:
+        StaleVersion: It is not the last any more.
         WorldError: There is nothing to take back, or something was built on it since; the text says what.
     """
     last = last_undoable(world.log)
+    if expects is not None and (last is None or last.number != expects):
+        now = "none" if last is None else f"change {last.number} ({last.author}: {last.reason})"
+        raise StaleVersion(f"change {expects} is not the one that can be undone now, which is {now}: look again")
     if last is None:
         since = f" since change {world.log.first}, from which on changes are remembered" if world.log.first > 1 else ""
         raise WorldError(f"there is nothing to undo: no edit by a person that was not undone already{since}")

@@ -2,25 +2,240 @@
 
 from __future__ import annotations
 
-from starlette.types import ASGIApp, Receive, Scope, Send
+import logging
+import re
+import secrets
+import time
+from collections.abc import Iterable
+from typing import Protocol
 
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from skiros_py.server.access.audit import AuditEntry, AuditLog
+from skiros_py.server.access.bodies import read_body, replayed
+from skiros_py.server.access.doorkeeper import Doorkeeper
+from skiros_py.server.access.keys import without_keys
+from skiros_py.server.access.places import SAFE, Places
+from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import Caller, Role
+from skiros_py.server.problems import Problem, problem_response
+from skiros_py.server.settings import ServerSettings
 
-__all__ = ["Gate"]
+__all__ = ["OPEN", "Gate", "Guarded"]
+
+_log = logging.getLogger(__name__)
+
+_API = "/api/v1"
+OPEN = frozenset({("GET", "/healthz"), ("GET", "/readyz"), ("POST", f"{_API}/session")})
+"""What needs no key: methods and paths."""
+_STOP = ("POST", f"{_API}/stop")
+"""What always passes, be there ever so much to do."""
+_NOBODY = Caller("", Role.VIEWER)
+
+_LONGEST_URL = 8 << 10
+_LONGEST_HEADERS = 32 << 10
+_REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
+_KEY_IN_URL = re.compile(rb"(?:^|&)(?:x-)?(?:api[_-]?key|access_token|authorization)=", re.IGNORECASE)
+_REFUSALS = 30
+"""Refusals of one address that the audit log takes in a minute: nobody shall push out what else is in it."""
+_HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+}
+"""What answers say to browsers, where the route says nothing else."""
+
+
+class Guarded(Protocol):
+    """What the gate needs of the server; some of it is there only once the server was started."""
+
+    @property
+    def settings(self) -> ServerSettings:
+        """How the server is set up."""
+        ...
+
+    @property
+    def doorkeeper(self) -> Doorkeeper:
+        """Tells who comes."""
+        ...
+
+    @property
+    def audit(self) -> AuditLog:
+        """What was done and refused."""
+        ...
 
 
 class Gate:
-    """ASGI middleware that finds out who makes a request.
+    """ASGI middleware that lets nobody in who may not come in.
 
     Args:
         app: What is behind it.
+        services: What is guarded.
     """
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, services: Guarded) -> None:
         self._app = app
+        self._services = services
+        self._places = Places(services.settings)
+        self._rates = Rates(services.settings.rate, 1.0)
+        self._refusals = Rates(_REFUSALS, 60.0)
+        self._under_way = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Passes a request on."""
-        if scope["type"] == "http":
-            scope.setdefault("state", {})["caller"] = Caller("local", Role.ADMIN)
-        await self._app(scope, receive, send)
+        """Answers a request, or passes it on."""
+        if scope["type"] == "websocket":  # there are none, and none shall come in unasked
+            await send({"type": "websocket.close", "code": 1008})
+        elif scope["type"] != "http":
+            await self._app(scope, receive, send)
+        else:
+            await self._answer(scope, receive, send)
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        headers = Headers(scope=scope)
+        request = Request(scope)
+        request.state.id = _request_id(headers)
+        request.state.caller = _NOBODY
+        answer = _Answer(send, request, self._places.answer(headers), self._services)
+        self._under_way += 1
+        try:
+            await self._pass(request, headers, receive, answer)
+        except Problem as problem:
+            await problem_response(request, problem)(scope, receive, answer)
+        except Exception as error:
+            if answer.revoked:
+                return
+            _log.exception("request %s broke: %s", request.state.id, error)  # noqa: TRY401 - the text first, then the stack
+            if answer.status:  # it had begun: all that can be done is to break off
+                raise
+            await problem_response(request, _broken(request.state.id))(scope, receive, answer)
+        finally:
+            self._under_way -= 1
+            self._keep(request, answer.status)
+
+    async def _pass(self, request: Request, headers: Headers, receive: Receive, answer: _Answer) -> None:
+        scope, what = request.scope, (request.method, request.scope["path"])
+        _check_size(scope)
+        self._places.check_host(headers)
+        if request.method == "OPTIONS" and "access-control-request-method" in headers:
+            await Response(status_code=204, headers=self._places.preflight(headers))(scope, receive, answer)
+            return
+        self._places.check_origin(request.method, scope["scheme"], headers)
+        _check_url(scope)
+        if what not in OPEN:
+            request.state.caller = self._services.doorkeeper.caller(headers, _address(scope))
+        if what != _STOP:
+            self._check_load(request.state.caller, what in OPEN)
+            if request.method not in SAFE:
+                receive = replayed(await read_body(headers, receive, self._services.settings.body), receive)
+        await self._app(scope, receive, answer)
+
+    def _check_load(self, caller: Caller, is_open: bool) -> None:
+        if self._under_way > self._services.settings.requests:
+            raise Problem(503, "Busy", "too many requests are under way", headers={"Retry-After": "1"})
+        if not is_open and not self._rates.take(caller.key or caller.name):
+            most = self._services.settings.rate
+            raise Problem(429, "TooManyRequests", f"more than {most} requests in a second", headers={"Retry-After": "1"})
+
+    def _keep(self, request: Request, status: int) -> None:
+        """Has the audit log remember what changed something, and what was refused."""
+        changed = request.method not in SAFE and request.state.caller is not _NOBODY and status != 429
+        if changed or (status in _REFUSED and self._refusals.take(_address(request.scope))):
+            self._services.audit.append(_entry(request, status))
+
+
+_REFUSED = frozenset({400, 401, 403, 429})
+
+
+class _Answer:
+    """Sends an answer: adds what all answers say, and ends a stream whose reader may not read any more."""
+
+    def __init__(self, send: Send, request: Request, more: dict[str, str], services: Guarded) -> None:
+        self.status = 0
+        self.revoked = False
+        self._send = send
+        self._request = request
+        self._more = more
+        self._services = services
+        self._stream = False
+
+    async def __call__(self, message: Message) -> None:
+        if message["type"] == "http.response.start":
+            self._begin(message)
+        elif self._stream and not self._services.doorkeeper.still(self._request.state.caller):
+            self.revoked = True
+            await self._send({"type": "http.response.body", "body": b"", "more_body": False})
+            raise ConnectionAbortedError("the reader's key was revoked")
+        await self._send(message)
+
+    def _begin(self, message: Message) -> None:
+        self.status = message["status"]
+        message.setdefault("headers", [])
+        headers = MutableHeaders(raw=message["headers"])
+        headers["X-Request-Id"] = self._request.state.id
+        for name, value in _HEADERS.items():
+            headers.setdefault(name, value)
+        for name, value in self._more.items():
+            headers[name] = value
+        message["headers"] = headers.raw
+        self._stream = headers.get("content-type", "").startswith("text/event-stream")
+
+
+def _request_id(headers: Headers) -> str:
+    given = headers.get("x-request-id", "")
+    return given if _REQUEST_ID.fullmatch(given) and without_keys(given) == given else secrets.token_hex(8)
+
+
+def _address(scope: Scope) -> str:
+    return str((scope.get("client") or ("",))[0])
+
+
+def _check_size(scope: Scope) -> None:
+    if len(scope.get("raw_path", b"")) + len(scope["query_string"]) > _LONGEST_URL:
+        raise Problem(414, "AddressTooLong", f"an address may have {_LONGEST_URL} bytes at most")
+    raw: Iterable[tuple[bytes, bytes]] = scope["headers"]
+    if sum(len(name) + len(value) for name, value in raw) > _LONGEST_HEADERS:
+        raise Problem(431, "HeadersTooLong", f"headers may have {_LONGEST_HEADERS} bytes at most")
+
+
+def _check_url(scope: Scope) -> None:
+    query: bytes = scope["query_string"]
+    url = scope["path"] + "?" + query.decode("latin-1")
+    if _KEY_IN_URL.search(query) or without_keys(url) != url:
+        raise Problem(
+            400,
+            "KeyInAddress",
+            "keys do not belong into addresses, which are written down on their way: send them in a header,"
+            " 'Authorization: Bearer sk_…', and revoke this one",
+        )
+    if "\0" in url or "%00" in url:
+        raise Problem(400, "InvalidRequest", "there is a NUL in the address")
+
+
+def _broken(request_id: str) -> Problem:
+    return Problem(500, "Fault", f"something broke inside the server; its log has it as request {request_id}")
+
+
+def _entry(request: Request, status: int) -> AuditEntry:
+    scope, caller = request.scope, request.state.caller
+    said = getattr(request.state, "audit", {})
+    path = scope["path"]
+    job = said.get("job") or (str(scope.get("path_params", {}).get("id", "")) if f"{_API}/jobs/" in path else "")
+    stranger = caller is _NOBODY
+    return AuditEntry(
+        wall=time.time(),
+        caller=caller.name,
+        role="" if stranger else caller.role.value,
+        key=caller.key,
+        address=_address(scope),
+        method=request.method[:20],
+        path=without_keys(path)[:500],
+        operation=getattr(scope.get("endpoint"), "__name__", ""),
+        status=status,
+        request=request.state.id,
+        job=job[:200],
+        comment=said.get("comment", ""),
+    )

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import enum
 import json
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
-__all__ = ["Event", "Kind"]
+__all__ = ["Event", "Kind", "as_text", "written"]
+
+_LONGEST = 64_000
+"""Characters of one event's data; what is longer is left out, and the event says so."""
 
 
 class Kind(enum.StrEnum):
@@ -29,9 +33,9 @@ class Kind(enum.StrEnum):
     """The station itself: opened anew, halted, reset."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened.
+    """One thing that happened. It is written as text at once: that is all who listens gets, and less to keep.
 
     Attributes:
         number: Counts events without gaps, from 1 for each start of the server.
@@ -41,8 +45,8 @@ class Event:
         type: What happened, in one word of its kind ("changed", "started", "aborted").
         subject: What it happened to: id of a job, name of a task or module, empty for a change of the world.
         job: Id of the job that it belongs to; empty where there is none.
-        elements: Ids of the elements of the world that it touches.
-        data: All there is to say, as plain data.
+        elements: Ids of the elements of the world that it touches; None where they are too many to be listed.
+        text: All of it as JSON, in one line.
     """
 
     number: int
@@ -50,24 +54,80 @@ class Event:
     time: float
     kind: Kind
     type: str
-    subject: str = ""
-    job: str = ""
-    elements: frozenset[str] = frozenset()
-    data: Mapping[str, Any] = field(default_factory=dict)
+    subject: str
+    job: str
+    elements: frozenset[str] | None
+    text: str
 
-    @cached_property
-    def text(self) -> str:
-        """The event as JSON, made once for all who get it."""
-        return json.dumps(
-            {
-                "number": self.number,
-                "wall": self.wall,
-                "time": self.time,
-                "kind": self.kind.value,
-                "type": self.type,
-                "subject": self.subject,
-                "job": self.job,
-                "data": self.data,
-            },
-            separators=(",", ":"),
-        )
+    @property
+    def data(self) -> Mapping[str, Any]:
+        """All there is to say, as plain data."""
+        data: Mapping[str, Any] = json.loads(self.text)["data"]
+        return data
+
+    def touches(self, element: str) -> bool:
+        """Tells whether it is, or may be, about an element of the world."""
+        return self.elements is None or element in self.elements
+
+
+def written(
+    epoch: str,
+    number: int,
+    moment: tuple[float, float],
+    kind: Kind,
+    type_: str,
+    subject: str,
+    job: str,
+    elements: frozenset[str] | None,
+    data: Mapping[str, Any],
+) -> Event:
+    """Writes an event down.
+
+    Args:
+        epoch: Names the start of the server.
+        number: Its number.
+        moment: When [s since 1970], and when in run time [s].
+        kind: What it is about.
+        type_: What happened.
+        subject: What it happened to.
+        job: Id of the job that it belongs to.
+        elements: Ids of the elements that it touches; None for too many.
+        data: All there is to say, as plain data.
+    """
+    wall, time = moment
+    head = {
+        "id": f"{epoch}-{number}",
+        "number": number,
+        "at": datetime.fromtimestamp(wall, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
+        "time": time,
+        "kind": kind.value,
+        "type": type_,
+        "subject": subject,
+        "job": job,
+    }
+    said = as_text(data)
+    if len(said) > _LONGEST:
+        said = as_text({"left_out": f"{len(said)} characters are too many for an event: read it where it is kept"})
+    text = f'{as_text(head)[:-1]},"data":{said}}}'
+    return Event(number, wall, time, kind, type_, subject, job, elements, text)
+
+
+def as_text(data: object) -> str:
+    """Writes plain data as JSON in one line, whatever is in it: what JSON has no words for becomes text or null."""
+    try:
+        return json.dumps(data, separators=(",", ":"), allow_nan=False, default=str)
+    except (ValueError, TypeError, RecursionError):  # NaN, or a key that is no text
+        return json.dumps(_plain(data, 20), separators=(",", ":"), default=str)
+
+
+def _plain(value: object, depth: int) -> object:
+    """Returns the value with what JSON has no words for as text or None, at most so many levels deep."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if depth == 0:
+        return str(value)[:100]
+    if isinstance(value, Mapping):
+        return {str(key): _plain(one, depth - 1) for key, one in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [_plain(one, depth - 1) for one in value]
+    return value

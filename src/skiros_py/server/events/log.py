@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import threading
 import time
@@ -9,9 +10,14 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from skiros_py.server.events.event import Event, Kind
+from skiros_py.server.events.event import Event, Kind, written
 
 __all__ = ["EventLog"]
+
+_log = logging.getLogger(__name__)
+
+_MOST_ELEMENTS = 1000
+"""Of more elements than these an event keeps no list: it counts as one that may touch any."""
 
 
 class EventLog:
@@ -20,16 +26,20 @@ class EventLog:
     Args:
         kept: How many events are kept.
         clock: Gives the run time [s]; may be replaced.
+        room: How many characters the kept events may have together.
 
     Attributes:
         epoch: Names this start of the server: numbers of another one mean nothing here.
         clock: Gives the run time [s].
     """
 
-    def __init__(self, kept: int, clock: Callable[[], float] = lambda: 0.0) -> None:
+    def __init__(self, kept: int, clock: Callable[[], float] = lambda: 0.0, *, room: int = 32_000_000) -> None:
         self.epoch = secrets.token_hex(4)
         self.clock = clock
-        self._events: deque[Event] = deque(maxlen=kept)
+        self._events: deque[Event] = deque()
+        self._kept = kept
+        self._room = room
+        self._size = 0
         self._guard = threading.Lock()
         self._last = 0
         self._listeners: list[Callable[[], None]] = []
@@ -42,7 +52,8 @@ class EventLog:
     @property
     def first(self) -> int:
         """Number of the oldest event that is kept; one more than :attr:`last` where none is."""
-        return self._last - len(self._events) + 1
+        with self._guard:
+            return self._last - len(self._events) + 1
 
     def append(
         self,
@@ -55,14 +66,17 @@ class EventLog:
         data: Mapping[str, Any] | None = None,
     ) -> Event:
         """Writes an event down, and wakes who waits for it; quick, and for any thread."""
+        touched = frozenset(elements)
         with self._guard:
-            event = Event(
-                self._last + 1, time.time(), self.clock(), kind, type_, subject, job, frozenset(elements), data or {}
-            )
-            self._events.append(event)
-            self._last = event.number
+            number, moment = self._last + 1, (time.time(), self.clock())
+            listed = touched if len(touched) <= _MOST_ELEMENTS else None
+            event = written(self.epoch, number, moment, kind, type_, subject, job, listed, data or {})
+            self._keep(event)
         for listener in tuple(self._listeners):
-            listener()
+            try:
+                listener()
+            except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
+                _log.exception("a listener of events broke")
         return event
 
     def since(self, number: int, most: int = 500) -> list[Event]:
@@ -74,6 +88,13 @@ class EventLog:
             return [self._events[index] for index in range(skip, end)]
 
     def on_event(self, listener: Callable[[], None]) -> Callable[[], None]:
-        """Calls the listener after each event, in the thread that wrote it; it must be quick. Returns how to end that."""
+        """Calls the listener after each event, in the thread that wrote it; returns how to end that."""
         self._listeners.append(listener)
         return lambda: self._listeners.remove(listener)
+
+    def _keep(self, event: Event) -> None:
+        self._events.append(event)
+        self._last = event.number
+        self._size += len(event.text)
+        while len(self._events) > self._kept or self._size > self._room:
+            self._size -= len(self._events.popleft().text)

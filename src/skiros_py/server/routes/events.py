@@ -1,9 +1,196 @@
-"""Routes: events."""
+"""Events: what happens, as a stream or in pages, and the robots' state at this moment."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+import json
+from collections.abc import AsyncIterator
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Path, Query
+
+from skiros_py.api.events import EventInfo, EventPage, ResetInfo
+from skiros_py.api.state import StationState
+from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
+from skiros_py.server.events.choice import EVERYTHING, Choice
+from skiros_py.server.events.event import Event, Kind
+from skiros_py.server.events.live import live_state
+from skiros_py.server.events.places import Reset, find_place, missed, place_text
+from skiros_py.server.events.sse import EventStream
+from skiros_py.server.problems import Problem, found
+from skiros_py.server.services import Services, ServicesDep
 
 __all__ = ["router"]
 
 router = APIRouter(tags=["events"])
+
+_OF_MES = frozenset({Kind.JOB, Kind.ALARM, Kind.SYSTEM})
+"""What a factory system hears of; of its jobs it hears everything."""
+_LOOKED_THROUGH = 20_000
+"""So many events are looked through for one page: where few fit, the next page goes on from there."""
+
+Kinds = Annotated[list[Kind] | None, Query(max_length=20, description="Only of these kinds; several may be given.")]
+Types = Annotated[
+    list[Annotated[str, Query(max_length=50)]] | None,
+    Query(
+        alias="type", max_length=50, description="Only where this happened; several may be given.", examples=["ended"]
+    ),
+]
+JobId = Annotated[str, Query(max_length=200, description="Only what belongs to this job.")]
+ElementId = Annotated[str, Query(max_length=200, description="Only what touches this element of the world.")]
+After = Annotated[
+    str | None,
+    Query(
+        max_length=100, description="Id of the last event seen; `Last-Event-ID` counts more.", examples=["1f2e3d4c-9"]
+    ),
+]
+LastSeen = Annotated[
+    str | None, Header(alias="Last-Event-ID", max_length=100, description="Id of the last event seen.")
+]
+
+_STREAM: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "Server-sent events: `event` is the kind, `id` its place, `data` an event as JSON (or, where"
+        " `event` is `reset`, what to read anew because events are missing).",
+        "content": {"text/event-stream": {"schema": {"type": "string"}}},
+    }
+}
+_ENDLESS = {"x-endless": True}
+"""Marks answers that do not end by themselves, for programs that try all routes."""
+
+
+@router.get(
+    "/events",
+    summary="Follow what happens",
+    dependencies=[needs(Role.VIEWER, mes=True)],
+    response_class=EventStream,
+    responses=_STREAM,
+    openapi_extra=_ENDLESS,
+)
+async def stream_events(
+    services: ServicesDep,
+    caller: CallerDep,
+    kind: Kinds = None,
+    type_: Types = None,
+    job: JobId = "",
+    element: ElementId = "",
+    after: After = None,
+    last_event_id: LastSeen = None,
+) -> EventStream:
+    """Streams events as they happen, and those since the last one that was seen.
+
+    Where that cannot be done without a gap, there comes a `reset` first: it says why, and what to read anew.
+    """
+    choice = _choice(caller, kind, type_, job, element)
+    return _stream(services, caller, choice, _first_given(last_event_id, after))
+
+
+@router.get("/events/recent", summary="Ask what happened", dependencies=[needs(Role.VIEWER, mes=True)])
+def list_events(
+    services: ServicesDep,
+    caller: CallerDep,
+    kind: Kinds = None,
+    type_: Types = None,
+    job: JobId = "",
+    element: ElementId = "",
+    after: After = None,
+    limit: Annotated[int, Query(ge=1, le=1000, description="At most so many.")] = 100,
+) -> EventPage:
+    """Lists events after a place, oldest first, for those who cannot keep a stream open; without a place, all kept."""
+    choice = _choice(caller, kind, type_, job, element)
+    log = services.events
+    place = log.first - 1 if not after else find_place(log, after)
+    if isinstance(place, Reset):
+        return EventPage(items=(), next=place.place, reset=_reset(place))
+    events, end = _page(services, place, choice, limit)
+    gap = missed(log, place) if after and not events else None
+    return EventPage(
+        items=tuple(EventInfo.model_validate(json.loads(event.text)) for event in events),
+        next=place_text(log, end),
+        reset=_reset(gap) if gap is not None else None,
+    )
+
+
+@router.get(
+    "/jobs/{job}/events",
+    summary="Follow a job",
+    dependencies=[needs(Role.VIEWER, mes=True)],
+    response_class=EventStream,
+    responses=_STREAM,
+    openapi_extra=_ENDLESS,
+)
+def stream_job_events(
+    job: Annotated[str, Path(max_length=200, description="Id of the job.")],
+    services: ServicesDep,
+    caller: CallerDep,
+    after: After = None,
+    last_event_id: LastSeen = None,
+) -> EventStream:
+    """Streams what happens for one job: first all that is kept of it, or what came after the event seen last."""
+    with found("UnknownJobOrderID"):
+        services.session.jobs.job(job)
+    return _stream(services, caller, Choice(job=job), _first_given(last_event_id, after) or "")
+
+
+@router.get(
+    "/robots/state/stream",
+    summary="Watch the robots move",
+    dependencies=[needs(Role.VIEWER)],
+    response_class=EventStream,
+    responses={
+        200: {"description": "Server-sent events: each `data` is a state.", "content": {"text/event-stream": {}}}
+    },
+    openapi_extra=_ENDLESS,
+)
+async def stream_state(
+    services: ServicesDep,
+    caller: CallerDep,
+    rate: Annotated[float, Query(ge=0.1, le=20.0, description="How often at most [Hz].", examples=[10])] = 10.0,
+) -> EventStream:
+    """Streams the present state of all robots. Only the latest counts: what a client is too slow for is left out."""
+    frames = services.live.follow(rate, lambda: services.streams.allowed(caller))
+    return EventStream(frames, services.streams.listening(caller))
+
+
+@router.get("/state", summary="See what the robots do", dependencies=[needs(Role.VIEWER)])
+def get_state(services: ServicesDep) -> StationState:
+    """Returns the state of all robots at this moment."""
+    return StationState.model_validate(live_state(services.session))
+
+
+def _choice(caller: Caller, kinds: list[Kind] | None, types: list[str] | None, job: str, element: str) -> Choice:
+    """Returns which events somebody wants.
+
+    Raises:
+        Problem: They may not hear of them.
+    """
+    may = _OF_MES if caller.role is Role.MES and not job else EVERYTHING.kinds
+    wanted = frozenset(kinds or may)
+    if not wanted <= may:
+        allowed = ", ".join(sorted(may))
+        raise Problem(403, "RoleTooLow", f"{caller.name} is {caller.role}, and hears of {allowed}; or name a job")
+    return Choice(wanted, frozenset(types or ()), job, element)
+
+
+def _first_given(*places: str | None) -> str | None:
+    return next((place for place in places if place), None)
+
+
+def _stream(services: Services, caller: Caller, choice: Choice, after: str | None) -> EventStream:
+    frames: AsyncIterator[bytes] = services.streams.follow(choice, caller, after)
+    return EventStream(frames, services.streams.listening(caller))
+
+
+def _page(services: Services, place: int, choice: Choice, limit: int) -> tuple[list[Event], int]:
+    """Returns the first events after a place that fit, and the place behind what was looked through."""
+    fitting: list[Event] = []
+    for event in services.events.since(place, _LOOKED_THROUGH):
+        place = event.number
+        if choice.takes(event):
+            fitting.append(event)
+        if len(fitting) == limit:
+            break
+    return fitting, place
+
+
+def _reset(gap: Reset) -> ResetInfo:
+    return ResetInfo.model_validate(gap.as_json())

@@ -1,9 +1,77 @@
-"""Routes: health."""
+"""For those who keep the server running: is it alive, is it ready, and its figures. Not below ``/api/v1``."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+import shutil
+
+from fastapi import APIRouter, Response
+from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
+from pydantic import BaseModel, Field
+
+from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.services import Services, ServicesDep
 
 __all__ = ["router"]
 
-router = APIRouter(tags=["health"])
+router = APIRouter(tags=["operation"])
+
+
+class Health(BaseModel):
+    """Whether the server is alive."""
+
+    alive: bool = Field(description="True while the control cycle goes round.", examples=[True])
+    why: str = Field(default="", description="What is wrong; empty in good times.")
+
+
+class Readiness(BaseModel):
+    """Whether orders can be fulfilled."""
+
+    ready: bool = Field(description="True while the station is open and what is ordered can be kept.", examples=[True])
+    halted: bool = Field(default=False, description="True while everything is halted: orders are kept and wait.")
+    why: str = Field(default="", description="What is wrong; empty in good times.")
+
+
+@router.get("/healthz", summary="Is the server alive?", responses={503: {"model": Health}})
+def get_health(services: ServicesDep, response: Response) -> Health:
+    """Answers 200 while the control cycle goes round or the station is being opened, else 503. Needs no key."""
+    control = services.control
+    if control.fault is not None:
+        return _unhealthy(response, "the station is not running: see the alarms")
+    if control.stuck_for() > _LONGEST_CYCLE:
+        return _unhealthy(response, "the control cycle does not come round")
+    return Health(alive=True)
+
+
+_LONGEST_CYCLE = 5.0
+"""Wall time without a control cycle after which the server counts as dead [s]."""
+
+
+_LEAST_ROOM = 10 << 20
+"""Room on the disk below which nothing is promised any more [bytes]."""
+
+
+def _unhealthy(response: Response, why: str) -> Health:
+    response.status_code = 503
+    return Health(alive=False, why=why)
+
+
+@router.get("/readyz", summary="Can orders be fulfilled?", responses={503: {"model": Readiness}})
+def get_readiness(services: ServicesDep, response: Response) -> Readiness:
+    """Answers 200 while the station runs, halted or not, and what is ordered can be kept; else 503. Needs no key."""
+    why = _not_ready(services)
+    if why:
+        response.status_code = 503
+        return Readiness(ready=False, why=why)
+    return Readiness(ready=True, halted=bool(services.session.cycle.halted))
+
+
+def _not_ready(services: Services) -> str:
+    if not services.control.alive:
+        return "the station is not open" if services.control.fault is None else "the station is not running"
+    return "" if shutil.disk_usage(services.data).free > _LEAST_ROOM else "the disk is full: no order could be kept"
+
+
+@router.get("/metrics", summary="Figures for Prometheus", dependencies=[needs(Role.VIEWER)], response_class=Response)
+def get_metrics(services: ServicesDep) -> Response:
+    """Gives the server's figures in Prometheus' text format."""
+    return Response(generate_latest(services.metrics.registry), media_type=CONTENT_TYPE_LATEST)

@@ -1,9 +1,206 @@
-"""Routes: webhooks."""
+"""Webhooks: other systems are told of jobs, signed, in order for each job, at least once."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+import secrets
+import time
+from base64 import b64decode
+from datetime import UTC, datetime
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Query, Response
+
+from skiros_py.api.webhooks import (
+    STATES,
+    Deliveries,
+    Delivery,
+    DeliveryState,
+    Webhook,
+    WebhookChange,
+    WebhookOrder,
+    WebhookSecret,
+)
+from skiros_py.errors import UsageError
+from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.problems import Problem, found
+from skiros_py.server.services import Services, ServicesDep
+from skiros_py.server.webhooks.store import Post, Subscription, new_secret
+from skiros_py.server.webhooks.target import resolve, target_of
 
 __all__ = ["router"]
 
-router = APIRouter(tags=["webhooks"])
+router = APIRouter(prefix="/webhooks", tags=["webhooks"], dependencies=[needs(Role.ADMIN)])
+
+WebhookId = Annotated[str, Path(max_length=100, description="Id of the webhook.", examples=["wh_5f0c"])]
+Number = Annotated[int, Path(ge=1, lt=2**53, description="Number of the delivery.")]
+Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]
+Cursor = Annotated[str | None, Query(max_length=30, description="From the page before.")]
+
+_UNKNOWN = "UnknownWebhook"
+
+
+@router.get("", summary="All webhooks")
+def list_webhooks(services: ServicesDep) -> list[Webhook]:
+    """Lists who is told of jobs, with how much waits for them."""
+    return [_shown(services, one) for one in services.webhooks.subscriptions]
+
+
+@router.post("", status_code=201, summary="Have another system told of jobs")
+def create_webhook(order: WebhookOrder, services: ServicesDep, response: Response) -> WebhookSecret:
+    """Makes a webhook. It is told of what happens from now on; the key of its signatures is shown this once."""
+    _check(order, services)
+    secret = order.secret or new_secret()
+    subscription = Subscription(
+        f"wh_{secrets.token_hex(6)}", order.url, secret, order.states, order.jobs, order.description, True, time.time()
+    )
+    services.webhooks.add(subscription, services.session.jobs.last_announcement)
+    response.headers["Location"] = f"/api/v1/webhooks/{subscription.id}"
+    return WebhookSecret(webhook=_shown(services, subscription), secret=secret)
+
+
+@router.get("/dead-letters", summary="Messages that were given up")
+def list_dead_letters(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> Deliveries:
+    """Lists what no target took for a day; ``POST …/redeliver`` sends it again."""
+    return _page(services, None, DeliveryState.DEAD, cursor, limit)
+
+
+@router.get("/{webhook}", summary="One webhook")
+def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
+    """Tells about one webhook; its key is not shown again."""
+    with found(_UNKNOWN):
+        return _shown(services, services.webhooks.subscription(webhook))
+
+
+@router.patch("/{webhook}", summary="Change a webhook")
+def change_webhook(webhook: WebhookId, change: WebhookChange, services: ServicesDep) -> Webhook:
+    """Changes what a webhook is told, or lets it rest; what happens meanwhile is kept for it."""
+    _check_states(change.states or ())
+    with found(_UNKNOWN):
+        changed = services.webhooks.change(webhook, **change.model_dump(exclude_none=True))
+    services.send_webhooks()
+    return _shown(services, changed)
+
+
+@router.delete("/{webhook}", status_code=204, summary="Remove a webhook")
+def delete_webhook(webhook: WebhookId, services: ServicesDep) -> None:
+    """Removes a webhook with all that waits for it."""
+    with found(_UNKNOWN):
+        services.webhooks.remove(webhook)
+
+
+@router.post("/{webhook}/ping", status_code=202, summary="Try a webhook out")
+def ping_webhook(webhook: WebhookId, services: ServicesDep, response: Response) -> None:
+    """Sends a message of type ``io.skiros.ping.v1``; the deliveries show whether it arrived."""
+    with found(_UNKNOWN):
+        services.webhooks.ping(webhook, time.time())
+    services.send_webhooks()
+    response.headers["Location"] = f"/api/v1/webhooks/{webhook}/deliveries"
+
+
+@router.get("/{webhook}/deliveries", summary="What became of the messages")
+def list_deliveries(
+    webhook: WebhookId,
+    services: ServicesDep,
+    state: Annotated[DeliveryState | None, Query(description="Only those in this state.")] = None,
+    limit: Limit = 100,
+    cursor: Cursor = None,
+) -> Deliveries:
+    """Lists the messages of a webhook, the latest first; of those that arrived the last thousand."""
+    with found(_UNKNOWN):
+        services.webhooks.subscription(webhook)
+    return _page(services, webhook, state, cursor, limit)
+
+
+@router.post("/{webhook}/deliveries/{number}/redeliver", status_code=202, summary="Send a dead letter again")
+def redeliver(webhook: WebhookId, number: Number, services: ServicesDep) -> None:
+    """Sends a message again that was given up."""
+    with found(_UNKNOWN):
+        services.webhooks.subscription(webhook)
+    with found("UnknownDeadLetter"):
+        services.webhooks.redeliver(webhook, number)
+    services.send_webhooks()
+
+
+def _check(order: WebhookOrder, services: Services) -> None:
+    """Sees that an order can be fulfilled.
+
+    Raises:
+        UsageError: Its target, key or states are none.
+    """
+    resolve(target_of(order.url, services.settings.webhook_hosts))
+    _check_states(order.states)
+    if order.secret:
+        try:
+            key = b64decode(order.secret.removeprefix("whsec_"), validate=True)
+        except ValueError:
+            key = b""
+        if not order.secret.startswith("whsec_") or not 24 <= len(key) <= 64:
+            raise UsageError("secret: whsec_ and the base64 text of 24 to 64 bytes; leave it out to have one made")
+
+
+def _check_states(states: tuple[str, ...]) -> None:
+    unknown = sorted(set(states) - STATES)
+    if unknown:
+        raise UsageError(f"states: {', '.join(unknown)[:200]} is none of {', '.join(sorted(STATES))}")
+
+
+def _shown(services: Services, one: Subscription) -> Webhook:
+    counts = services.webhooks.counts()
+    return Webhook(
+        id=one.id,
+        url=one.url,
+        states=one.states,
+        jobs=one.jobs,
+        description=one.description,
+        active=one.active,
+        created=_when(one.created),
+        pending=counts.get((one.id, DeliveryState.PENDING.value), 0),
+        dead=counts.get((one.id, DeliveryState.DEAD.value), 0),
+    )
+
+
+def _page(
+    services: Services, webhook: str | None, state: DeliveryState | None, cursor: str | None, limit: int
+) -> Deliveries:
+    """Reads a page; dead letters of several webhooks are in the order of their numbers."""
+    before, skip = _read(cursor)
+    posts = services.webhooks.posts(webhook, None if state is None else state.value, before, limit + skip + 1)[skip:]
+    shown, more = posts[:limit], len(posts) > limit
+    return Deliveries(items=tuple(map(_delivery, shown)), next=_cursor(before, skip, shown) if more else None)
+
+
+def _read(cursor: str | None) -> tuple[int, int]:
+    """Reads a cursor: only what has a lower number, without the first so many of it."""
+    if cursor is None:
+        return 0, 0
+    before, _, skip = cursor.partition(".")
+    if not (before.isdecimal() and skip.isdecimal() and before.isascii() and skip.isascii()):
+        raise Problem(422, "InvalidRequest", "cursor: take the 'next' of the page before, as it is")
+    return int(before), int(skip)
+
+
+def _cursor(before: int, skip: int, shown: tuple[Post, ...]) -> str:
+    """Several webhooks have messages of the same number: those that were shown already are skipped."""
+    last = shown[-1].number
+    same = sum(1 for post in shown if post.number == last)
+    return f"{last + 1}.{same + (skip if before == last + 1 else 0)}"
+
+
+def _delivery(post: Post) -> Delivery:
+    waits = post.state is DeliveryState.PENDING and post.next_try > 0
+    return Delivery(
+        webhook=post.webhook,
+        number=post.number,
+        event=post.event,
+        job=post.job,
+        state=post.state,
+        attempts=post.attempts,
+        created=_when(post.wall),
+        next_try=_when(post.next_try) if waits else None,
+        status=post.status,
+        error=post.error,
+    )
+
+
+def _when(wall: float) -> datetime:
+    return datetime.fromtimestamp(wall, UTC)

@@ -1,15 +1,19 @@
-"""All jobs as they are now: what the store has, at hand, and told to whoever listens."""
+"""The open jobs as they are now: what the store has of them, at hand, and told to whoever listens."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
+from collections.abc import Callable
 from typing import Any
 
-from skiros_py.tasks.jobs.job import Job, JobOrder
+from skiros_py.tasks.jobs.announcements import CANCELLED, CLEARED
+from skiros_py.tasks.jobs.job import Job
+from skiros_py.tasks.jobs.order import JobOrder
+from skiros_py.tasks.jobs.queue import JobQueue
+from skiros_py.tasks.jobs.receipts import Receipt
 from skiros_py.tasks.jobs.states import JobState, Trigger, next_state
 from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.jobs.views import AllJobs, OpenJobs
 
 __all__ = ["JobBook"]
 
@@ -19,45 +23,51 @@ _log = logging.getLogger(__name__)
 class JobBook:
     """The jobs of a store; every change is on the disk before anybody hears of it.
 
-    Whoever writes holds the job manager's guard.
+    Whoever writes holds the job manager's guard. What is over is in the file only: a cell that works for months has
+    more of that than memory.
 
     Args:
         store: Where they are kept.
         clock: Gives the wall time [s since 1970].
 
     Attributes:
-        version: Grows with every change of any job.
+        open: The jobs that are not over, by id, in the order in which they were ordered.
+        jobs: All that were not removed.
+        queue: Those of them that wait for their turn.
     """
 
     def __init__(self, store: JobStore, clock: Callable[[], float]) -> None:
         self._store = store
         self._clock = clock
-        self._jobs = {job.id: job for job in store.all()}
+        self._open = {job.id: job for job in store.open()}
         self._listeners: list[Callable[[Job], None]] = []
-        self.version = 0
-
-    @property
-    def jobs(self) -> Mapping[str, Job]:
-        """All jobs by id, in the order in which they were ordered; what was handed out does not change."""
-        return MappingProxyType(self._jobs)
+        self.open = OpenJobs(self._open)
+        self.jobs = AllJobs(self.open, store)
+        self.queue = JobQueue(self._open.values())
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with every new version of a job; returns how to end that. It must be quick."""
         self._listeners.append(listener)
         return lambda: self._listeners.remove(listener)
 
-    def add(self, order: JobOrder, *, start: bool, comment: str) -> Job:
+    def add(self, order: JobOrder, *, start: bool, comment: str, receipt: Receipt | None = None) -> Job:
         """Takes a new order."""
         state = JobState.ALLOWED_TO_START if start else JobState.NOT_ALLOWED_TO_START
         detail = "queued" if start else "waits for leave to start"
-        job = Job(order=order, number=self._store.next_number(), state=state, detail=detail, ordered=self._clock())
-        return self._keep(job, Trigger.START if start else Trigger.UPDATE, comment)
+        now = self._clock()
+        job = Job(order=order, number=0, state=state, detail=detail, ordered=now, changed=now)
+        trigger = Trigger.START if start else Trigger.STORE
+        return self._show(self._store.add(job, trigger, comment, receipt))
+
+    def note(self, receipt: Receipt, job: Job) -> None:
+        """Keeps that a request led to a job that was there already."""
+        self._store.note(receipt, job, self._clock())
 
     def check(self, job: Job, trigger: Trigger) -> None:
         """Sees that something may happen to a job.
 
         Raises:
-            UsageError: It cannot happen in its state.
+            WrongState: It cannot happen in its state.
         """
         next_state(job.state, trigger)
 
@@ -65,26 +75,35 @@ class JobBook:
         """Changes a job's state, and what goes with it.
 
         Raises:
-            UsageError: That cannot happen in its state.
+            WrongState: That cannot happen in its state.
         """
         state = next_state(job.state, trigger)
-        ended = {} if state.is_open else {"ended": self._clock()}
-        return self._keep(job.but(state=state, **ended, **changes), trigger, comment)
+        ended = {} if state.is_open else {"ended": self._clock(), "seen": None}
+        return self._keep(job.but(**{"state": state, **changes, **ended}), trigger, comment)
 
     def change(self, job: Job) -> Job:
         """Takes a new version of a job whose state is the same."""
         return self._keep(job, None, "")
 
-    def remove(self, job: str) -> None:
-        """Forgets a job."""
-        self._store.forget(job)
-        self.version += 1
-        self._jobs = {id_: known for id_, known in self._jobs.items() if id_ != job}
+    def remove(self, job: Job) -> Job:
+        """Forgets a job, and returns it as it was last."""
+        last = job.but(changed=self._clock())
+        self._store.forget(last, CANCELLED if job.state.is_open else CLEARED)
+        self._open.pop(job.id, None)
+        self.queue.remove(job.id)
+        return last
 
     def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
-        self._store.keep(job, trigger, comment)
-        self._jobs = self._jobs | {job.id: job}
-        self.version += 1
+        stamped = job.model_copy(update={"changed": self._clock()})
+        self._store.keep(stamped, trigger, comment)
+        return self._show(stamped)
+
+    def _show(self, job: Job) -> Job:
+        if job.state.is_open:
+            self._open[job.id] = job
+        else:
+            self._open.pop(job.id, None)
+        self.queue.put(job)
         for listener in tuple(self._listeners):
             try:
                 listener(job)

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.job import Intent, Job
+from skiros_py.tasks.jobs.moves import moved
 from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.world.world import World
 
 __all__ = ["ABORT", "BY_HAND", "CUT_OFF", "RETRY", "hold_what_was_cut_off", "hold_what_was_halted"]
 
@@ -18,19 +20,22 @@ CUT_OFF = "nobody knows: it was cut off, and planned anew"
 """How a step ended that was cut off, when a person has looked and wants the job to go on."""
 
 
-def hold_what_was_cut_off(book: JobBook, store: JobStore) -> None:
+def hold_what_was_cut_off(book: JobBook, store: JobStore, world: World) -> None:
     """Lets every job wait for a person that had begun and was not over when the program ended."""
-    for job in tuple(book.jobs.values()):
+    for job in book.open.values():
         if job.state.has_begun:
-            moving = [intent for intent in store.intents(job.id) if intent.ended is None]
+            intents = store.intents(job.id)
+            moving = [intent for intent in intents if intent.ended is None]
             choices = (RETRY, BY_HAND, ABORT) if moving else (RETRY, ABORT)
-            book.move(job, Trigger.HOLD, "the program ended", detail=_detail(moving), choices=choices, question=None)
+            asks = {"detail": _detail(moving), "choices": choices, "question": None}
+            materials = moved(world, job, intents)
+            book.move(job, Trigger.HOLD, "the program ended", materials=materials, seen=None, **asks)
 
 
 def hold_what_was_halted(book: JobBook, job: Job, why: str) -> Job:
     """Lets a job wait for a person because everything was halted; everything it moved stands."""
     detail = f"everything was halted ({why}): look, reset, then answer"
-    return book.move(job, Trigger.HOLD, why, detail=detail, choices=(RETRY, ABORT), question=None)
+    return book.move(job, Trigger.HOLD, why, detail=detail, choices=(RETRY, ABORT), question=None, seen=None)
 
 
 def _detail(moving: Sequence[Intent]) -> str:

@@ -1,51 +1,16 @@
-"""One job: what was ordered, how far it is, and what came of it. Plain data, kept as JSON."""
+"""One job: how far it is, and what came of it. Plain data, kept as JSON."""
 
 from __future__ import annotations
 
 import enum
 from typing import Any
 
-from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict
 
+from skiros_py.tasks.jobs.order import JobOrder
 from skiros_py.tasks.jobs.states import JobState
-from skiros_py.tasks.policy import Policy
 
-__all__ = ["Actual", "Intent", "Job", "JobOrder", "Outcome", "Transition"]
-
-_LONGEST_ID = 200
-_PRIORITIES = 2**15
-
-
-class JobOrder(BaseModel):
-    """What is ordered (ISA-95: job order).
-
-    Attributes:
-        id: Chosen by whoever orders; the same order again is the same job.
-        goal: Goal texts; all must hold together.
-        description: For people.
-        priority: The higher comes first.
-        not_before: The start gate: it does not start earlier. None for at once.
-        deadline: When it should be done; of equal priority the earlier comes first. A job that is late is still done,
-            and says so, unless ``expires``.
-        expires: True where it must not be begun after its deadline.
-        policy: What happens when something of the goal cannot be reached.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    id: str = Field(min_length=1, max_length=_LONGEST_ID, pattern=r"^[^\s/\x00-\x1f]+$")
-    goal: tuple[str, ...] = Field(min_length=1)
-    description: str = ""
-    priority: int = Field(default=0, ge=-_PRIORITIES, lt=_PRIORITIES)
-    not_before: AwareDatetime | None = None
-    deadline: AwareDatetime | None = None
-    expires: bool = False
-    policy: Policy = Policy()
-
-    @field_validator("goal", mode="before")
-    @classmethod
-    def _one_or_several(cls, value: object) -> object:
-        return (value,) if isinstance(value, str) else value
+__all__ = ["Actual", "Intent", "Job", "MaterialActual", "Outcome", "Transition"]
 
 
 class Outcome(enum.StrEnum):
@@ -62,7 +27,7 @@ class Outcome(enum.StrEnum):
 
 
 class Actual(BaseModel):
-    """What became of one condition of the goal (ISA-95: material actual).
+    """What became of one condition of the goal.
 
     Attributes:
         condition: As ordered.
@@ -75,6 +40,26 @@ class Actual(BaseModel):
     condition: str
     reached: bool
     reason: str = ""
+
+
+class MaterialActual(BaseModel):
+    """A part that a job has moved (ISA-95: material actual).
+
+    Attributes:
+        element: Id of the part.
+        class_: Its class.
+        label: What people call it.
+        origin: Id of the element where it was when the job began.
+        place: Id of the element where the job left it; empty where it is no more.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    element: str
+    class_: str
+    label: str
+    origin: str
+    place: str
 
 
 class Intent(BaseModel):
@@ -125,11 +110,13 @@ class Job(BaseModel):
         question: Id of the question that they answer; None where the job itself asks: it was cut off.
         outcome: What came of it; None until it is over.
         actuals: What became of each condition.
+        materials: Which parts it has moved, by their ids; while it runs, as far as it has said so.
         reasons: Why there is no plan, or why it was given up.
         plan: The last plan, a line a step.
         attempts: How often it was begun: once more after each restart of the program.
+        seen: Version of the world up to which ``materials`` are known; None while it does not run.
         version: Grows with every change of it.
-        ordered, started, ended: When [s since 1970].
+        ordered, started, ended, changed: When, the last for any change of it [s since 1970].
     """
 
     model_config = ConfigDict(frozen=True)
@@ -142,13 +129,16 @@ class Job(BaseModel):
     question: int | None = None
     outcome: Outcome | None = None
     actuals: tuple[Actual, ...] = ()
+    materials: tuple[MaterialActual, ...] = ()
     reasons: tuple[str, ...] = ()
     plan: tuple[str, ...] = ()
     attempts: int = 0
+    seen: int | None = None
     version: int = 1
     ordered: float = 0.0
     started: float | None = None
     ended: float | None = None
+    changed: float = 0.0
 
     @property
     def id(self) -> str:
@@ -159,6 +149,13 @@ class Job(BaseModel):
     def late(self) -> bool:
         """True when it ended, or is still open, after its deadline; what is open is judged by whoever has a clock."""
         return self.order.deadline is not None and (self.ended or 0.0) > self.order.deadline.timestamp()
+
+    @property
+    def lateness(self) -> float | None:
+        """How long after its deadline it ended [s], 0 for in time; None where it has no deadline or is not over."""
+        if self.order.deadline is None or self.ended is None:
+            return None
+        return max(0.0, self.ended - self.order.deadline.timestamp())
 
     def but(self, **changes: Any) -> Job:
         """Returns the job with something changed, as its next version."""

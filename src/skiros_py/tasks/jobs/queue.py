@@ -1,39 +1,96 @@
-"""Whose turn it is."""
+"""Whose turn it is, found without looking at all jobs."""
 
 from __future__ import annotations
 
+import heapq
 import math
+import threading
 from collections.abc import Iterable
 
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.states import JobState
 
-__all__ = ["next_job", "next_opening"]
+__all__ = ["JobQueue"]
+
+_Rank = tuple[int, float, int]
+_Mark = tuple[int, int]
+_Ready = tuple[_Rank, float, str, _Mark]
+_Gated = tuple[float, _Rank, str, _Mark]
+
+_SPARE = 100
+"""Entries that count no more, of which nobody minds the room."""
 
 
-def next_job(jobs: Iterable[Job], now: float) -> Job | None:
-    """Returns the job that comes next, or None when none may start now.
+class JobQueue:
+    """The jobs that start by themselves; used by any thread, none of which ever waits for a disk here.
 
     The higher priority comes first; of equal priority the earlier deadline; then the earlier order.
 
+    What is put in once more, or taken out, leaves an entry behind that counts no more and goes when it comes up.
+
     Args:
-        jobs: All jobs.
-        now: Wall time [s since 1970].
+        jobs: Those that wait already.
     """
-    ready = [job for job in jobs if job.state is JobState.ALLOWED_TO_START and _gate_is_open(job, now)]
-    return min(ready, key=_rank, default=None)
+
+    def __init__(self, jobs: Iterable[Job] = ()) -> None:
+        self._guard = threading.Lock()
+        self._marks: dict[str, _Mark] = {}
+        self._ready: list[_Ready] = []
+        self._gated: list[_Gated] = []
+        for job in jobs:
+            self.put(job)
+
+    def put(self, job: Job) -> None:
+        """Takes the present version of a job, whether it waits for its turn by now or not."""
+        with self._guard:
+            if job.state is not JobState.ALLOWED_TO_START:
+                self._marks.pop(job.id, None)
+                return
+            mark = self._marks[job.id] = (job.number, job.version)
+            heapq.heappush(self._gated, (_opening(job), _rank(job), job.id, mark))
+            self._tidy()
+
+    def remove(self, job: str) -> None:
+        """Forgets a job."""
+        with self._guard:
+            self._marks.pop(job, None)
+
+    def next(self, now: float) -> str | None:
+        """Returns the id of the job that comes next, or None when none may start now.
+
+        Args:
+            now: Wall time [s since 1970].
+        """
+        with self._guard:
+            self._open_gates(now)
+            while self._ready:
+                rank, opening, job, mark = self._ready[0]
+                if self._marks.get(job) == mark and opening <= now:
+                    return job
+                heapq.heappop(self._ready)
+                if self._marks.get(job) == mark:  # the clock was set back
+                    heapq.heappush(self._gated, (opening, rank, job, mark))
+            return None
+
+    def _open_gates(self, now: float) -> None:
+        while self._gated and self._gated[0][0] <= now:
+            opening, rank, job, mark = heapq.heappop(self._gated)
+            if self._marks.get(job) == mark:
+                heapq.heappush(self._ready, (rank, opening, job, mark))
+
+    def _tidy(self) -> None:
+        if len(self._ready) + len(self._gated) > 2 * len(self._marks) + _SPARE:
+            self._ready = [entry for entry in self._ready if self._marks.get(entry[2]) == entry[3]]
+            self._gated = [entry for entry in self._gated if self._marks.get(entry[2]) == entry[3]]
+            heapq.heapify(self._ready)
+            heapq.heapify(self._gated)
 
 
-def next_opening(jobs: Iterable[Job], now: float) -> float:
-    """Returns when the next start gate opens [s since 1970]; infinity where none will."""
-    gates = (job.order.not_before for job in jobs if job.state is JobState.ALLOWED_TO_START)
-    return min((gate.timestamp() for gate in gates if gate is not None and gate.timestamp() > now), default=math.inf)
+def _opening(job: Job) -> float:
+    gate = job.order.not_before
+    return -math.inf if gate is None else gate.timestamp()
 
 
-def _gate_is_open(job: Job, now: float) -> bool:
-    return job.order.not_before is None or job.order.not_before.timestamp() <= now
-
-
-def _rank(job: Job) -> tuple[int, float, int]:
+def _rank(job: Job) -> _Rank:
     deadline = job.order.deadline
     return -job.order.priority, math.inf if deadline is None else deadline.timestamp(), job.number

@@ -5,13 +5,15 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import WrongState
 from skiros_py.execution.station import Station
+from skiros_py.planning.plan import Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.cut_off import hold_what_was_halted
 from skiros_py.tasks.jobs.job import Actual, Job, Outcome
+from skiros_py.tasks.jobs.moves import moved
 from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.report import GoalReport
@@ -88,12 +90,12 @@ class JobRun:
             asked: Id of the question that this answers.
 
         Raises:
-            UsageError: It asks nothing, or something else, by now.
+            WrongState: It asks nothing, or something else, by now.
         """
         question = self._undertaking.question
         if question is None or question.id != asked:
             now = "waits for no answer any more" if question is None else f"asks something else by now: {question.text}"
-            raise UsageError(f"job '{self._undertaking.name}' {now}")
+            raise WrongState(f"job '{self._undertaking.name}' {now}")
         self._station.questions.answer(question.id, choice, by=by)
 
     # ------------------------------------------------------------------ what is written down
@@ -108,8 +110,13 @@ class JobRun:
     def _settle_as(self, number: int, ended: str) -> None:
         self._store.settle(self._undertaking.name, self._numbers.pop(number), ended)
 
+    @property
+    def has_news(self) -> bool:
+        """True when something has changed that :meth:`follow` writes down."""
+        return self._undertaking.done or self._look() != self._seen
+
     def follow(self, job: Job) -> bool:
-        """Writes down what has changed since the last cycle.
+        """Writes down what has changed.
 
         Args:
             job: The job as it is now.
@@ -117,19 +124,30 @@ class JobRun:
         Returns:
             True when it is over, or cut off.
         """
-        undertaking = self._undertaking
-        self._write_trace(at_once=undertaking.done)
+        undertaking, seen = self._undertaking, self._look()
         if undertaking.done:
             for number in tuple(self._numbers):  # it was stopped in the midst of them, and stands
                 self._settle_as(number, "stopped")
-            self._finish(job)
+            self._finish(self._with_moves(job))
             return True
-        steps = undertaking.plan.steps if undertaking.plan is not None else ()
-        seen = (undertaking.status, undertaking.question, steps, self.paused)
         if seen != self._seen:
             self._seen = seen
-            self._note(job, tuple(map(str, steps)))
+            self._note(self._with_moves(job), tuple(map(str, self._steps)))
         return False
+
+    def _look(self) -> tuple[object, ...]:
+        return self._undertaking.status, self._undertaking.question, self._steps, self.paused
+
+    @property
+    def _steps(self) -> tuple[Step, ...]:
+        plan = self._undertaking.plan
+        return tuple(plan.steps) if plan is not None else ()
+
+    def _with_moves(self, job: Job) -> Job:
+        """Returns the job with the parts that it has moved by now; of the same version, nobody has it yet."""
+        version = self._station.world.version
+        materials = moved(self._station.world, job, self._store.intents(job.id))
+        return job.model_copy(update={"materials": materials, "seen": version})
 
     def _note(self, job: Job, plan: Sequence[str]) -> None:
         """Passes on what it does now: whether it waits for a person is a state of the job."""
@@ -144,8 +162,9 @@ class JobRun:
             detail = "paused" if self.paused else self._undertaking.status
             self._book.change(job.but(detail=detail, choices=(), question=None, plan=plan))
 
-    def _write_trace(self, *, at_once: bool) -> None:
-        if self._entries and (at_once or time.monotonic() - self._written > _BETWEEN_WRITES):
+    def write_trace(self) -> None:
+        """Writes the trace down now and then, and when it is over."""
+        if self._entries and (self._undertaking.done or time.monotonic() - self._written > _BETWEEN_WRITES):
             entries, self._entries[:] = tuple(self._entries), ()
             self._store.tell(self._undertaking.name, [entry.as_json() for entry in entries])
             self._written = time.monotonic()

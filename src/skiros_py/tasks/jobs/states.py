@@ -6,7 +6,7 @@ import enum
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import WrongState
 
 __all__ = ["JobState", "Trigger", "allowed", "next_state"]
 
@@ -41,6 +41,8 @@ class JobState(enum.Enum):
 class Trigger(enum.Enum):
     """What leads from one state to another."""
 
+    STORE = "store"
+    """Somebody orders it, without leave to start."""
     START = "start"
     """Somebody gives leave to start."""
     REVOKE_START = "revoke start"
@@ -113,11 +115,11 @@ def next_state(state: JobState, trigger: Trigger) -> JobState:
     """Returns the state that follows.
 
     Raises:
-        UsageError: That cannot happen in this state; the message says what can.
+        WrongState: That cannot happen in this state; the message says what can.
     """
     if trigger not in _TABLE[state]:
         able = ", ".join(t.value for t in allowed(state)) or "nothing: it is over"
-        raise UsageError(
+        raise WrongState(
             f"a job that is {state.name.lower().replace('_', ' ')} takes no {trigger.value}; it takes {able}"
         )
     return _TABLE[state][trigger]

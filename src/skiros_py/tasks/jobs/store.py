@@ -3,68 +3,124 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Callable, Iterable, Mapping
+import sqlite3
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from skiros_py.database import Database, Schema
+from skiros_py.database import Database
 from skiros_py.errors import FileError, UnknownName
+from skiros_py.tasks.jobs import announcements, receipts
+from skiros_py.tasks.jobs.announcements import Announcement
 from skiros_py.tasks.jobs.job import Intent, Job, Transition
-from skiros_py.tasks.jobs.states import Trigger
+from skiros_py.tasks.jobs.receipts import Receipt
+from skiros_py.tasks.jobs.states import JobState, Trigger
+from skiros_py.tasks.jobs.tables import SCHEMA
 
-__all__ = ["JobStore"]
+__all__ = ["JobStore", "Page"]
 
 T = TypeVar("T")
 
-_TABLES = """
-CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE transitions (job TEXT NOT NULL, data TEXT NOT NULL);
-CREATE INDEX transitions_by_job ON transitions (job);
-CREATE TABLE intents (job TEXT NOT NULL, number INTEGER NOT NULL, data TEXT NOT NULL, PRIMARY KEY (job, number))
-    WITHOUT ROWID;
-CREATE TABLE trace (job TEXT NOT NULL, data TEXT NOT NULL);
-CREATE INDEX trace_by_job ON trace (job);
-CREATE TABLE numbers (last INTEGER NOT NULL);
-INSERT INTO numbers VALUES (0);
-"""
-
-_SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_TABLES,))
-"""Such a file is marked "skjo"."""
-
 _TRACE = TypeAdapter(dict[str, Any])
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Some of the jobs.
+
+    Attributes:
+        jobs: By number.
+        next: Where the next page begins: its ``after``; None where this is the last one.
+    """
+
+    jobs: tuple[Job, ...]
+    next: int | None
 
 
 class JobStore:
     """The jobs of a data directory; used by any thread. Close it.
 
     Args:
-        path: The file; made where it is missing.
+        path: The file; made where it is missing, brought up to date where it is old.
 
     Raises:
         FileError: It cannot be opened or made, or is damaged.
     """
 
     def __init__(self, path: Path) -> None:
-        self._database = Database(path, _SCHEMA, durable=True)
+        self._database = Database(path, SCHEMA, durable=True)
         self._path = path
 
-    def next_number(self) -> int:
-        """Returns a number that no job had before, not even one that was cleared."""
-        with self._database.transaction() as connection:
-            ((number,),) = connection.execute("UPDATE numbers SET last = last + 1 RETURNING last").fetchall()
-        return int(number)
+    # ------------------------------------------------------------------ jobs
 
-    def all(self) -> tuple[Job, ...]:
-        """Returns all jobs in the order in which they were ordered.
+    def open(self) -> tuple[Job, ...]:
+        """Returns the jobs that are not over, in the order in which they were ordered.
 
         Raises:
             FileError: One cannot be read.
         """
-        rows = self._database.rows("SELECT data FROM jobs ORDER BY number")
-        return tuple(self._read(Job.model_validate_json, data) for (data,) in rows)
+        rows = self._database.rows("SELECT data FROM jobs WHERE state < ? ORDER BY number", (JobState.ENDED.value,))
+        return tuple(self._job(data) for (data,) in rows)
+
+    def job(self, job: str) -> Job | None:
+        """Returns a job; None where there is none of that id."""
+        rows = self._database.rows("SELECT data FROM jobs WHERE id = ?", (job,))
+        return self._job(rows[0][0]) if rows else None
+
+    def ids(self) -> tuple[str, ...]:
+        """Returns the ids of all jobs, in the order in which they were ordered."""
+        return tuple(job for (job,) in self._database.rows("SELECT id FROM jobs ORDER BY number"))
+
+    def __len__(self) -> int:
+        ((number,),) = self._database.rows("SELECT count(*) FROM jobs")
+        return int(number)
+
+    def page(
+        self,
+        *,
+        states: Collection[JobState] | None = None,
+        since: float | None = None,
+        after: int = 0,
+        limit: int = 100,
+    ) -> Page:
+        """Returns some of the jobs, in the order in which they were ordered.
+
+        Args:
+            states: Those in these states only; None for all.
+            since: Those only that changed at that time or later [s since 1970]; None for all.
+            after: Those only whose number is greater.
+            limit: How many at most.
+        """
+        wanted = tuple(JobState) if states is None else tuple(states)
+        # Numbers of our own, and no text of anybody's: they need not be bound.
+        among = "1" if states is None else f"state IN ({', '.join(str(state.value) for state in wanted)})"
+        sql = f"SELECT data FROM jobs WHERE number > ? AND changed >= ? AND {among} ORDER BY number LIMIT ?"  # noqa: S608
+        rows = self._database.rows(sql, (after, 0.0 if since is None else since, limit + 1))
+        jobs = tuple(self._job(data) for (data,) in rows[:limit])
+        return Page(jobs, jobs[-1].number if len(rows) > limit else None)
+
+    def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
+        """Takes a new job, and gives it a number that none had before; when this returns, it is on the disk.
+
+        Args:
+            job: The job; its number counts for nothing.
+            trigger: What led to its state.
+            comment: Why.
+            receipt: The request that led to it, if it shall be known again.
+
+        Returns:
+            The job with its number.
+        """
+        with self._database.transaction() as connection:
+            ((number,),) = connection.execute("UPDATE numbers SET last = last + 1 RETURNING last").fetchall()
+            numbered = job.model_copy(update={"number": int(number)})
+            _write(connection, numbered, trigger, comment)
+            if receipt is not None:
+                receipts.write(connection, receipt, job.id, job.changed)
+        return numbered
 
     def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "") -> None:
         """Writes a job down; when this returns, it is on the disk.
@@ -75,20 +131,67 @@ class JobStore:
             comment: Why.
         """
         with self._database.transaction() as connection:
-            connection.execute(
-                "INSERT INTO jobs VALUES (?, ?, ?) ON CONFLICT (id) DO UPDATE SET data = excluded.data",
-                (job.id, job.number, job.model_dump_json()),
-            )
-            if trigger is not None:
-                entry = Transition(wall=time.time(), trigger=trigger.value, state=job.state, comment=comment)
-                connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
+            _write(connection, job, trigger, comment)
 
-    def forget(self, job: str) -> None:
-        """Removes a job with all that is known of it."""
+    def forget(self, job: Job, why: str) -> None:
+        """Removes a job with all that is known of it, apart from announcements and receipts.
+
+        Args:
+            job: The job as it is now.
+            why: What is announced.
+        """
+        data = job.model_dump_json()
         with self._database.transaction() as connection:
-            connection.execute("DELETE FROM jobs WHERE id = ?", (job,))
+            connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
             for table in ("transitions", "intents", "trace"):
-                connection.execute(f"DELETE FROM {table} WHERE job = ?", (job,))  # noqa: S608 - our own names
+                connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - our own names
+            receipts.part(connection, job.id, data)
+            announcements.write(connection, data, why, job.changed)
+
+    # ------------------------------------------------------------------ requests and announcements
+
+    def known(self, receipt: Receipt) -> Job | None:
+        """Returns the job that the same request led to before; None where there was none.
+
+        A job that was removed meanwhile is returned as it was last.
+
+        Raises:
+            KeyReused: The key was used for another request.
+        """
+        sql = "SELECT digest, coalesce(last, (SELECT data FROM jobs WHERE id = job)) FROM receipts"
+        rows = self._database.rows(f"{sql} WHERE caller = ? AND key = ?", (receipt.caller, receipt.key))
+        if not rows:
+            return None
+        ((digest, data),) = rows
+        receipt.check(digest)
+        return self._job(data)
+
+    def note(self, receipt: Receipt, job: Job, wall: float) -> None:
+        """Keeps that a request led to a job that was there already."""
+        with self._database.transaction() as connection:
+            receipts.write(connection, receipt, job.id, wall)
+
+    def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
+        """Returns what is to be told to others, in order.
+
+        Args:
+            after: Number of the last one that is known; 0 for none.
+            most: How many at most.
+        """
+        sql = "SELECT number, wall, data, trigger FROM announcements WHERE number > ? ORDER BY number LIMIT ?"
+        rows = self._database.rows(sql, (after, most))
+        return tuple(Announcement(number, wall, self._job(data), trigger) for number, wall, data, trigger in rows)
+
+    def forget_announcements(self, upto: int) -> None:
+        """Forgets what was told to everybody.
+
+        Args:
+            upto: Number of the last one of them.
+        """
+        with self._database.transaction() as connection:
+            connection.execute("DELETE FROM announcements WHERE number <= ?", (upto,))
+
+    # ------------------------------------------------------------------ what happened for a job
 
     def intend(self, job: str, skill: str, arguments: Mapping[str, str]) -> int:
         """Writes down that a step is about to begin, and returns its number in the job."""
@@ -133,6 +236,9 @@ class JobStore:
         """Closes the file; may be called twice."""
         self._database.close()
 
+    def _job(self, text: str) -> Job:
+        return self._read(Job.model_validate_json, text)
+
     def _read(self, reader: Callable[[str], T], text: str) -> T:
         try:
             return reader(text)
@@ -140,3 +246,16 @@ class JobStore:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
             raise FileError(self._path, f"a job in it cannot be read: {where}: {first['msg']}") from error
+
+
+def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, comment: str) -> None:
+    data = job.model_dump_json()
+    connection.execute(
+        "INSERT INTO jobs (id, number, data, state, changed) VALUES (?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE"
+        " SET data = excluded.data, state = excluded.state, changed = excluded.changed",
+        (job.id, job.number, data, job.state.value, job.changed),
+    )
+    if trigger is not None:
+        entry = Transition(wall=job.changed, trigger=trigger.value, state=job.state, comment=comment)
+        connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
+        announcements.write(connection, data, trigger.value, job.changed)

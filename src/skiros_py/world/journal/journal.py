@@ -150,6 +150,22 @@ class Journal:
         entries = self._select(f"{condition} ORDER BY number DESC LIMIT ?", (*values, limit))
         return tuple(reversed(entries))
 
+    def page(
+        self, beyond: int, limit: int, *, element: str | None = None, newest_first: bool = False
+    ) -> tuple[Entry, ...]:
+        """Returns some of the remembered changes of an element, which may be gone, or of all.
+
+        Args:
+            beyond: Only changes after this number; with ``newest_first``, only those before it.
+            limit: How many at most.
+            element: Its id.
+            newest_first: True to go back in time.
+        """
+        about = "number IN (SELECT number FROM marks WHERE element = ?) AND " if element is not None else ""
+        order = "number < ? ORDER BY number DESC LIMIT ?" if newest_first else "number > ? ORDER BY number LIMIT ?"
+        values = [] if element is None else [element]
+        return tuple(self._select(about + order, (*values, beyond, limit)))
+
     def was_given(self, element: str) -> bool:
         """Returns True when there was an element of that id at any time."""
         return bool(self._database.rows("SELECT 1 FROM given_ids WHERE id = ?", (element,)))

@@ -34,7 +34,7 @@ class DirectoryLock:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            owner = _owner(self._file)
+            owner = _owner(self._file, folder)
             os.close(self._file)
             if not isinstance(error, BlockingIOError):
                 raise FileError(path, f"cannot be locked: {error.strerror}") from error
@@ -63,9 +63,18 @@ def _command() -> str:
     return " ".join([name, *sys.argv[1:]])[:200]
 
 
-def _owner(file: int) -> str:
+def _owner(file: int, folder: Path) -> str:
     try:
         said = json.loads(os.pread(file, 4096, 0))
-        return f"process {said['pid']} ({said['command']}) since {said['since']}"
+        return f"process {said['pid']} ({said['command']}) since {said['since']}{_serving(folder, said['pid'])}"
     except (OSError, ValueError, KeyError, TypeError):
         return "another process"
+
+
+def _serving(folder: Path, pid: int) -> str:
+    """Says where a server is reached that has the lock; empty where it is none, or somebody else's."""
+    try:
+        said = json.loads((folder / "server.json").read_bytes())
+        return f", which serves it at {said['url']}" if said["pid"] == pid else ""
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import pickle
 import signal
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
@@ -125,10 +126,21 @@ class OutsideQueries:
         self, sparql: str, *, entailed: bool = False, time_limit: float | None = None, **bindings: Binding
     ) -> Result:
         """Runs a query of any form; arguments and errors as for :meth:`select`."""
+        return self.answer(sparql, bindings, entailed=entailed, time_limit=time_limit)
+
+    def answer(
+        self,
+        sparql: str,
+        bindings: Mapping[str, Binding],
+        *,
+        entailed: bool = False,
+        time_limit: float | None = None,
+    ) -> Result:
+        """Runs a query of any form; as :meth:`query`, but any name may be that of a parameter."""
         return self._asked(sparql, None, bindings, entailed, time_limit)
 
     def _asked(
-        self, sparql: str, form: str | None, bindings: dict[str, Binding], entailed: bool, time_limit: float | None
+        self, sparql: str, form: str | None, bindings: Mapping[str, Binding], entailed: bool, time_limit: float | None
     ) -> Result:
         if len(sparql) > self.limits.text:
             raise UsageError(f"the query has {len(sparql)} characters, and {self.limits.text} are the most")

@@ -8,7 +8,8 @@ import sys
 import pytest
 
 from skiros_py.errors import FileError, UnknownName
-from skiros_py.tasks.jobs.job import Job, JobOrder
+from skiros_py.tasks.jobs.job import Job
+from skiros_py.tasks.jobs.order import JobOrder
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.store import JobStore
 
@@ -87,7 +88,8 @@ def test_what_is_kept_outlives_a_kill(tmp_path):
     """The writer is killed right after it says that it has kept the job."""
     code = (
         "import sys, time; from pathlib import Path\n"
-        "from skiros_py.tasks.jobs.job import Job, JobOrder\n"
+        "from skiros_py.tasks.jobs.job import Job
+from skiros_py.tasks.jobs.order import JobOrder\n"
         "from skiros_py.tasks.jobs.states import JobState\n"
         "from skiros_py.tasks.jobs.store import JobStore\n"
         f"store = JobStore(Path({str(tmp_path / 'jobs.db')!r}))\n"

@@ -1,0 +1,88 @@
+"""A real server process for the REST benchmark, and what the benchmark itself asks of it."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx2
+
+__all__ = ["Server", "running"]
+
+_PATIENCE = 120.0
+
+
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A server that runs.
+
+    Attributes:
+        url: Address of its API.
+        pid: Its process.
+    """
+
+    url: str
+    pid: int
+
+    def order(self, job: str) -> None:
+        """Orders the goal of its scene."""
+        goals = httpx2.get(f"{self.url}/goals", timeout=30.0).raise_for_status().json()
+        body = {"goal": " and ".join(one["text"] for one in goals["goals"])}
+        httpx2.put(f"{self.url}/jobs/{job}", json=body, timeout=30.0).raise_for_status()
+
+    def job(self, job: str) -> dict[str, Any]:
+        """Returns a job as it is now."""
+        found: dict[str, Any] = httpx2.get(f"{self.url}/jobs/{job}", timeout=30.0).raise_for_status().json()
+        return found
+
+    def wait_for_start(self, job: str) -> None:
+        """Returns when the job has a plan and runs."""
+        deadline = time.monotonic() + _PATIENCE
+        while not self.job(job)["plan"]:
+            if time.monotonic() > deadline:
+                raise TimeoutError("the job does not start")
+            time.sleep(0.1)
+
+    def wait_for_end(self, job: str) -> float:
+        """Returns how long the job took from its dispatch to its end [s of run time]."""
+        with httpx2.Client(timeout=None) as client:
+            while self.job(job)["state"]["text"] not in ("Ended", "Aborted"):
+                time.sleep(0.2)
+            trace = client.get(f"{self.url}/jobs/{job}/trace").raise_for_status().json()["items"]
+            outcome = self.job(job)["outcome"]
+            if outcome != "succeeded":
+                raise ValueError(f"the job ended otherwise: {outcome}")
+            return float(trace[-1]["time"]) - float(trace[0]["time"])
+
+
+@contextlib.contextmanager
+def running(scene: str, data: Path, *options: str) -> Iterator[Server]:
+    """Runs ``skiros serve`` in a process of its own while the block runs."""
+    command = [sys.executable, "-m", "skiros_py.cli", "serve", scene, "--data", str(data), "--port", "0", *options]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        try:
+            yield Server(f"{_address(data, process)}/api/v1", process.pid)
+        finally:
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(30.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+def _address(data: Path, process: subprocess.Popen[bytes]) -> str:
+    from skiros_py.api.local import SERVER_FILE, LocalServer
+
+    deadline = time.monotonic() + _PATIENCE
+    while time.monotonic() < deadline and process.poll() is None:
+        with contextlib.suppress(OSError, ValueError):
+            return LocalServer.model_validate_json((data / SERVER_FILE).read_text(encoding="utf-8")).url
+        time.sleep(0.1)
+    raise TimeoutError("the server does not listen")

@@ -1,0 +1,221 @@
+"""Drives a base by a little, as a person wants it who sets a robot up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from skiros_primitives import other_robots
+from skiros_primitives.floor_outlines import covered, placed
+from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.robot.cell import RobotSpec
+from skiros_py.robot.devices import Base
+from skiros_py.robot.motion import BaseLeg, BasePath, Obstacle
+from skiros_py.robot.values import BaseTwist
+from skiros_py.skills.floor import Outline
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import Kind, param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.surroundings import obstacles
+from skiros_py.world.vocabulary import AT, BASE, FLOOR, POSE_FRAME, ROBOT
+
+__all__ = ["JogBase"]
+
+_FARTHEST = 0.2
+"""Longest step [m]."""
+_TURN = 0.35
+"""Greatest turn in one step [rad]."""
+_SPEED, _TURNING = 0.1, 0.3
+"""Greatest speeds [m/s, rad/s]."""
+_CLOSE = 0.02
+"""Distance kept from everything [m]; what is nearer before must not get nearer."""
+_NEARER = 0.001
+"""Coming nearer by less than this is no coming nearer [m]."""
+_SHORT = 0.002
+"""A way shorter than this is none [m]."""
+_STEP = math.radians(3.0)
+"""Turn between two outlines that are looked at [rad]."""
+_STOWED = 0.05
+"""Greatest joint error of an arm that is in its travelling posture [rad]."""
+_PATIENCE = 20.0
+"""Longest time for the way, and for a turn [s]."""
+
+
+class JogBase(Primitive["JogBase.Params"]):
+    """Drives a base by at most 0.2 m and 0.35 rad, with its arms at home, where nothing is touched.
+
+    A step to the side is a turn, a straight way and a turn back: wheels do not roll sideways.
+    """
+
+    name: ClassVar[str] = "jog_base"
+    takes: ClassVar[tuple[str, ...]] = ("robot",)
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """Parameters."""
+
+        base: str = param(BASE, "The base that drives.", kind=Kind.HARDWARE)
+        robot: str = param(ROBOT, "The robot it carries along.", kind=Kind.PLANNING)
+        dx: float = param("number", "How far ahead; 0.2 m at most.", default=0.0, unit="m")
+        dy: float = param("number", "How far to the left; 0.2 m at most.", default=0.0, unit="m")
+        dyaw: float = param("number", "How far it turns to the left; 0.35 rad at most.", default=0.0, unit="rad")
+
+    def start(self) -> Failure | None:
+        """Looks whether it is a small step, and the arms are where they travel."""
+        way = math.hypot(self.params.dx, self.params.dy)
+        if way > _FARTHEST or abs(self.params.dyaw) > _TURN:
+            said = f"{way:.3g} m and {abs(self.params.dyaw):.3g} rad"
+            return Failure(f"one step is at most {_FARTHEST:g} m and {_TURN:g} rad long, not {said}")
+        stretched = [arm.id for arm in self._robot.arms if not self._is_stowed(arm.id, arm.home)]
+        if stretched:
+            return Failure(f"{', '.join(stretched)} is stretched out: bring it home before the base moves")
+        return None
+
+    def execute(self) -> Execution[Outcome]:
+        """Drives, where the way is free, and says how far it came."""
+        base = Base(self.context.board, self.params.base)
+        before = base.state.pose
+        goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
+        path = _path(before, goal)
+        touched = yield from self._touched(before, path)
+        if touched:
+            return Failure(f"{self.params.base} would touch {touched}")
+        with self.context.floor.ask(self.params.robot, self._robot.base.footprint, before, path) as way:
+            if not way.free:
+                return Failure(f"{' and '.join(way.waits_for())} is in the way")
+            self._leave()
+            arrived = yield from self._drive(base, path)
+        return self._came(before.inverse() @ base.state.pose, arrived=arrived)
+
+    @property
+    def _robot(self) -> RobotSpec:
+        return next(r for r in self.context.cell.robots if r.base.id == self.params.base)
+
+    def _is_stowed(self, arm: str, home: tuple[float, ...]) -> bool:
+        now = self.context.board.snapshot.arms[arm].positions
+        return max(abs(is_ - wanted) for is_, wanted in zip(now, home, strict=True)) <= _STOWED
+
+    # ------------------------------------------------------------------ what is in the way
+
+    def _touched(self, start: Pose, path: BasePath) -> Execution[str]:
+        """Returns the first thing that would be touched, or come nearer than may be; empty where the way is free.
+
+        Folded arms are above everything but other robots.
+        """
+        things = [o for o in obstacles(self.context, parts=False) if not self._rides(o.id)]
+        robots = yield from other_robots.standing(self, self.params.robot, margin=0.0)
+        outline = yield from other_robots.outline(self, self._robot)
+        near = _nearing(things, self._robot.base.footprint, start, path) + _nearing(robots, outline, start, path)
+        return " and ".join(near)
+
+    def _rides(self, element: str) -> bool:
+        frames = self.world.objects(element, POSE_FRAME)
+        return any(f == self.params.base or self._rides(f) for f in frames)
+
+    # ------------------------------------------------------------------ driving
+
+    def _leave(self) -> None:
+        """Whoever was moved by hand stands at no place that is known: it is on the floor."""
+        floors = self.world.instances(FLOOR)
+        placement = self.world.placement(self.params.robot)
+        if floors and (placement is None or placement.place != floors[0]):
+            with self.world.transaction(author=self.name, reason="is moved by hand") as tx:
+                tx.place(self.params.robot, AT, floors[0])
+
+    def _drive(self, base: Base, path: BasePath) -> Execution[bool]:
+        for leg in path.legs:
+            x, y, _ = base.state.pose.position
+            along = math.atan2(leg.y - y, leg.x - x) + (math.pi if leg.backwards else 0.0)
+            if not ((yield from self._turn(base, along)) and (yield from self._straight(base, leg))):
+                return False
+        arrived = yield from self._turn(base, path.heading)
+        yield from self._stand(base)
+        return arrived
+
+    def _turn(self, base: Base, heading: float) -> Execution[bool]:
+        limit, deadline = self._robot.base.max_angular_acceleration, self.context.now + _PATIENCE
+        while self.context.now < deadline:
+            error = wrap_angle(heading - base.state.pose.yaw)
+            if abs(error) < math.radians(0.3):
+                return True
+            speed = min(_TURNING, math.sqrt(1.6 * limit * abs(error)), 4.0 * abs(error))
+            base.command(BaseTwist(0.0, math.copysign(speed, error)))
+            yield
+        return False
+
+    def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
+        """Goes along its heading until it is beside the leg's end."""
+        limit, deadline = self._robot.base.max_linear_acceleration, self.context.now + _PATIENCE
+        while self.context.now < deadline:
+            left = _ahead(base.state.pose, leg)
+            if abs(left) < _SHORT:
+                return True
+            speed = min(_SPEED, math.sqrt(1.6 * limit * abs(left)), 4.0 * abs(left))
+            base.command(BaseTwist(math.copysign(speed, left), 0.0))
+            yield
+        return False
+
+    def _stand(self, base: Base) -> Execution[None]:
+        """Brakes, and gives localisation a moment to settle."""
+        deadline = self.context.now + 5.0
+        yield
+        while not base.state.still and self.context.now < deadline:
+            yield
+        settled = self.context.now + 0.1
+        while self.context.now < settled:
+            yield
+
+    def _came(self, step: Pose, *, arrived: bool) -> Outcome:
+        x, y, _ = step.position
+        said = f"by {x:.3f} m ahead, {y:.3f} m to the left and {step.yaw:.3f} rad"
+        return Success(f"moved {said}") if arrived else Failure(f"{self.params.base} is stuck: it moved {said}")
+
+
+def _path(start: Pose, goal: Pose) -> BasePath:
+    """The straight way, driven forwards or backwards, whichever takes the smaller turn."""
+    x, y, _ = (start.inverse() @ goal).position
+    if math.hypot(x, y) < _SHORT:
+        return BasePath((), goal.yaw)
+    return BasePath((BaseLeg(goal.position[0], goal.position[1], backwards=x < 0.0),), goal.yaw)
+
+
+def _ahead(pose: Pose, leg: BaseLeg) -> float:
+    """How far a leg's end lies before the base [m]; negative where it lies behind."""
+    dx, dy = leg.x - pose.position[0], leg.y - pose.position[1]
+    return dx * math.cos(pose.yaw) + dy * math.sin(pose.yaw)
+
+
+def _stations(start: Pose, path: BasePath) -> Iterator[Pose]:
+    """Yields poses on the way, near enough to each other for what the robot covers."""
+    at, heading = start.position, start.yaw
+    for leg in path.legs:
+        along = math.atan2(leg.y - at[1], leg.x - at[0]) + (math.pi if leg.backwards else 0.0)
+        yield from _turning(at, heading, along)
+        middle = ((at[0] + leg.x) / 2.0, (at[1] + leg.y) / 2.0, 0.0)
+        yield Pose.of(*middle, yaw=along)
+        at, heading = (leg.x, leg.y, 0.0), along
+    yield from _turning(at, heading, path.heading)
+
+
+def _turning(at: tuple[float, float, float], before: float, after: float) -> Iterator[Pose]:
+    turn = wrap_angle(after - before)
+    count = max(1, math.ceil(abs(turn) / _STEP))
+    for number in range(count + 1):
+        yield Pose.of(at[0], at[1], 0.0, yaw=before + turn * number / count)
+
+
+def _nearing(around: Sequence[Obstacle], outline: Outline, start: Pose, path: BasePath) -> list[str]:
+    """Returns the ids of what an outline comes too near to: nearer than the margin, and than it is at the start."""
+    standing = placed(outline, start)
+    area = shapely.union_all([placed(outline, pose) for pose in _stations(start, path)])
+    return [obstacle.id for obstacle in around if _too_near(covered(obstacle), standing, area)]
+
+
+def _too_near(thing: BaseGeometry, standing: BaseGeometry, area: BaseGeometry) -> bool:
+    now, then = float(shapely.distance(standing, thing)), float(shapely.distance(area, thing))
+    return then < _CLOSE and (then <= 0.0 or then < now - _NEARER)

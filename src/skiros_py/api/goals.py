@@ -1,0 +1,135 @@
+"""Goals on the wire: as text, as structured conditions, or as a named template with parameters and materials."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self
+
+from pydantic import ConfigDict, Field, JsonValue, model_validator
+
+from skiros_py.api.wire import Answer, Name, Request
+
+__all__ = [
+    "CheckedCondition",
+    "CheckedGoal",
+    "ConditionWord",
+    "ConditionWords",
+    "Goal",
+    "GoalData",
+    "GoalOrder",
+    "GoalTexts",
+    "Material",
+    "Role",
+    "SceneGoals",
+]
+
+_LONGEST_TEXT = 20_000
+
+GoalText = Annotated[str, Field(min_length=1, max_length=_LONGEST_TEXT)]
+GoalData = dict[str, JsonValue]
+"""A structured condition: ``{"condition": "InKit", "arguments": ["Starter", "kit_1"]}``, ``{"not": GOAL}``,
+``{"all_of": [GOAL, …]}``, ``{"any_of": [GOAL, …]}``, ``{"if": GOAL, "then": GOAL}``,
+``{"for_all": "c", "class": "Compartment", "holds": GOAL}``, ``{"exists": "p", "class": "Starter", "holds": GOAL}``."""
+
+Goal = GoalText | GoalData | Annotated[tuple[GoalText | GoalData, ...], Field(min_length=1, max_length=1000)]
+"""A text, a structured condition, or a list of either, which must hold together."""
+
+_GOALS: list[Any] = [
+    "InKit(Starter, kit_1)",
+    {"condition": "InKit", "arguments": ["Starter", "kit_1"]},
+    ["InKit(Starter, kit_1)", {"not": {"condition": "LocationEmpty", "arguments": ["kit_1_a"]}}],
+]
+
+
+class Material(Request):
+    """Material that an order is about (ISA-95: material requirement)."""
+
+    class_: Name = Field(alias="class", description="Class of the material.", examples=["Starter"])
+    quantity: int = Field(default=1, ge=1, le=1000, description="How many pieces.", examples=[1])
+    id: str = Field(default="", max_length=200, description="The very piece that is meant; empty for any.")
+    location: str = Field(default="", max_length=200, description="Where it shall be.", examples=["kit_1_a"])
+    use: str = Field(default="", max_length=200, description="What it is for (ISA-95: material use).")
+
+
+class GoalOrder(Request):
+    """What is wanted: a goal, or a template by name. Exactly one of the two."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"goal": one} for one in _GOALS]})
+
+    goal: Goal | None = Field(
+        default=None, description="A text, a structured condition, or a list of either.", examples=_GOALS
+    )
+    work_master: str = Field(default="", max_length=200, description="Name of the goal template to use instead.")
+    parameters: dict[Name, Name] = Field(
+        default_factory=dict, max_length=100, description="Values of the template's parameters."
+    )
+    materials: tuple[Material, ...] = Field(default=(), max_length=1000, description="The material that it is about.")
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if (self.goal is None) == (not self.work_master):
+            raise ValueError("give a goal or a work_master (the name of a goal template): one of the two")
+        if self.parameters and not self.work_master:
+            raise ValueError("parameters are those of a work_master; a goal names its elements itself")
+        return self
+
+
+class CheckedCondition(Answer):
+    """One condition of a goal."""
+
+    text: str = Field(description="As text.", examples=["InKit(Starter, kit_1)"])
+    data: dict[str, Any] = Field(
+        description="As structured data.", examples=[{"condition": "InKit", "arguments": ["kitting:Starter", "kit_1"]}]
+    )
+    holds: bool | None = Field(description="Whether it is believed to hold now; null where that cannot be told.")
+    why: str = Field(description="What decides that.", examples=["no Starter makes it true for kit_1"])
+    lines: tuple[str, ...] = Field(description="The same as a tree, one line a step down.")
+
+
+class CheckedGoal(Answer):
+    """A goal as it was understood."""
+
+    text: str = Field(description="All of it as one text.", examples=["InKit(Starter, kit_1)"])
+    conditions: tuple[CheckedCondition, ...] = Field(description="The conditions that must hold together.")
+    holds: bool = Field(description="Whether all of them hold now: then nothing would be done.")
+    world: int = Field(description="Version of the world for which this is said.", examples=[42])
+
+
+class GoalTexts(Request):
+    """The goals that shall go with the scene."""
+
+    goals: tuple[GoalText | GoalData, ...] = Field(
+        max_length=1000, description="Texts or structured conditions; empty for none.", examples=[_GOALS[2]]
+    )
+
+
+class SceneGoals(Answer):
+    """The goals that go with the scene."""
+
+    goals: tuple[str, ...] = Field(description="Their texts, sorted.", examples=[["InKit(Starter, kit_1)"]])
+    fault: str = Field(default="", description="Why they cannot be understood, where that is so.")
+
+
+class Role(Answer):
+    """One argument of a condition."""
+
+    name: str = Field(examples=["kit"], description="What it is called.")
+    class_: str = Field(alias="class", description="Class of what may stand there.", examples=["kitting:Kit"])
+
+
+class ConditionWord(Answer):
+    """A word of the language of goals."""
+
+    name: str = Field(description="The word.", examples=["InKit"])
+    help: str = Field(description="What it means.")
+    roles: tuple[Role, ...] = Field(description="Its arguments, in order.")
+    abstract: bool = Field(description='Whether an argument may be a class ("any starter").')
+    skills: tuple[str, ...] = Field(
+        description="Skills of the present robots that bring it about, or what it is made of.", examples=[["place"]]
+    )
+    negated: tuple[str, ...] = Field(description="Skills that bring about that it does not hold.")
+
+
+class ConditionWords(Answer):
+    """The words of the language of goals."""
+
+    conditions: tuple[ConditionWord, ...] = Field(description="By name.")

@@ -1,0 +1,264 @@
+"""Skill managers, the modules they run, and runs that were started from outside."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+__all__ = [
+    "Arguments",
+    "Implementation",
+    "ManagerInfo",
+    "ModuleDetails",
+    "ModuleParameter",
+    "ModulePlace",
+    "ModuleProgress",
+    "ModuleRound",
+    "ModuleRunInfo",
+    "ModuleRunStatus",
+    "ModuleRuns",
+    "ModuleSummary",
+    "PanelInfo",
+    "PanelRequest",
+    "PanelRow",
+    "RunModule",
+    "RunningInfo",
+    "SkillCondition",
+    "SkillInfo",
+]
+
+_LONGEST_KEY = 100
+_MOST_ARGUMENTS = 50
+_MOST_ROUNDS = 1000
+
+_LONGEST = 20_000
+_LARGEST = 2**63
+
+Key = Annotated[str, Field(max_length=_LONGEST_KEY)]
+
+
+def _sound(values: dict[str, Any]) -> dict[str, Any]:
+    """Refuses what JSON does not carry back: endless numbers, broken characters; and what is longer than any form."""
+    try:
+        text = json.dumps(values, allow_nan=False, ensure_ascii=False)
+        text.encode()
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"no value that can be written down again: {type(error).__name__}") from None
+    if len(text) > _LONGEST:
+        raise ValueError(f"at most {_LONGEST} characters of JSON, not {len(text)}")
+    if re.search(r"\d{19}", text):
+        _check_numbers(values)
+    return values
+
+
+def _check_numbers(value: Any) -> None:
+    if isinstance(value, int) and abs(value) >= _LARGEST:
+        raise ValueError("a whole number has at most 63 bits")
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        _check_numbers(inner)
+
+
+Arguments = Annotated[dict[Key, Any], Field(max_length=_MOST_ARGUMENTS), AfterValidator(_sound)]
+"""Value by parameter key; what is left out, or null, is inferred."""
+ModuleRunStatus = Literal["running", "paused", "stopping", "stopped", "succeeded", "failed"]
+
+
+class _Wire(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+
+class RunningInfo(_Wire):
+    """A module that runs now, whoever started it."""
+
+    module: str = Field(description="Name of the module.", examples=["pick"])
+    status: str = Field(description="running, paused or stopping.", examples=["running"])
+
+
+class ManagerInfo(_Wire):
+    """A skill manager: what one subsystem of a robot can do."""
+
+    agent: str = Field(description="Id of the subsystem.", examples=["arm_1"])
+    label: str = Field(description="Its name for people.", examples=["arm 1"])
+    type: str = Field(description="Its class.", examples=["sk:Arm"])
+    robot: str = Field(description="Id of its robot; empty where it belongs to none.", examples=["robot_1"])
+    skills: list[str] = Field(description="The skills it offers; none while it is lost.", examples=[["pick", "place"]])
+    primitives: list[str] = Field(description="The primitives whose hardware it has.", examples=[["move_arm"]])
+    running: list[RunningInfo] = Field(description="What it runs now.")
+    lost: str = Field(description="Why nobody may count on it any more; empty in good times.", examples=[""])
+
+
+class ModulePlace(_Wire):
+    """Where a module can be run."""
+
+    agent: str = Field(description="Id of the subsystem.", examples=["arm_1"])
+    robot: str = Field(description="Id of its robot.", examples=["robot_1"])
+
+
+class ModuleSummary(_Wire):
+    """A module, for people who choose one."""
+
+    name: str = Field(description="Its name.", examples=["pick"])
+    kind: Literal["skill", "primitive"] = Field(description="What it is.", examples=["skill"])
+    help: str = Field(description="One sentence.", examples=["Picks a part from a storage place."])
+    version: str = Field(description="Version of the first implementation.", examples=["1.0.0"])
+    agents: list[ModulePlace] = Field(description="Who can run it.")
+
+
+class ModuleParameter(_Wire):
+    """One parameter, with all that a form needs."""
+
+    key: str = Field(description="Its name.", examples=["Object"])
+    type: str = Field(description="Class of the element it takes, or type of its value.", examples=["sk:Manipulatable"])
+    kind: str = Field(
+        description="Who specifies it: online, offline, optional, hardware, config or planning.", examples=["online"]
+    )
+    help: str = Field(description="One sentence.", examples=["The part."])
+    unit: str = Field(description="Unit of a number; empty where it has none.", examples=["m"])
+    required: bool = Field(description="True where the module does not run before it is specified or inferred.")
+    planning: bool = Field(description="True where it is inferred and forms do not show it.")
+    default: Any = Field(None, description="Value where nobody specifies one.", examples=[None])
+    json_schema: dict[str, Any] = Field(description="JSON schema of its value; `class` names the class of an element.")
+
+
+class SkillCondition(_Wire):
+    """A condition of a skill, over its parameters."""
+
+    text: str = Field(description="As planners and logs write it.", examples=["ObjectAtLocation(Object, Container)"])
+    words: str = Field(description="What the word means, in a sentence.", examples=["The object is at the location."])
+    word: str = Field(description="The word.", examples=["ObjectAtLocation"])
+    arguments: list[str] = Field(description="Keys of parameters.", examples=[["Object", "Container"]])
+    negated: bool = Field(description="True where it must not hold.")
+
+
+class Implementation(_Wire):
+    """One way to do a skill."""
+
+    label: str = Field(description="Its name among the ways; may be empty.", examples=["by vision"])
+    version: str = Field(description="Its version.", examples=["1.0.0"])
+    driver: str = Field(description="Kind of cell it is for; empty for all that are no fake.", examples=["fake"])
+    order: int = Field(description="Ways are tried by this number.", examples=[0])
+    requires: list[str] = Field(description="Classes of devices that the robot must have.", examples=[["sk:Camera"]])
+    when: list[SkillCondition] = Field(description="Further conditions under which it can be used.")
+    body: list[str] = Field(description="What it does, a line a node.")
+
+
+class ModuleDetails(_Wire):
+    """A module of one subsystem: all that is known before it runs."""
+
+    agent: str = Field(description="Id of the subsystem.", examples=["arm_1"])
+    name: str = Field(description="Its name.", examples=["pick"])
+    kind: Literal["skill", "primitive"] = Field(description="What it is.", examples=["skill"])
+    help: str = Field(description="One sentence.", examples=["Picks a part from a storage place."])
+    version: str = Field(description="Version of the first implementation.", examples=["1.0.0"])
+    parameters: list[ModuleParameter] = Field(description="Its parameters.")
+    pre: list[SkillCondition] = Field(description="What must hold before it starts; none for a primitive.")
+    hold: list[SkillCondition] = Field(description="What must hold while it runs.")
+    post: list[SkillCondition] = Field(description="What holds after it.")
+    implementations: list[Implementation] = Field(description="Ways of doing it, in the order of trying.")
+
+
+class SkillInfo(_Wire):
+    """A skill as people and planners see it, apart from how it is done."""
+
+    name: str = Field(description="Its name.", examples=["pick"])
+    help: str = Field(description="One sentence.", examples=["Picks a part from a storage place."])
+    agent: str = Field(description="Key of the parameter that is the subsystem doing it.", examples=["Arm"])
+    agent_class: str = Field(description="Class of that subsystem.", examples=["sk:Arm"])
+    target: str = Field(description="Key of the parameter that it is done to.", examples=["Object"])
+    duration: float | None = Field(description="How long it takes as a rule [s]; null where nobody said.", examples=[6])
+    parameters: list[ModuleParameter] = Field(description="Its parameters.")
+    needs: list[SkillCondition] = Field(description="All that must hold before: parameters as described, then `pre`.")
+    pre: list[SkillCondition] = Field(description="What must hold before it starts.")
+    hold: list[SkillCondition] = Field(description="What must hold while it runs.")
+    post: list[SkillCondition] = Field(description="What holds after it: its effects.")
+    agents: list[ModulePlace] = Field(description="Who offers it now.")
+
+
+class PanelRequest(_Wire):
+    """With what a module would be run."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", json_schema_extra={"examples": [{"arguments": {}}]})
+
+    arguments: Arguments = Field(
+        default_factory=dict, description="Value by parameter key.", examples=[{"Object": "starter_1"}]
+    )
+
+
+class RunModule(PanelRequest):
+    """With what a module is run, and how often."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", json_schema_extra={"examples": [{"arguments": {}, "repeat": 1}]}
+    )
+
+    repeat: int = Field(1, ge=1, le=_MOST_ROUNDS, description="How often it is done, one after the other.")
+
+
+class PanelRow(_Wire):
+    """One condition, as things are now."""
+
+    kind: str = Field(description="pre, hold or post.", examples=["pre"])
+    condition: str = Field(description="In words.", examples=["EmptyHanded(Gripper)"])
+    holds: bool | None = Field(description="Null where a parameter is still open.", examples=[True])
+    why: list[str] = Field(description="Why not, a line a reason.", examples=[[]])
+
+
+class PanelInfo(_Wire):
+    """What a module would be run with now, and which of its conditions hold."""
+
+    ready: bool = Field(description="True when everything is specified and every precondition holds.")
+    arguments: dict[str, Any] = Field(description="What is specified or inferred, by key; null where it is open.")
+    inferred: dict[str, str] = Field(description="Why this value, for inferred ones.")
+    missing: dict[str, str] = Field(description="Why a parameter stays open.")
+    conditions: list[PanelRow] = Field(description="Its conditions; none for a primitive.")
+
+
+class ModuleProgress(_Wire):
+    """One message of a module that runs, or of a part of it."""
+
+    time: float = Field(description="Run time [s].", examples=[12.5])
+    module: str = Field(description="Which module.", examples=["move_arm"])
+    kind: str = Field(description="skill or primitive.", examples=["primitive"])
+    status: str = Field(description="started, running, preempted, terminated or error.", examples=["running"])
+    code: int = Field(description="Progress code; negative for an error.", examples=[1])
+    text: str = Field(description="For people.", examples=["leg 1 of 2"])
+    agent: str = Field(description="Subsystem that runs it.", examples=["arm_1"])
+    caller: str = Field(description="Module that it is part of; empty for the one that was started.", examples=[""])
+
+
+class ModuleRound(_Wire):
+    """How it ended once."""
+
+    success: bool = Field(description="Whether it worked.")
+    code: int = Field(description="1 where it worked, else the error's code.", examples=[1])
+    text: str = Field(description="What came of it, or why it failed.", examples=["at pallet_a"])
+    start: float = Field(description="Run time [s].", examples=[12.5])
+    end: float = Field(description="Run time [s].", examples=[18.0])
+
+
+class ModuleRunInfo(_Wire):
+    """A module that was started from outside."""
+
+    id: str = Field(description="Id of the run.", examples=["3f2a9c1e-7"])
+    agent: str = Field(description="Subsystem that runs it.", examples=["arm_1"])
+    module: str = Field(description="Name of the module.", examples=["jog_joints"])
+    by: str = Field(description="Who started it.", examples=["anna"])
+    status: ModuleRunStatus = Field(description="What it does, or how it ended.", examples=["succeeded"])
+    started: str = Field(description="When, in UTC.", examples=["2026-11-21T13:22:56.120Z"])
+    given: dict[str, Any] = Field(description="The arguments that were given.")
+    arguments: dict[str, Any] = Field(description="All arguments, with what was inferred.")
+    repeat: int = Field(description="How often it shall be done.", examples=[1])
+    done: int = Field(description="How often it has ended.", examples=[1])
+    succeeded: int = Field(description="How often it worked.", examples=[1])
+    rounds: list[ModuleRound] = Field(description="How it ended each time; of very many the last 100.")
+    progress: list[ModuleProgress] = Field(description="What it reported; of very many the last 500.")
+    changes: list[dict[str, Any]] = Field(description="What it wrote into the world; of very many the last 100.")
+
+
+class ModuleRuns(_Wire):
+    """Runs, the youngest first."""
+
+    items: list[ModuleRunInfo] = Field(description="The runs, without progress and changes.")

@@ -1,0 +1,105 @@
+"""Questions in SPARQL, and their answers."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt
+
+from skiros_py.api.values import GivenPose, Number
+
+__all__ = ["AskAnswer", "Bound", "ConstructAnswer", "DecimalLiteral", "Query", "QueryAnswer", "SelectAnswer", "TextLiteral"]
+
+LONGEST_TIME = 60.0
+"""What a question asked over the network may take at most [s]."""
+
+
+class TextLiteral(BaseModel):
+    """A text, where a plain string would be a name."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    text: Annotated[str, Field(max_length=65536)] = Field(description="The text.", examples=["pallet A"])
+
+
+class DecimalLiteral(BaseModel):
+    """A number of the type xsd:decimal; a plain one with a point is an xsd:double."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    decimal: Annotated[str, Field(pattern=r"^[+-]?\d{1,40}(\.\d{1,40})?$")] = Field(
+        description="The number.", examples=["0.40"]
+    )
+
+
+Bound = (
+    StrictBool
+    | StrictInt
+    | Number
+    | TextLiteral
+    | DecimalLiteral
+    | GivenPose
+    | Annotated[list[Number], Field(max_length=2048)]
+    | Annotated[str, Field(min_length=1, max_length=1000)]
+)
+"""What a parameter stands for: a string is the name of an element, a class, a relation or a property."""
+
+
+class Query(BaseModel):
+    """A question."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {"query": "SELECT ?part { ?part sk:in $place }", "bindings": {"place": "pallet_a"}},
+                {"query": "ASK { scene:starter_1 sk:placement ?somewhere }", "entailed": True},
+            ]
+        },
+    )
+
+    query: Annotated[str, Field(min_length=1, max_length=65536)] = Field(
+        description="SELECT, ASK or CONSTRUCT; all prefixes are declared, parameters are written $name."
+    )
+    bindings: Annotated[
+        dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,99}$")], Bound], Field(max_length=100)
+    ] = Field(default_factory=dict, description="What its parameters stand for.")
+    entailed: bool = Field(default=False, description="Whether what OWL entails counts too.")
+    time_limit: Annotated[float, Field(gt=0.0, le=LONGEST_TIME, allow_inf_nan=False)] = Field(
+        default=5.0, description="How long it may take [s]."
+    )
+
+
+class SelectAnswer(BaseModel):
+    """What a SELECT answers."""
+
+    model_config = ConfigDict(frozen=True)
+
+    form: Literal["SELECT"] = Field(description="What was asked.")
+    variables: list[str] = Field(description="The columns.", examples=[["part"]])
+    rows: list[dict[str, Any]] = Field(
+        description="By variable: names as strings, literals as values, null for none.", examples=[[{"part": "starter_1"}]]
+    )
+
+
+class AskAnswer(BaseModel):
+    """What an ASK answers."""
+
+    model_config = ConfigDict(frozen=True)
+
+    form: Literal["ASK"] = Field(description="What was asked.")
+    answer: bool = Field(description="Yes or no.")
+
+
+class ConstructAnswer(BaseModel):
+    """What a CONSTRUCT answers."""
+
+    model_config = ConfigDict(frozen=True)
+
+    form: Literal["CONSTRUCT"] = Field(description="What was asked.")
+    statements: list[tuple[str, str, Any]] = Field(description="Subject, predicate and object.")
+    turtle: str = Field(description="The same as the text of a Turtle file.")
+
+
+QueryAnswer = Annotated[SelectAnswer | AskAnswer | ConstructAnswer, Field(discriminator="form")]

@@ -1,0 +1,245 @@
+"""The world as a whole: its version, its changes, and writing several things at once."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from skiros_py.api.elements import NewRelation
+from skiros_py.api.values import ElementId, GivenValue, Name, Placement, Reason
+
+__all__ = [
+    "AddOperation",
+    "Change",
+    "ChangePage",
+    "Operation",
+    "PlaceOperation",
+    "RelateOperation",
+    "RemoveOperation",
+    "SetOperation",
+    "TransactionOrder",
+    "Undoable",
+    "UndoOrder",
+    "UnrelateOperation",
+    "WorldInfo",
+    "Written",
+]
+
+_GIVEN = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+_TOLD = ConfigDict(frozen=True, populate_by_name=True)
+
+Version = Annotated[int, Field(strict=True, ge=0, le=2**62)]
+MOST_OPERATIONS = 1000
+
+
+class Change(BaseModel):
+    """One transaction that took effect."""
+
+    model_config = _TOLD
+
+    number: int = Field(description="Counted from 1 without gaps; the world's version afterwards.", examples=[17])
+    author: str = Field(description="Who wrote.", examples=["ann"])
+    writer: str = Field(description='What kind of author: "person", "skill", "job" or "system".', examples=["person"])
+    reason: str = Field(description="Why, for people.", examples=["delivered this morning"])
+    time: float = Field(description="When [s, run time].", examples=[12.5])
+    written: datetime | None = Field(default=None, description="When (UTC), where that is remembered.")
+    undoes: int | None = Field(default=None, description="Number of the change that this one took back.")
+    edits: list[dict[str, Any]] = Field(
+        description='What changed, each with its old and new value; "edit" tells what kind it is: "element",'
+        ' "placement", "property", "relation" or "goals". Perhaps not all.',
+        examples=[
+            [
+                {
+                    "edit": "placement",
+                    "element": "starter_1",
+                    "old": {"relation": "sk:in", "place": "pallet_a"},
+                    "new": {"relation": "sk:in", "place": "kit_1_a"},
+                }
+            ]
+        ],
+    )
+    edits_total: int = Field(description="How many edits it has.")
+    next: str | None = Field(
+        default=None, description="Where not all edits are here: the cursor to read on with at /world/changes/{number}."
+    )
+
+
+class ChangePage(BaseModel):
+    """Some changes."""
+
+    model_config = _TOLD
+
+    items: list[Change] = Field(description="The changes.")
+    next: str | None = Field(description="Cursor of the next page; null at the end.")
+    remembered_from: int = Field(description="Number of the oldest change that is remembered.")
+    version: int = Field(description="Number of the latest change.")
+
+
+class Undoable(BaseModel):
+    """The change that an undo would take back."""
+
+    model_config = _TOLD
+
+    number: int = Field(description="Its number.", examples=[17])
+    author: str = Field(description="Who wrote it.", examples=["ann"])
+    reason: str = Field(description="Why.", examples=["delivered this morning"])
+
+
+class WorldInfo(BaseModel):
+    """What there is, in numbers."""
+
+    model_config = _TOLD
+
+    version: int = Field(description="Number of the latest change; the world's ETag.", examples=[17])
+    time: float = Field(description="Run time now [s].", examples=[12.5])
+    elements: int = Field(description="Elements of the scene.")
+    abstract: int = Field(description="Individuals that the ontology describes.")
+    learned: int = Field(description="Individuals that robots were taught.")
+    goals: int = Field(description="Goals that go with the scene.")
+    locks: int = Field(description="Locks in force.")
+    remembered_from: int = Field(description="Number of the oldest change that is remembered.")
+    undoable: Undoable | None = Field(description="What an undo would take back.")
+
+
+class Written(BaseModel):
+    """What a write did."""
+
+    model_config = _TOLD
+
+    version: int = Field(description="The world's version now.", examples=[18])
+    change: Change | None = Field(description="The change; null where everything was so already.")
+    ids: dict[str, str] = Field(default_factory=dict, description="Ids of what was added, by its ref.")
+
+
+class UndoOrder(BaseModel):
+    """Which change is meant."""
+
+    model_config = _GIVEN
+
+    change: Version | None = Field(
+        default=None, description="Take it back only if it is this one that comes next.", examples=[17]
+    )
+
+
+# ------------------------------------------------------------------ transactions
+
+Target = Annotated[str, Field(min_length=1, max_length=300)]
+"""Id of an element, or "$" and the ref of one that was added before in the same transaction."""
+
+
+class AddOperation(BaseModel):
+    """Adds an element."""
+
+    model_config = _GIVEN
+
+    op: Literal["add"] = Field(description="What is done.")
+    ref: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,49}$")] | None = Field(
+        default=None, description='A name for later operations of this transaction, which write "$name".'
+    )
+    class_: Name = Field(alias="class", description="Its class.", examples=["kitting:Starter"])
+    id: ElementId | None = Field(default=None, description="Its id; the next of its class where left out.")
+    label: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
+        default=None, description="What people call it."
+    )
+    properties: Annotated[dict[Name, GivenValue], Field(max_length=200)] = Field(
+        default_factory=dict, description="Own values by property."
+    )
+    placement: Placement | None = Field(default=None, description="Where it is.")
+    relations: Annotated[list[NewRelation], Field(max_length=200)] = Field(
+        default_factory=list, description="Relations of it; the end that is left out is the element."
+    )
+
+
+class RemoveOperation(BaseModel):
+    """Removes an element with its pieces; what was placed there moves to where it was."""
+
+    model_config = _GIVEN
+
+    op: Literal["remove"] = Field(description="What is done.")
+    element: Target = Field(description="Which one.", examples=["starter_1"])
+
+
+class SetOperation(BaseModel):
+    """Sets an element's own value of a property; ``rdfs:label`` is its label."""
+
+    model_config = _GIVEN
+
+    op: Literal["set"] = Field(description="What is done.")
+    element: Target = Field(description="Which one.", examples=["starter_1"])
+    property: Name = Field(description="Which property.", examples=["sk:mass"])
+    value: GivenValue | None = Field(description="The value; null takes the own value away.", examples=[0.4])
+
+
+class PlaceOperation(BaseModel):
+    """Moves an element."""
+
+    model_config = _GIVEN
+
+    op: Literal["place"] = Field(description="What is done.")
+    element: Target = Field(description="Which one.", examples=["starter_1"])
+    relation: Name = Field(description="The placement relation.", examples=["sk:in"])
+    place: Target = Field(description="Where to.", examples=["pallet_b"])
+
+
+class RelateOperation(BaseModel):
+    """States a relation; a placement moves its element."""
+
+    model_config = _GIVEN
+
+    op: Literal["relate"] = Field(description="What is done.")
+    subject: Target = Field(description="The subject.", examples=["kit_1"])
+    relation: Name = Field(description="The relation.", examples=["sk:hasA"])
+    object: Target = Field(description="The object.", examples=["kit_1_a"])
+
+
+class UnrelateOperation(BaseModel):
+    """Takes back a stated relation."""
+
+    model_config = _GIVEN
+
+    op: Literal["unrelate"] = Field(description="What is done.")
+    subject: Target = Field(description="The subject.")
+    relation: Name = Field(description="The relation.")
+    object: Target = Field(description="The object.")
+
+
+Operation = Annotated[
+    AddOperation | RemoveOperation | SetOperation | PlaceOperation | RelateOperation | UnrelateOperation,
+    Field(discriminator="op"),
+]
+
+
+class TransactionOrder(BaseModel):
+    """Several writes, of which all take effect or none."""
+
+    model_config = ConfigDict(
+        **_GIVEN,
+        json_schema_extra={
+            "examples": [
+                {
+                    "reason": "two starters were delivered",
+                    "expects": {"pallet_a": 1},
+                    "operations": [
+                        {
+                            "op": "add",
+                            "ref": "first",
+                            "class": "kitting:Starter",
+                            "placement": {"relation": "sk:in", "place": "pallet_a"},
+                        },
+                        {"op": "set", "element": "$first", "property": "sk:mass", "value": 0.4},
+                    ],
+                }
+            ]
+        },
+    )
+
+    reason: Annotated[str, Field(min_length=1, max_length=1000)] = Field(description="Why, for people.")
+    expects: Annotated[dict[Annotated[str, Field(max_length=300)], Version], Field(max_length=1000)] = Field(
+        default_factory=dict,
+        description='The versions that the author has seen, by id of an element; for "" that of the world.',
+    )
+    operations: Annotated[list[Operation], Field(min_length=1, max_length=MOST_OPERATIONS)] = Field(
+        description="What is written, in this order."
+    )

@@ -1,0 +1,65 @@
+"""Which server a command speaks to, and with which key."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from skiros_py.cli.options import data_option
+from skiros_py.errors import FileError, UsageError
+
+if TYPE_CHECKING:
+    from skiros_py.client import Client
+
+__all__ = ["reach", "server_options"]
+
+_Command = TypeVar("_Command", bound=Callable[..., Any])
+
+_LONGEST_KEY = 1000
+_URL = click.option(
+    "--url", metavar="URL", envvar="SKIROS_URL", help="Address of the server.  [default: http://127.0.0.1:8000]"
+)
+_KEY_FILE = click.option(
+    "--key-file",
+    metavar="FILE",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="File with the key for it; SKIROS_KEY in the environment does as well.",
+)
+
+
+def server_options(command: _Command) -> _Command:
+    """Adds the options that say which server: ``data``, ``url`` and ``key_file``."""
+    return data_option(required=False)(_URL(_KEY_FILE(command)))
+
+
+def reach(data: Path | None, url: str | None, key_file: Path | None) -> Client:
+    """Returns the client of the server that the options name; close it.
+
+    Raises:
+        UsageError: They say two things.
+        FileError: No server runs on the data directory, or the key cannot be read.
+    """
+    from skiros_py.client import Client
+
+    if data is not None:
+        if key_file is not None:
+            raise UsageError("--key-file is for --url: the server of a data directory of yours needs no key")
+        return Client.of_data(data)  # --data is said, SKIROS_URL may only be lying about
+    return Client(url or "http://127.0.0.1:8000", _key(key_file))
+
+
+def _key(file: Path | None) -> str | None:
+    if file is None:
+        return os.environ.get("SKIROS_KEY") or None
+    try:
+        with file.open(encoding="ascii") as opened:
+            text = opened.read(_LONGEST_KEY + 1).strip()
+    except (OSError, UnicodeError) as error:
+        raise FileError(file, f"the key cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if not text or len(text) > _LONGEST_KEY:
+        raise FileError(file, "is no file with a key: it holds one line, as 'skiros key create' prints it")
+    return text

@@ -1,0 +1,219 @@
+"""``skiros serve``: a station that factory systems, clients and people reach over the network."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from skiros_py.cli.ending import end_now, end_unless
+from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
+from skiros_py.cli.options import CONFIG, DATA, JSON, pace_option, planner_options
+from skiros_py.cli.output import answer
+from skiros_py.cli.stops import STOPS
+from skiros_py.cli.warnings import no_warnings_on_stderr
+from skiros_py.errors import UsageError
+from skiros_py.interruptions import UserStop
+
+if TYPE_CHECKING:
+    from socket import socket
+
+    from skiros_py.runtime import Options
+    from skiros_py.server.services import Services
+    from skiros_py.server.serving import Serving
+    from skiros_py.server.settings import Authentication, ServerSettings
+
+__all__ = ["command"]
+
+_SWITCH = 0.001
+"""How long a thread keeps the interpreter when others want it [s]: see :func:`command`."""
+_OVERRUN = 0.5
+"""For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
+_ENDING = 9.0
+"""The station must stand, and the process be gone, so long after the first signal [s]."""
+
+
+@click.command(
+    "serve",
+    epilog="""\b
+Examples:
+  skiros serve kitting --data cell
+  skiros serve --data cell --port 8080 --log json
+  skiros serve kitting --data try --fake --pace max
+""",
+)
+@click.argument("scene", required=False, default="")
+@DATA
+@click.option("--host", default="127.0.0.1", show_default=True, help="Address; any but this machine's own takes keys.")
+@click.option("--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="0 for any free one.")
+@pace_option("real")
+@click.option("--fake", is_flag=True, help="No physics: skills pretend.")
+@click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
+@click.option("--robot", metavar="NAME", help="The robot to use.  [default: all robots of the scene]")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of every random choice.")
+@CONFIG
+@planner_options
+@click.option(
+    "--auth",
+    type=click.Choice(["auto", "keys", "none"]),
+    default="auto",
+    show_default=True,
+    help="Whether requests need a key; auto: as soon as there is one.",
+)
+@click.option("--allow-host", multiple=True, metavar="NAME", help="A further name under which the server is reached.")
+@click.option("--allow-origin", multiple=True, metavar="ORIGIN", help="Web pages that may use it: https://mes.example.")
+@click.option("--webhook-host", multiple=True, metavar="HOST", help="Where webhooks may be sent to: HOST or HOST:PORT.")
+@click.option(
+    "--log", type=click.Choice(["console", "json"]), default="console", show_default=True, help="Form of the log."
+)
+@JSON
+def command(
+    scene: str,
+    data: Path,
+    host: str,
+    port: int,
+    pace: float | None,
+    fake: bool,
+    driver: str | None,
+    robot: str | None,
+    seed: int,
+    config: dict[str, str],
+    planner: str | None,
+    planner_command: str | None,
+    temporal: bool,
+    auth: Authentication,
+    allow_host: tuple[str, ...],
+    allow_origin: tuple[str, ...],
+    webhook_host: tuple[str, ...],
+    log: Literal["console", "json"],
+    as_json: bool,
+) -> int:
+    """Serves SCENE, or the world that lives in the data directory, until Ctrl-C or a polite kill.
+
+    SCENE is the first content of a new data directory, and can be left out afterwards: world, jobs and keys live on
+    there. The API is below /api/v1, with a page that describes it at /api/v1/docs. At the end the robots come to a
+    standstill, and what was under way waits for a person at the next start.
+    """
+    from skiros_py.runtime import Options
+    from skiros_py.server.serving import bind
+    from skiros_py.server.settings import ServerSettings
+
+    settings = ServerSettings(
+        host=host,
+        port=port,
+        authentication=auth,
+        allowed_hosts=allow_host,
+        allowed_origins=allow_origin,
+        webhook_hosts=webhook_host,
+    )
+    options = Options(
+        seed=seed,
+        robot=robot,
+        fake=fake,
+        pace=pace,
+        driver=driver,
+        config=config,
+        planner=planner,
+        planner_command=planner_command,
+        temporal=temporal,
+        data=data,
+        overrun=None if pace is None else _OVERRUN,
+    )
+    _check_first_content(scene, data)
+    # The control thread asks for the interpreter 200 times a second and would wait for 5 ms each time that a request
+    # is being answered: a whole cycle.
+    sys.setswitchinterval(_SWITCH)
+    with closing(bind(settings)) as listening, _Stops(as_json=as_json).heard() as stops:
+        _log_to_stderr(log)
+        try:
+            _serve(scene, options, settings, listening, stops, as_json=as_json)
+        except UserStop:
+            return REACHED  # ended before it was up
+    return REACHED
+
+
+def _check_first_content(scene: str, data: Path) -> None:
+    lives = (data / "journal.db").exists()
+    if not (scene or lives):
+        raise UsageError(f"{data}: no world lives here yet: say with which scene it begins: skiros serve SCENE --data …")
+    if scene and lives:
+        click.echo(f"world   {data} has one already; {scene} was not loaded", err=True)
+
+
+def _log_to_stderr(form: Literal["console", "json"]) -> None:
+    from skiros_py.server.logs import log_to
+
+    no_warnings_on_stderr()
+    log_to(sys.stderr, form=form)
+
+
+def _serve(
+    scene: str, options: Options, settings: ServerSettings, listening: socket, stops: _Stops, *, as_json: bool
+) -> None:
+    from skiros_py.runtime import Session
+    from skiros_py.server.discovery import announced
+    from skiros_py.server.services import Services
+    from skiros_py.server.serving import Serving, url_of
+
+    data = options.data
+    assert data is not None
+    click.echo(f"opening {scene or data} …", err=True)
+    with Services(lambda: Session(scene, options), data, settings) as services, ExitStack() as stack:
+        url = url_of(listening)
+
+        def on_listening() -> None:
+            stack.enter_context(announced(data, url, services.keys.local_token))
+            _say_where(services, url, data, as_json=as_json)
+
+        serving = Serving(services, listening, on_listening)
+        stops.end_with(serving)
+        serving.run()
+        click.echo("ending  the robots come to a standstill; what was under way waits for a person", err=True)
+
+
+def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> None:
+    if as_json:
+        answer({"url": url, "data": str(data)})
+    click.echo(f"serving {url}, described at {url}/api/v1/docs", err=True)
+    if services.doorkeeper.keys_needed:
+        click.echo("access  with a key; programs of yours on this machine find their own through --data", err=True)
+    else:
+        click.echo(f"access  for all on this machine; 'skiros key create NAME --data {data}' locks the door", err=True)
+
+
+class _Stops:
+    """What Ctrl-C and polite kills do: the first ends the server in good order, the second at once."""
+
+    def __init__(self, *, as_json: bool) -> None:
+        self._as_json = as_json
+        self._asked = self._left = False
+        self._serving: Serving | None = None
+
+    @contextmanager
+    def heard(self) -> Iterator[_Stops]:
+        """Listens for them while the block runs, and sees that it comes to an end."""
+        for number in STOPS:
+            signal.signal(number, self._hear)
+        try:
+            yield self
+        finally:
+            self._left = True
+
+    def end_with(self, serving: Serving) -> None:
+        """Has the server ended by the first of them; before, they end the opening."""
+        self._serving = serving
+
+    def _hear(self, _number: int, _frame: object) -> None:
+        if self._asked:
+            end_now(STOPPED)
+        self._asked = True
+        text = f"something does not come to its end within {_ENDING:.0f} s: the server ends without it"
+        end_unless(lambda: self._left, text, NOT_REACHED, as_json=self._as_json, within=_ENDING)
+        if self._serving is None:
+            raise UserStop
+        self._serving.end()

@@ -1,0 +1,80 @@
+"""Webhooks: having other systems told of jobs."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+
+from httpx2 import Response
+
+from skiros_py.api.webhooks import Deliveries, DeliveryState, Webhook, WebhookChange, WebhookOrder, WebhookSecret
+from skiros_py.client.call import Call, nothing
+
+__all__ = [
+    "change_webhook",
+    "create_webhook",
+    "delete_webhook",
+    "get_webhook",
+    "list_dead_letters",
+    "list_deliveries",
+    "list_webhooks",
+    "ping_webhook",
+    "redeliver",
+]
+
+
+def list_webhooks() -> Call[list[Webhook]]:
+    """Lists who is told of jobs."""
+    return Call("GET", "/webhooks", lambda r: [Webhook.model_validate(one) for one in r.json()])
+
+
+def create_webhook(order: WebhookOrder) -> Call[WebhookSecret]:
+    """Has another system told of jobs; the key of its signatures is shown this once."""
+    return Call("POST", "/webhooks", _secret, json=order.model_dump(mode="json"), repeatable=False)
+
+
+def _secret(response: Response) -> WebhookSecret:
+    return WebhookSecret.model_validate(response.json())
+
+
+def get_webhook(webhook: str) -> Call[Webhook]:
+    """Tells about one webhook."""
+    return Call("GET", _path(webhook), lambda r: Webhook.model_validate(r.json()))
+
+
+def change_webhook(webhook: str, change: WebhookChange) -> Call[Webhook]:
+    """Changes what a webhook is told, or lets it rest."""
+    body = change.model_dump(mode="json", exclude_none=True)
+    return Call("PATCH", _path(webhook), lambda r: Webhook.model_validate(r.json()), json=body)
+
+
+def delete_webhook(webhook: str) -> Call[None]:
+    """Removes a webhook with all that waits for it."""
+    return Call("DELETE", _path(webhook), nothing)
+
+
+def ping_webhook(webhook: str) -> Call[None]:
+    """Sends a message that only shows that it arrives."""
+    return Call("POST", f"{_path(webhook)}/ping", nothing)
+
+
+def list_deliveries(
+    webhook: str, *, state: DeliveryState | None = None, limit: int = 100, cursor: str | None = None
+) -> Call[Deliveries]:
+    """Lists the messages of a webhook, the latest first."""
+    query = {"state": state, "limit": limit, "cursor": cursor}
+    return Call("GET", f"{_path(webhook)}/deliveries", lambda r: Deliveries.model_validate(r.json()), query=query)
+
+
+def list_dead_letters(*, limit: int = 100, cursor: str | None = None) -> Call[Deliveries]:
+    """Lists the messages that were given up."""
+    query = {"limit": limit, "cursor": cursor}
+    return Call("GET", "/webhooks/dead-letters", lambda r: Deliveries.model_validate(r.json()), query=query)
+
+
+def redeliver(webhook: str, number: int) -> Call[None]:
+    """Sends a message again that was given up."""
+    return Call("POST", f"{_path(webhook)}/deliveries/{number}/redeliver", nothing)
+
+
+def _path(webhook: str) -> str:
+    return f"/webhooks/{quote(webhook, safe='')}"

@@ -1,0 +1,94 @@
+"""The client of blocking programs."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import httpx2
+
+from skiros_py.client.call import Call
+from skiros_py.client.discovery import server_of
+from skiros_py.client.patience import Outcome, Patience
+from skiros_py.client.request import arguments_of, result_of, settings_for
+
+__all__ = ["Client"]
+
+T = TypeVar("T")
+
+
+class Client:
+    """Speaks with one server. Close it, or use it in a ``with``; several threads may share it.
+
+    What breaks on the way is sent again, where that does no harm: orders of jobs are, and are done once nevertheless.
+
+    Args:
+        url: Address of the server.
+        key: Key, as ``skiros key create`` printed it; None where the server needs none.
+        timeout: How long an answer may take [s].
+        tries: How often a request is sent at most.
+
+    Attributes:
+        url: Address of the server.
+
+    Raises:
+        UsageError: That is no address, or no key.
+    """
+
+    def __init__(
+        self, url: str = "http://127.0.0.1:8000", key: str | None = None, *, timeout: float = 30.0, tries: int = 6
+    ) -> None:
+        self.url = url.rstrip("/")
+        self._patience = Patience(tries)
+        self.http = httpx2.Client(**settings_for(url, key, timeout))
+
+    @classmethod
+    def of_data(cls, data: str | Path, **options: Any) -> Self:
+        """Returns the client of the server that owns a data directory of this machine; it needs no key.
+
+        Args:
+            data: The data directory.
+            **options: ``timeout`` and ``tries``.
+
+        Raises:
+            FileError: No server runs on it, or somebody else's does.
+        """
+        server = server_of(Path(data))
+        return cls(server.url, server.token, **options)
+
+    def send(self, call: Call[T]) -> T:
+        """Sends a call, perhaps several times, and returns what it asked for.
+
+        Raises:
+            ProblemError: The server refused.
+            Unreachable: Nobody answers.
+        """
+        request = arguments_of(call)
+        sent = 0
+        while True:
+            outcome = self._try(request)
+            sent += 1
+            wait = self._patience.wait_after(outcome, call, sent)
+            if wait is None:
+                return result_of(call, outcome, self.url)
+            time.sleep(wait)
+
+    def _try(self, request: dict[str, Any]) -> Outcome:
+        try:
+            return self.http.request(**request)
+        except httpx2.TransportError as error:
+            return error
+
+    def close(self) -> None:
+        """Closes all connections; may be called twice."""
+        self.http.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

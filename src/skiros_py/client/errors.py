@@ -1,0 +1,65 @@
+"""Why a call came to nothing: the server refused it, or nobody answers."""
+
+from __future__ import annotations
+
+import httpx2
+from pydantic import ValidationError
+
+from skiros_py.api.problem import ProblemDetails
+from skiros_py.errors import DeviceError, SkirosError
+
+__all__ = ["ProblemError", "Unreachable", "problem_of"]
+
+_LONGEST_SHOWN = 200
+
+
+class ProblemError(SkirosError):
+    """The server says why it does not do what it was asked for.
+
+    Attributes:
+        problem: All that it says.
+    """
+
+    def __init__(self, problem: ProblemDetails) -> None:
+        self.problem = problem
+        super().__init__(problem.detail or problem.title)
+
+    @property
+    def status(self) -> int:
+        """The HTTP status: 404 for what is not there, 409 for what cannot be done now, 412 for a stale version, …."""
+        return self.problem.status
+
+    @property
+    def code(self) -> str:
+        """The kind of problem, for programs ("UnknownJobOrderID"); empty where it did not come from our server."""
+        return self.problem.code
+
+    @property
+    def detail(self) -> str:
+        """What is wrong with this request, and what would be right."""
+        return self.problem.detail
+
+
+class Unreachable(DeviceError):
+    """Nobody answers; whether something was done is not known where a request had been sent already.
+
+    Attributes:
+        url: Where it was tried.
+    """
+
+    def __init__(self, url: str, why: str) -> None:
+        self.url = url
+        super().__init__(
+            f"no server answers at {url}: {why}; 'skiros serve SCENE --data DIR' starts one, and prints its address"
+        )
+
+
+def problem_of(response: httpx2.Response) -> ProblemError:
+    """Reads why the server refused; what is no problem document (of a proxy, say) is shown as it is."""
+    try:
+        return ProblemError(ProblemDetails.model_validate_json(response.content))
+    except ValidationError:
+        said = " ".join(response.text[:_LONGEST_SHOWN].split())
+        title = f"{response.status_code} {response.reason_phrase}".rstrip()
+        detail = f"{response.url} answered {title}{f': {said}' if said else ''}"
+        return ProblemError(ProblemDetails(title=title, status=response.status_code, detail=detail))

@@ -1,0 +1,150 @@
+"""The audit log: who changed what, when and from where, and who was refused."""
+
+from __future__ import annotations
+
+import json
+import logging
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+from fastapi import Request
+
+from skiros_py.database import Database
+from skiros_py.errors import SkirosError
+
+__all__ = ["AuditEntry", "AuditLog", "note"]
+
+_log = logging.getLogger(__name__)
+
+_KEPT = 100_000
+"""Entries that are kept."""
+_WAITING = 20_000
+"""Entries that may wait to be written; should the disk hang, the oldest of them are lost rather than any request."""
+_BATCH = 1000
+_PAUSE = 0.5
+"""How long entries are collected before they are written together [s]."""
+_IDLE = 10.0
+"""How often that is done which is done besides [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class AuditEntry:
+    """One request that changed something or was refused. Keys and bodies are never in it.
+
+    Attributes:
+        wall: When [s since 1970].
+        caller: Name of who made it; empty for strangers.
+        role: Their role; empty for strangers.
+        key: Id of their key; empty where none was needed.
+        address: The address it came from.
+        method: HTTP method.
+        path: What it was about.
+        operation: What it asked for; empty where it did not get as far.
+        status: HTTP status of the answer.
+        request: Id of the request; logs have the same.
+        job: Id of the job that it was about; empty where it was about none.
+        comment: What the caller said about it.
+    """
+
+    wall: float
+    caller: str
+    role: str
+    key: str
+    address: str
+    method: str
+    path: str
+    operation: str
+    status: int
+    request: str
+    job: str = ""
+    comment: str = ""
+
+
+def note(request: Request, *, job: str = "", comment: str = "") -> None:
+    """Adds to what the audit log will say about a request; for routes.
+
+    Args:
+        request: The request.
+        job: Id of the job that it is about, where the path does not say so.
+        comment: What the caller said about it.
+    """
+    request.state.audit = {"job": job[:200], "comment": comment[:1000]}
+
+
+class AuditLog:
+    """Writes entries down, in a thread of its own, so that no request waits for the disk. Start it, and close it.
+
+    Args:
+        database: From :func:`~skiros_py.server.access.file.open_access`, its own connection; closed at the end.
+        besides: What else is written now and then; gets the database.
+    """
+
+    def __init__(self, database: Database, besides: Callable[[Database], None] = lambda _database: None) -> None:
+        self._database = database
+        self._besides = besides
+        self._entries: deque[AuditEntry] = deque(maxlen=_WAITING)
+        self._writing = threading.Lock()
+        self._asked = threading.Event()
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="skiros-audit", daemon=True)
+
+    def start(self) -> None:
+        """Starts the thread."""
+        self._thread.start()
+
+    def append(self, entry: AuditEntry) -> None:
+        """Has an entry written soon; quick, and for any thread."""
+        self._entries.append(entry)
+        self._asked.set()
+
+    def page(self, before: int | None = None, limit: int = 100) -> tuple[tuple[int, AuditEntry], ...]:
+        """Returns entries with their numbers, the youngest first.
+
+        Args:
+            before: Only those with smaller numbers.
+            limit: How many at most.
+        """
+        self._write()
+        end = 2**63 - 1 if before is None else before
+        rows = self._database.rows(
+            "SELECT number, data FROM audit WHERE number < ? ORDER BY number DESC LIMIT ?", (end, limit)
+        )
+        return tuple((number, AuditEntry(**json.loads(data))) for number, data in rows)
+
+    def close(self) -> None:
+        """Writes what waits, and closes the file; may be called twice."""
+        if self._ending.is_set():
+            return
+        self._ending.set()
+        self._asked.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+        self._keep()
+        self._database.close()
+
+    def _run(self) -> None:
+        while not self._ending.is_set():
+            self._asked.wait(_IDLE)
+            self._asked.clear()
+            self._ending.wait(_PAUSE)
+            self._keep()
+
+    def _keep(self) -> None:
+        try:
+            self._write()
+            self._besides(self._database)
+        except SkirosError as error:
+            _log.error("the audit log cannot be written: %s", error)  # noqa: TRY400 - its text says all there is
+
+    def _write(self) -> None:
+        with self._writing:
+            while batch := [self._entries.popleft() for _ in range(min(_BATCH, len(self._entries)))]:
+                self._insert(batch)
+
+    def _insert(self, batch: list[AuditEntry]) -> None:
+        rows = [(json.dumps(asdict(entry)),) for entry in batch]
+        with self._database.transaction() as connection:
+            connection.executemany("INSERT INTO audit (data) VALUES (?)", rows)
+            connection.execute("DELETE FROM audit WHERE number <= (SELECT max(number) FROM audit) - ?", (_KEPT,))

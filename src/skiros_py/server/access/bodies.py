@@ -1,0 +1,157 @@
+"""Bodies of requests: read at the door, so that what is behind it only ever sees sound ones."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from typing import Any
+
+from starlette.datastructures import Headers
+from starlette.types import Message, Receive
+
+from skiros_py.server.problems import Problem
+
+__all__ = ["check_json", "read_body", "replayed"]
+
+_PATIENCE = 30.0
+"""How long a body may take to arrive [s]."""
+_DEEPEST = 64
+"""How deep lists and objects may be nested."""
+_LARGEST = 2**63
+"""Whole numbers stay below: neither databases nor other languages take larger ones."""
+_FORMS = frozenset({"", "text/plain", "application/x-www-form-urlencoded", "multipart/form-data"})
+"""What any page may have a browser send anywhere without asking first."""
+_OUTSIDE_TEXTS = re.compile(rb'"[^"\\]*(?:\\.[^"\\]*)*"?|[^\[\]{}"]+', re.DOTALL)
+_SUSPICIOUS = re.compile(rb"NaN|Infinity|\xed[\xa0-\xbf]|\\u(?:0000|[dD][89a-fA-F])|[eE]\+?\d{3}|\d{19}")
+_NOT_TEXT = re.compile("[\0\ud800-\udfff]")
+
+
+async def read_body(headers: Headers, receive: Receive, longest: int) -> bytes:
+    """Reads and checks the body of a request that may change something.
+
+    Args:
+        headers: The request's headers.
+        receive: Gives the body, piece by piece.
+        longest: How long it may be [bytes].
+
+    Raises:
+        Problem: It is too long (413), too slow (408), of a type that forms have (415), or JSON that is none (400).
+    """
+    announced = headers.get("content-length", "0")
+    if not announced.isdecimal() or len(announced) > 18 or int(announced) > longest:
+        raise _too_long(longest)
+    try:
+        async with asyncio.timeout(_PATIENCE):
+            body = await _whole(receive, longest)
+    except TimeoutError:
+        raise Problem(408, "BodyTooSlow", f"the body did not arrive within {_PATIENCE:.0f} s") from None
+    if body:
+        _check(headers.get("content-type", ""), body)
+    return body
+
+
+def replayed(body: bytes, receive: Receive) -> Receive:
+    """Returns what gives a body that was read already, and after it what comes next."""
+    given = False
+
+    async def again() -> Message:
+        nonlocal given
+        if given:
+            return await receive()
+        given = True
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    return again
+
+
+async def _whole(receive: Receive, longest: int) -> bytes:
+    body = bytearray()
+    while True:
+        message = await receive()
+        if message["type"] == "http.disconnect":
+            raise Problem(400, "InvalidRequest", "the connection broke before the body was there")
+        body += message.get("body", b"")
+        if len(body) > longest:
+            raise _too_long(longest)
+        if not message.get("more_body", False):
+            return bytes(body)
+
+
+def _too_long(longest: int) -> Problem:
+    return Problem(413, "BodyTooLong", f"a body may have {longest} bytes at most", headers={"Connection": "close"})
+
+
+def _check(content_type: str, body: bytes) -> None:
+    kind = content_type.partition(";")[0].strip().lower()
+    if kind in _FORMS:
+        raise Problem(415, "UnsupportedMediaType", f"send JSON as application/json, not as {kind or 'nothing'}")
+    if kind == "application/json" or kind.endswith("+json"):
+        check_json(body)
+
+
+def check_json(body: bytes) -> None:
+    """Sees that a JSON text holds nothing that no part of the platform takes.
+
+    Those are: nesting without end, numbers that are none, and characters that cannot be written down (NUL, half a
+    pair of surrogates). Whether it is JSON at all is left to whoever reads it.
+
+    Raises:
+        Problem: It does.
+    """
+    if b"\0" in body:
+        raise _bad("JSON is written in UTF-8, and holds no NUL")
+    if body.count(b"[") + body.count(b"{") > _DEEPEST and _depth(body) > _DEEPEST:
+        raise _bad(f"lists and objects are nested deeper than {_DEEPEST}")
+    if _SUSPICIOUS.search(body):
+        try:
+            value = json.loads(body, parse_constant=_constant, parse_float=_float, parse_int=_int)
+        except ValueError:
+            return  # no JSON: that is said where it is read, with line and column
+        _check_texts(value)
+
+
+def _depth(body: bytes) -> int:
+    """Returns how deep a text is nested, or something above what is allowed."""
+    depth = deepest = 0
+    for bracket in _OUTSIDE_TEXTS.sub(b"", body):
+        depth += 1 if bracket in b"[{" else -1 if bracket in b"]}" else 0
+        deepest = max(deepest, depth)
+        if deepest > _DEEPEST:
+            break
+    return deepest
+
+
+def _constant(text: str) -> float:
+    raise _bad(f"{text} is no number")
+
+
+def _float(text: str) -> float:
+    value = float(text)
+    if value in (float("inf"), float("-inf")):
+        raise _bad(f"{text[:30]} is too large a number")
+    return value
+
+
+def _int(text: str) -> int:
+    if len(text) > 20 or not -_LARGEST <= int(text) < _LARGEST:
+        raise _bad(f"{text[:30]} is too large a number")
+    return int(text)
+
+
+def _check_texts(value: Any) -> None:
+    # No deeper than was allowed above, so that calls in calls will do.
+    if isinstance(value, str):
+        if _NOT_TEXT.search(value):
+            raise _bad(f"{value[:60]!a} holds a character that cannot be written down")
+    elif isinstance(value, list):
+        for item in value:
+            _check_texts(item)
+    elif isinstance(value, dict):
+        for name, item in value.items():
+            _check_texts(name)
+            _check_texts(item)
+
+
+def _bad(what: str) -> Problem:
+    return Problem(400, "InvalidRequest", f"the body cannot be taken: {what}")

@@ -1,0 +1,40 @@
+"""The file that keeps who may come in and what was done: ``access.db`` of a data directory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from skiros_py.database import Database, Schema
+
+__all__ = ["FILE", "open_access"]
+
+FILE = "access.db"
+"""Name of the file in a data directory."""
+
+_TABLES = """
+CREATE TABLE keys (
+    id TEXT PRIMARY KEY, name TEXT NOT NULL, role TEXT NOT NULL, digest BLOB NOT NULL, ending TEXT NOT NULL,
+    created REAL NOT NULL, expires REAL, revoked REAL, used REAL
+) WITHOUT ROWID;
+CREATE TABLE audit (number INTEGER PRIMARY KEY AUTOINCREMENT, data TEXT NOT NULL);
+"""
+
+_SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES,))
+"""Such a file is marked "skac"."""
+
+
+def open_access(data: Path) -> Database:
+    """Opens the file of a data directory; made where it is missing, for nobody but its owner to read.
+
+    Other processes may use it at the same time: keys are made and revoked from the shell while the server runs.
+
+    Raises:
+        FileError: It cannot be opened or made, or is damaged.
+    """
+    path = data / FILE
+    database = Database(path, _SCHEMA, durable=True, shared=True)
+    try:
+        path.chmod(0o600)
+    except OSError:
+        pass  # some file systems have no rights, or it is another's: keys are kept hashed in any case
+    return database

@@ -1,0 +1,243 @@
+"""API keys: made once, shown once, kept hashed; revoked at once."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import re
+import secrets
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from skiros_py.database import Database
+from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
+from skiros_py.server.access.roles import Role
+
+__all__ = ["Key", "KeyStore", "without_keys"]
+
+_LONGEST_NAME = 100
+_MOST = 10_000
+"""Keys that are kept, revoked ones included."""
+_COLUMNS = "id, name, role, digest, ending, created, expires, revoked, used"
+_TOKEN = re.compile(r"sk_([a-z0-9]{1,32})_[A-Za-z0-9_-]{43}")
+_LIKE_A_TOKEN = re.compile(r"sk(?:_|%5[fF])[A-Za-z0-9]{1,32}(?:_|%5[fF])[A-Za-z0-9_%-]{8,}")
+_LOCAL = "local"
+"""Id of the token of this start of the server; keys are numbered in hexadecimal, so none is called so."""
+
+
+def without_keys(text: str) -> str:
+    """Returns a text in which keys, whole or cut off, are hidden: for logs."""
+    return _LIKE_A_TOKEN.sub("sk_…", text) if "sk" in text else text
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A key, without what is secret about it.
+
+    Attributes:
+        id: Names it, and stands in the key itself.
+        name: Who has it; author of what they write.
+        role: What they may do.
+        ending: Its last four characters, to tell keys apart.
+        created: When it was made [s since 1970].
+        expires: From when on it is not valid any more [s since 1970]; None for never.
+        revoked: When it was revoked; None while it is not.
+        used: When it was last used, about; None before that.
+        digest: SHA-256 of the whole key.
+    """
+
+    id: str
+    name: str
+    role: Role
+    ending: str
+    created: float
+    expires: float | None
+    revoked: float | None
+    used: float | None
+    digest: bytes
+
+    @property
+    def valid(self) -> bool:
+        """True while it opens the door."""
+        return self.revoked is None and (self.expires is None or time.time() < self.expires)
+
+    @property
+    def shown(self) -> str:
+        """The key as it may be shown: its beginning and its end."""
+        return f"sk_{self.id}_…{self.ending}"
+
+
+class KeyStore:
+    """The keys of a data directory; used by any thread and by several processes.
+
+    What a request needs is kept in memory, and read again as soon as anybody, in any process, has changed the file.
+
+    Args:
+        database: From :func:`~skiros_py.server.access.file.open_access`; whoever made it closes it.
+
+    Attributes:
+        local_token: Opens everything to programs that may read the data directory; made anew at each start.
+    """
+
+    def __init__(self, database: Database) -> None:
+        self.local_token = f"sk_{_LOCAL}_{secrets.token_urlsafe(32)}"
+        self._database = database
+        self._guard = threading.Lock()
+        self._known: Mapping[str, Key] = {}
+        self._seen = -1
+        self._uses: dict[str, float] = {}
+
+    def create(self, name: str, role: Role, expires: float | None = None) -> tuple[Key, str]:
+        """Makes a key.
+
+        Args:
+            name: Who gets it.
+            role: What they may do.
+            expires: From when on it is not valid any more [s since 1970]; None for never.
+
+        Returns:
+            The key, and its text, which is kept nowhere.
+
+        Raises:
+            UsageError: The name is no name, or the time has passed.
+            Busy: There are very many keys already.
+        """
+        _check_name(name)
+        if expires is not None and not time.time() < expires < _END_OF_TIME:
+            raise UsageError("a key expires at some time to come, before the year 9999")
+        key_id = secrets.token_hex(4)
+        text = f"sk_{key_id}_{secrets.token_urlsafe(32)}"
+        key = Key(key_id, name, role, text[-4:], time.time(), expires, None, None, _digest(text))
+        with self._database.transaction() as connection:
+            ((count,),) = connection.execute("SELECT count(*) FROM keys").fetchall()
+            if count >= _MOST:
+                connection.execute("DELETE FROM keys WHERE revoked IS NOT NULL OR expires < ?", (time.time(),))
+                ((count,),) = connection.execute("SELECT count(*) FROM keys").fetchall()
+            if count >= _MOST:
+                raise Busy(f"there are {count} keys already: revoke some", retry_after=60.0)
+            connection.execute(
+                f"INSERT INTO keys ({_COLUMNS}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",  # noqa: S608 - our own names
+                (key.id, name, role.value, key.digest, key.ending, key.created, expires, None, None),
+            )
+        self._forget()
+        return key, text
+
+    def revoke(self, key_id: str, *, open_to_others: bool = False) -> Key:
+        """Takes a key out of use; once more does no harm.
+
+        Args:
+            key_id: Its id.
+            open_to_others: True where other machines reach the server: the last key of an administrator stays then.
+
+        Raises:
+            UnknownName: There is no such key.
+            WrongState: Nobody could make keys any more.
+        """
+        with self._database.transaction() as connection:
+            keys = {key.id: key for key in _keys(connection.execute(f"SELECT {_COLUMNS} FROM keys").fetchall())}  # noqa: S608
+            if key_id not in keys:
+                raise UnknownName("key", key_id, list(keys))
+            if open_to_others and keys[key_id].role is Role.ADMIN and not _another_admin(keys, key_id):
+                raise WrongState(
+                    "that is the last key of an administrator, nobody could make another one from outside:"
+                    " make one first, or use 'skiros key revoke' on the server"
+                )
+            connection.execute("UPDATE keys SET revoked = coalesce(revoked, ?) WHERE id = ?", (time.time(), key_id))
+        self._forget()
+        return self.key(key_id)
+
+    def all(self) -> tuple[Key, ...]:
+        """Returns all keys, the oldest first, revoked ones too."""
+        return tuple(sorted(self._now().values(), key=lambda key: (key.created, key.id)))
+
+    def key(self, key_id: str) -> Key:
+        """Returns a key.
+
+        Raises:
+            UnknownName: There is no such key.
+        """
+        keys = self._now()
+        if key_id not in keys:
+            raise UnknownName("key", key_id, list(keys))
+        return keys[key_id]
+
+    @property
+    def needed(self) -> bool:
+        """True once there is a key that is not revoked.
+
+        One that expired counts: a door that was locked does not open by itself because time passes.
+        """
+        return any(key.revoked is None for key in self._now().values())
+
+    def is_local(self, text: str) -> bool:
+        """Tells whether that is the token of this start of the server."""
+        return hmac.compare_digest(_digest(text), _digest(self.local_token))
+
+    def check(self, text: str) -> Key | None:
+        """Returns the valid key that a text is; None where it is none."""
+        match = _TOKEN.fullmatch(text)
+        key = self._now().get(match[1]) if match else None
+        if key is None or not hmac.compare_digest(key.digest, _digest(text)) or not key.valid:
+            return None
+        self._uses[key.id] = time.time()
+        return key
+
+    def still(self, key_id: str) -> Key | None:
+        """Returns a key that was checked before, if it is still valid."""
+        key = self._now().get(key_id)
+        return key if key is not None and key.valid else None
+
+    def keep_uses(self, database: Database) -> None:
+        """Writes down when keys were last used.
+
+        Args:
+            database: Where to; another connection than the one that requests wait for.
+        """
+        uses, self._uses = self._uses, {}
+        if uses:
+            with database.transaction() as connection:
+                connection.executemany("UPDATE keys SET used = ? WHERE id = ?", [(at, key) for key, at in uses.items()])
+
+    def _forget(self) -> None:
+        with self._guard:
+            self._seen = -1
+
+    def _now(self) -> Mapping[str, Key]:
+        # data_version tells what other connections wrote, in 3 µs; what this one writes is forgotten in so many words.
+        ((version,),) = self._database.rows("PRAGMA data_version")
+        if version != self._seen:
+            with self._guard:
+                rows = self._database.rows(f"SELECT {_COLUMNS} FROM keys")  # noqa: S608 - our own names
+                self._known, self._seen = {key.id: key for key in _keys(rows)}, version
+        return self._known
+
+
+_END_OF_TIME = 253_402_300_800.0
+"""The year 10000 [s since 1970]: later times cannot be written as dates."""
+
+
+def _digest(text: str) -> bytes:
+    # A fast hash is enough: the secret is 256 random bits, not a word somebody chose, so there is nothing to guess
+    # through; a slow one would only let strangers keep the server busy.
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest()
+
+
+def _check_name(name: str) -> None:
+    if not name.strip() or len(name) > _LONGEST_NAME or not name.isprintable():
+        raise UsageError(
+            f"a key is named after who gets it, in 1 to {_LONGEST_NAME} printable characters, not {name[:120]!a}"
+        )
+
+
+def _keys(rows: list[tuple[Any, ...]]) -> list[Key]:
+    return [
+        Key(id_, name, Role(role), ending, created, expires, revoked, used, bytes(digest))
+        for id_, name, role, digest, ending, created, expires, revoked, used in rows
+    ]
+
+
+def _another_admin(keys: Mapping[str, Key], than: str) -> bool:
+    return any(key.role is Role.ADMIN and key.valid and key.id != than for key in keys.values())

@@ -1,0 +1,47 @@
+"""What a server leaves in its data directory while it listens, so that programs of the same user find it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from skiros_py.api.local import SERVER_FILE, LocalServer
+from skiros_py.errors import FileError
+
+__all__ = ["announced"]
+
+
+@contextmanager
+def announced(data: Path, url: str, token: str) -> Iterator[LocalServer]:
+    """Says, while the block runs, where the server of a data directory listens.
+
+    Args:
+        data: The data directory; its lock is ours.
+        url: Address of the server.
+        token: The key that programs of the same user may use until the server ends.
+
+    Raises:
+        FileError: It cannot be written down.
+    """
+    server = LocalServer(url=url, pid=os.getpid(), token=token)
+    path = data / SERVER_FILE
+    try:
+        _write(path, server.model_dump_json())
+    except OSError as error:
+        raise FileError(path, f"cannot be written: {error.strerror}") from error
+    try:
+        yield server
+    finally:
+        with suppress(OSError):  # what is left is recognised: nobody has the lock any more
+            path.unlink()
+
+
+def _write(path: Path, text: str) -> None:
+    """Writes a file that nobody else can read at any time, and nobody sees unfinished."""
+    new = path.with_name(f"{path.name}.new")
+    new.unlink(missing_ok=True)  # one that is left may be readable for others
+    with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:  # noqa: PTH123
+        file.write(text)
+    new.replace(path)

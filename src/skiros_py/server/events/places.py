@@ -1,0 +1,79 @@
+"""Places in the log of events: where somebody stands, and what they have missed."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from skiros_py.server.events.event import as_text
+from skiros_py.server.events.log import EventLog
+
+__all__ = ["Reset", "find_place", "missed", "place_text"]
+
+_PLACE = re.compile(r"([0-9a-f]{8})-(\d{1,18})", re.ASCII)
+
+_READ = ("/api/v1/jobs", "/api/v1/world", "/api/v1/tasks", "/api/v1/alarms", "/api/v1/stop")
+"""Where what events tell of can be read as it is now."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reset:
+    """That there is a gap which cannot be filled: look at everything anew, then go on from here.
+
+    Attributes:
+        code: Why, for programs: "restarted", "unknown", "future" or "gone".
+        why: Why, in words.
+        place: Where the events go on.
+    """
+
+    code: str
+    why: str
+    place: str
+
+    def as_json(self) -> dict[str, Any]:
+        """Returns plain data."""
+        return {"id": self.place, "kind": "reset", "code": self.code, "why": self.why, "read": list(_READ)}
+
+    @property
+    def text(self) -> str:
+        """It as JSON, in one line."""
+        return as_text(self.as_json())
+
+
+def place_text(log: EventLog, number: int) -> str:
+    """Returns the id of an event: what a client says to go on from there."""
+    return f"{log.epoch}-{number}"
+
+
+def find_place(log: EventLog, given: str) -> int | Reset:
+    """Finds out where a client stands that says which event was its last.
+
+    Args:
+        log: The events.
+        given: Id of the last event that it has seen.
+
+    Returns:
+        The number of that event, when all that came later is still kept; else what it has to be told.
+    """
+    match = _PLACE.fullmatch(given.strip())
+    if match is None:
+        return _reset(log, "unknown", f"'{given[:60]}' is no id of an event")
+    if match[1] != log.epoch:
+        return _reset(log, "restarted", "the server was started anew since, and what happened before is not kept")
+    number = int(match[2])
+    if number > log.last:
+        return _reset(log, "future", f"there is no event {number} yet: the last one is {log.last}")
+    return missed(log, number) or number
+
+
+def missed(log: EventLog, number: int) -> Reset | None:
+    """Returns what a client has to be told that has seen events up to a number; None where the next one is kept."""
+    first = log.first
+    if number + 1 >= first:
+        return None
+    return _reset(log, "gone", f"the events {number + 1} to {first - 1} are not kept any more")
+
+
+def _reset(log: EventLog, code: str, why: str) -> Reset:
+    return Reset(code, why, place_text(log, log.last))

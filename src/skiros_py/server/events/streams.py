@@ -1,0 +1,184 @@
+"""Who listens to events: woken together, each at its own place in the log, none of them waited for."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections import Counter
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import contextmanager, suppress
+
+from fastapi.sse import format_sse_event
+
+from skiros_py.errors import Busy
+from skiros_py.server.access.roles import Caller
+from skiros_py.server.events.choice import Choice
+from skiros_py.server.events.event import Event
+from skiros_py.server.events.log import EventLog
+from skiros_py.server.events.places import Reset, find_place, missed, place_text
+
+__all__ = ["Streams"]
+
+_GATHER = 0.01
+"""For so long after an event others are gathered before the streams are woken: a burst wakes them once [s]."""
+_QUIET = 10.0
+"""After so long without an event a stream says that it is still there, and where it stands [s]."""
+_LOOK = 1.0
+"""How often a stream looks whether it may go on [s]."""
+_MOST = 200
+"""How many events a stream sends at once; the next ones are fetched when those have left."""
+_AGAIN = 1000
+"""When a client whose connection broke shall come again [ms]."""
+
+
+class Streams:
+    """The streams of one server.
+
+    Args:
+        log: The events.
+        most: How many streams may be open at the same time; half of them may be one caller's.
+        allowed: Tells whether a caller may go on listening; asked now and then, and may be replaced.
+
+    Attributes:
+        log: The events.
+        allowed: Tells whether a caller may go on listening.
+        ending: True when all streams are to end.
+    """
+
+    def __init__(self, log: EventLog, most: int, allowed: Callable[[Caller], bool] = lambda _caller: True) -> None:
+        self.log = log
+        self.allowed = allowed
+        self.ending = False
+        self._most = most
+        self._open: Counter[str] = Counter()
+        self._guard = threading.Lock()
+        self._sleepers: set[asyncio.Event] = set()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._called = False
+        log.on_event(self._call)
+
+    @property
+    def open(self) -> int:
+        """How many streams are open."""
+        return self._open.total()
+
+    def end(self) -> None:
+        """Ends all streams, and lets none begin: the server shuts down. For any thread."""
+        self.ending = True
+        self._call()
+
+    # ------------------------------------------------------------------ places for streams
+
+    @contextmanager
+    def listening(self, caller: Caller) -> Iterator[None]:
+        """Takes one of the places while the block runs.
+
+        Raises:
+            Busy: All are taken, or too many of them by this caller.
+        """
+        name = caller.key or caller.name
+        with self._guard:
+            if self.ending or self.open >= self._most:
+                raise Busy(f"{self.open} event streams are open, and no more are served", retry_after=5.0)
+            if self._open[name] >= max(1, self._most // 2):
+                raise Busy(f"{caller.name} has {self._open[name]} event streams open: close some", retry_after=5.0)
+            self._open[name] += 1
+        try:
+            yield
+        finally:
+            with self._guard:
+                self._open[name] -= 1
+                self._open += Counter()  # forgets who has none any more
+
+    # ------------------------------------------------------------------ one stream
+
+    async def follow(self, choice: Choice, caller: Caller, after: str | None) -> AsyncIterator[bytes]:
+        """Yields events as server-sent events, until the caller may listen no longer or the server ends.
+
+        Args:
+            choice: Which events.
+            caller: Who listens.
+            after: Id of the last event that they have seen; None for what comes from now on, "" for all that is kept.
+        """
+        number, first = self._begin(after)
+        yield first
+        sent = time.monotonic()
+        with self._awake() as awake:
+            while not self.ending and self.allowed(caller):
+                number, text = self._next(number, choice)
+                now = time.monotonic()
+                if not text and now - sent >= _QUIET:
+                    text = _still_here(place_text(self.log, number))
+                if text:
+                    sent = now
+                    yield text
+                if number == self.log.last:
+                    await _sleep(awake)
+                else:
+                    await asyncio.sleep(0)  # who has much to catch up with lets the others have their turn
+
+    def _next(self, number: int, choice: Choice) -> tuple[int, bytes]:
+        """Returns what comes after a place: the place behind it, and its text, which may be empty."""
+        events = self.log.since(number, _MOST)
+        if events and events[0].number != number + 1:  # read too slowly
+            gap = missed(self.log, number)
+            return self.log.last, _reset(gap) if gap is not None else b""
+        chosen = b"".join(self._frame(event) for event in events if choice.takes(event))
+        return (events[-1].number if events else number), chosen
+
+    def _begin(self, after: str | None) -> tuple[int, bytes]:
+        """Returns where a stream begins, and what it says first: so that the client knows where it stands."""
+        place = self.log.last if after is None else self.log.first - 1 if after == "" else find_place(self.log, after)
+        if isinstance(place, Reset):
+            number = self.log.last
+            return number, _reset(place)
+        return place, format_sse_event(comment="events follow", id=place_text(self.log, place), retry=_AGAIN)
+
+    def _frame(self, event: Event) -> bytes:
+        return format_sse_event(data_str=event.text, event=event.kind.value, id=place_text(self.log, event.number))
+
+    # ------------------------------------------------------------------ waking
+
+    @contextmanager
+    def _awake(self) -> Iterator[asyncio.Event]:
+        """Has a stream woken while the block runs; in the event loop."""
+        awake = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+        self._sleepers.add(awake)
+        try:
+            yield awake
+        finally:
+            self._sleepers.discard(awake)
+
+    def _call(self) -> None:
+        """Has all streams woken soon; for any thread, and once for a burst of events."""
+        loop = self._loop
+        if self._called or not self._sleepers or loop is None:
+            return
+        self._called = True
+        try:
+            loop.call_soon_threadsafe(loop.call_later, _GATHER, self._wake)
+        except RuntimeError:  # the event loop has ended
+            self._called = False
+
+    def _wake(self) -> None:
+        self._called = False  # first: whatever comes from now on calls again
+        for awake in self._sleepers:
+            awake.set()
+
+
+async def _sleep(awake: asyncio.Event) -> None:
+    """Waits for an event, but not longer than until it is time to look around."""
+    with suppress(TimeoutError):
+        await asyncio.wait_for(awake.wait(), _LOOK)
+    awake.clear()
+
+
+def _reset(gap: Reset) -> bytes:
+    return format_sse_event(data_str=gap.text, event="reset", id=gap.place, retry=_AGAIN)
+
+
+def _still_here(place: str) -> bytes:
+    """A line that browsers skip, and the place: after a long quiet it is still known where the stream stood."""
+    return format_sse_event(comment="still here", id=place)

@@ -1,0 +1,142 @@
+"""Jobs as everybody outside sees them: the queue's own data in the words of the standard."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from datetime import UTC, datetime
+
+from skiros_py.api.goals import Material
+from skiros_py.api.jobs import (
+    ConditionActual,
+    Job,
+    JobPolicy,
+    JobState,
+    JobStep,
+    JobTransition,
+    MaterialMoved,
+    OrderedGoal,
+    StateName,
+)
+from skiros_py.api.wire import moment
+from skiros_py.tasks.jobs import Intent, JobOrder, Transition
+from skiros_py.tasks.jobs import Job as Known
+from skiros_py.tasks.jobs import JobState as State
+
+__all__ = ["STATES", "commands_of", "job_view", "state_view", "steps_view", "transitions_view"]
+
+STATES: dict[StateName, State] = {StateName(s.name.title().replace("_", "")): s for s in State}
+"""The states of jobs by their names in the standard."""
+_NAMES = {state: name for name, state in STATES.items()}
+
+_COMMANDS: dict[State, tuple[str, ...]] = {
+    State.NOT_ALLOWED_TO_START: ("start", "abort", "cancel"),
+    State.ALLOWED_TO_START: ("revoke-start", "abort", "cancel"),
+    State.RUNNING: ("pause", "stop", "abort"),
+    State.INTERRUPTED: ("resume", "stop", "abort"),
+    State.ENDED: ("clear",),
+    State.ABORTED: ("clear",),
+}
+
+
+def commands_of(job: Known) -> tuple[str, ...]:
+    """Returns the commands that a job takes in its state."""
+    return _COMMANDS[job.state]
+
+
+def job_view(job: Known, now: float) -> Job:
+    """Returns a job as the API shows it.
+
+    Args:
+        job: The job.
+        now: Wall time [s since 1970].
+    """
+    return Job(
+        id=job.id,
+        number=job.number,
+        version=job.version,
+        state=_state(job, now),
+        detail=job.detail,
+        outcome=None if job.outcome is None else job.outcome.value,
+        order=_order(job.order),
+        commands=commands_of(job),
+        choices=job.choices,
+        question=job.question,
+        conditions=tuple(ConditionActual(**actual.model_dump()) for actual in job.actuals),
+        materials=tuple(MaterialMoved(**material.model_dump()) for material in job.materials),
+        reasons=job.reasons,
+        plan=job.plan,
+        attempts=job.attempts,
+        late=_is_late(job, now),
+        lateness=job.lateness,
+        ordered=moment(job.ordered),
+        started=moment(job.started),
+        ended=moment(job.ended),
+    )
+
+
+def state_view(state: State, substates: tuple[str, ...] = ()) -> JobState:
+    """Returns a state as the API shows it."""
+    return JobState(number=state.value, text=_NAMES[state], substates=substates)
+
+
+def steps_view(intents: Iterable[Intent]) -> tuple[JobStep, ...]:
+    """Returns the steps of a job as the API shows them."""
+    return tuple(JobStep(**intent.model_dump()) for intent in intents)
+
+
+def transitions_view(transitions: Iterable[Transition]) -> tuple[JobTransition, ...]:
+    """Returns a job's changes of state as the API shows them."""
+    return tuple(
+        JobTransition(
+            at=datetime.fromtimestamp(one.wall, UTC),
+            trigger=one.trigger,
+            state=state_view(one.state),
+            comment=one.comment,
+        )
+        for one in transitions
+    )
+
+
+def _state(job: Known, now: float) -> JobState:
+    return state_view(job.state, _substates(job, now))
+
+
+def _substates(job: Known, now: float) -> tuple[str, ...]:
+    match job.state:
+        case State.NOT_ALLOWED_TO_START:
+            return ("Ready",)
+        case State.ALLOWED_TO_START:
+            gate = job.order.not_before
+            return ("Waiting",) if gate is not None and gate.timestamp() > now else ("Ready", "Queued")
+        case State.RUNNING:
+            return (_ACTIVITIES.get(job.detail, "Executing"),)
+        case State.INTERRUPTED:
+            return ("Held",) if job.choices or job.detail.startswith("held") else ("Suspended",)
+        case State.ENDED:
+            return ("Completed", "Closed")
+        case State.ABORTED:
+            return ()
+
+
+_ACTIVITIES = {"planning": "Planning", "waiting": "WaitingForPerson"}
+
+
+def _order(order: JobOrder) -> OrderedGoal:
+    return OrderedGoal(
+        goal=order.goal,
+        work_master=order.work_master,
+        parameters=order.parameters,
+        materials=tuple(Material(**material.model_dump()) for material in order.materials),
+        description=order.description,
+        priority=order.priority,
+        not_before=order.not_before,
+        deadline=order.deadline,
+        expires=order.expires,
+        policy=JobPolicy(
+            rest=order.policy.rest, ask=order.policy.ask, attempts=order.policy.attempts, partial=order.policy.partial
+        ),
+    )
+
+
+def _is_late(job: Known, now: float) -> bool:
+    return job.order.deadline is not None and (job.ended or now) > job.order.deadline.timestamp()

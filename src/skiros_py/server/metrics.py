@@ -1,0 +1,140 @@
+"""Figures for those who watch many servers: Prometheus metrics of requests, jobs, and the control cycle."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter as Counts
+from collections.abc import Iterable
+
+from prometheus_client import CollectorRegistry, GCCollector, Histogram, PlatformCollector, ProcessCollector
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
+from prometheus_client.registry import Collector
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from skiros_py.runtime import Session
+from skiros_py.server.control import ControlThread
+from skiros_py.server.events.log import EventLog
+
+__all__ = ["Metrics", "RequestMetrics"]
+
+_BOUNDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
+_STREAM = "text/event-stream"
+
+
+class Metrics:
+    """The figures of one server.
+
+    What can be read off at any time is read off when somebody asks; only requests are counted as they come.
+
+    Args:
+        control: Runs the session.
+        events: What happens.
+
+    Attributes:
+        registry: All of them, for whoever adds some or writes them out.
+    """
+
+    def __init__(self, control: ControlThread, events: EventLog) -> None:
+        self.registry = CollectorRegistry()
+        ProcessCollector(registry=self.registry)
+        PlatformCollector(registry=self.registry)
+        GCCollector(registry=self.registry)
+        self._requests = Histogram(
+            "skiros_http_request_seconds",
+            "Time from a request's arrival to the end of its answer.",
+            ("method", "route", "status"),
+            buckets=_BOUNDS,
+            registry=self.registry,
+        )
+        self.registry.register(_Station(control, events))
+
+    def took(self, method: str, route: str, status: int, seconds: float) -> None:
+        """Counts a request.
+
+        Args:
+            method: Its HTTP method.
+            route: The template of its path: ids of jobs are no names of figures.
+            status: Status of the answer.
+            seconds: How long it took [s].
+        """
+        self._requests.labels(method, route, str(status)).observe(seconds)
+
+
+class _Station(Collector):
+    """What the station says of itself at the moment of asking."""
+
+    def __init__(self, control: ControlThread, events: EventLog) -> None:
+        self._control = control
+        self._events = events
+
+    def collect(self) -> Iterable[Metric]:
+        """Yields the figures."""
+        yield _count("skiros_cycles", "Control cycles since the server started.", self._control.beat)
+        yield _count("skiros_events", "Events since the server started.", self._events.last)
+        yield _gauge("skiros_ready", "1 while the station runs.", float(self._control.alive))
+        if self._control.alive:
+            yield from _of_session(self._control.session)
+
+
+def _of_session(session: Session) -> Iterable[Metric]:
+    cycle, board = session.cycle, session.cycle.board
+    yield _gauge("skiros_halted", "1 while everything is halted.", float(bool(cycle.halted)))
+    yield _gauge("skiros_run_time_seconds", "Run time of the station.", board.snapshot.time)
+    yield _gauge("skiros_cycle_period_seconds", "Length of one control cycle.", board.period)
+    yield _gauge("skiros_world_version", "Number of the last change of the world.", session.world.version)
+    yield _gauge("skiros_questions_open", "Questions that wait for a person.", len(session.questions.open))
+    yield _gauge("skiros_tasks_under_way", "Tasks under way.", len(session.tasks.undertakings))
+    jobs = GaugeMetricFamily("skiros_jobs_open", "Jobs that are not over, by state.", labels=("state",))
+    for state, number in Counts(job.state.name.lower() for job in session.jobs.open.values()).items():
+        jobs.add_metric((state,), number)
+    yield jobs
+
+
+def _gauge(name: str, words: str, value: float) -> Metric:
+    return GaugeMetricFamily(name, words, value=value)
+
+
+def _count(name: str, words: str, value: float) -> Metric:
+    return CounterMetricFamily(name, words, value=value)
+
+
+class RequestMetrics:
+    """ASGI middleware that counts requests; streams are left out, for they last as long as somebody listens.
+
+    Args:
+        app: What is behind it.
+        metrics: Where they are counted.
+    """
+
+    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
+        self._app = app
+        self._metrics = metrics
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Passes a request on, and counts it when it is answered."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        begun, status, streams = time.perf_counter(), 500, False
+
+        async def counting(message: Message) -> None:
+            nonlocal status, streams
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                streams = any(k == b"content-type" and v.startswith(_STREAM.encode()) for k, v in message["headers"])
+            await send(message)
+
+        try:
+            await self._app(scope, receive, counting)
+        finally:
+            if not streams:
+                route = getattr(scope.get("route"), "path_format", "") or "none"
+                self._metrics.took(_method(scope["method"]), route, status, time.perf_counter() - begun)
+
+
+_METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
+
+
+def _method(given: str) -> str:
+    """Returns the method; what strangers invent is one figure, not as many as they like."""
+    return given if given in _METHODS else "other"

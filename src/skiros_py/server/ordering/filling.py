@@ -1,0 +1,136 @@
+"""Templates filled in: placeholders in structured conditions are replaced by names, which stay names in any case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from skiros_py.api.goals import Material
+from skiros_py.api.templates import GoalTemplateContent
+from skiros_py.errors import UnknownName, UsageError
+
+__all__ = ["faults_of", "filled"]
+
+_FIELDS = ("class", "id", "location", "use")
+"""What of a material a placeholder may stand for."""
+_MOST = 2000
+"""A template may make no more conditions than these."""
+_DEEPEST = 60
+
+
+def filled(
+    name: str, template: GoalTemplateContent, parameters: Mapping[str, str], materials: Sequence[Material]
+) -> list[Any]:
+    """Returns the structured conditions that a template makes of an order.
+
+    Args:
+        name: Its name, for messages.
+        template: What it says.
+        parameters: What the order gives, by name.
+        materials: What the order is about.
+
+    Raises:
+        UnknownName: It has no such parameter.
+        UsageError: A parameter is missing, or the material does not fit.
+    """
+    values = _values(name, template, parameters)
+    goal = [_replaced(one, values, {}) for one in template.goal]
+    if template.per_material is None:
+        if materials:
+            raise UsageError(f"materials: goal template '{name}' says nothing of materials; leave them out")
+        return goal
+    pieces = [_replaced(template.per_material, values, piece) for piece in _pieces(materials)]
+    _check_pieces(name, pieces, bool(goal))
+    return goal + pieces
+
+
+def faults_of(template: GoalTemplateContent) -> list[str]:
+    """Returns what is wrong with the placeholders of a template, one sentence each, with its path."""
+    names = [parameter.name for parameter in template.parameters]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    faults = [f"parameters: '{name}' is there twice" for name in twice]
+    for index, goal in enumerate(template.goal):
+        faults += _faults(goal, f"goal[{index}]", names, ())
+    if template.per_material is not None:
+        faults += _faults(template.per_material, "per_material", names, _FIELDS)
+    if not template.goal and template.per_material is None:
+        faults.append("goal: a template needs conditions, or one for each material")
+    return faults
+
+
+def _values(name: str, template: GoalTemplateContent, parameters: Mapping[str, str]) -> dict[str, str]:
+    known = {parameter.name: parameter.default for parameter in template.parameters}
+    for given in parameters:
+        if given not in known:
+            raise UnknownName("parameter", given, known, where=f"of goal template '{name}'")
+    values = {key: parameters.get(key, default) for key, default in known.items()}
+    missing = [key for key, value in values.items() if value is None]
+    if missing:
+        raise UsageError(f"parameters: goal template '{name}' needs {', '.join(missing)}")
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def _pieces(materials: Sequence[Material]) -> Iterator[dict[str, str]]:
+    """Yields each single piece that is ordered."""
+    if sum(material.quantity for material in materials) > _MOST:
+        raise UsageError(f"materials: more than {_MOST} pieces in one order")
+    for material in materials:
+        fields = material.model_dump(by_alias=True)
+        for _ in range(material.quantity):
+            yield {field: fields[field] for field in _FIELDS}
+
+
+def _check_pieces(name: str, pieces: list[Any], has_goal: bool) -> None:
+    """Sees that there is a condition for each piece: two that say the same would be fulfilled by one piece."""
+    if not pieces and not has_goal:
+        raise UsageError(f"materials: goal template '{name}' makes a condition of each material, and none is ordered")
+    texts = [repr(piece) for piece in pieces]
+    same = next((i for i, text in enumerate(texts) if text in texts[:i]), None)
+    if same is not None:
+        raise UsageError(
+            f"materials: two pieces lead to the same condition {_short(pieces[same])}, which one of them would fulfil:"
+            " give each an id or a location of its own, and a template that uses it"
+        )
+
+
+def _short(condition: object) -> str:
+    return str(condition)[:200]
+
+
+def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, str]) -> Any:
+    """Returns data with names in the place of placeholders."""
+    match data:
+        case {"parameter": str(key)} if len(data) == 1:
+            return parameters[key]
+        case {"material": str(field)} if len(data) == 1:
+            if not material[field]:
+                raise UsageError(f"materials: the goal template needs the {field} of each material")
+            return material[field]
+        case dict():
+            return {key: _replaced(value, parameters, material) for key, value in data.items()}
+        case list():
+            return [_replaced(value, parameters, material) for value in data]
+        case _:
+            return data
+
+
+def _faults(data: Any, path: str, names: Sequence[str], fields: Sequence[str], depth: int = 0) -> list[str]:
+    if depth > _DEEPEST:
+        return [f"{path[:200]}: nested deeper than {_DEEPEST} levels"]
+    match data:
+        case {"parameter": key} if len(data) == 1:
+            return [] if key in names else [f"{path}: {_unknown('parameter', key, names)}"]
+        case {"material": field} if len(data) == 1:
+            return [] if field in fields else [f"{path}: {_unknown('field of a material', field, fields)}"]
+        case dict():
+            each = [_faults(value, f"{path}.{key}", names, fields, depth + 1) for key, value in data.items()]
+        case list():
+            each = [_faults(value, f"{path}[{i}]", names, fields, depth + 1) for i, value in enumerate(data)]
+        case _:
+            return []
+    return [fault for found in each for fault in found]
+
+
+def _unknown(kind: str, name: object, known: Sequence[str]) -> str:
+    where = "" if known else "(materials are for per_material only)" if kind.startswith("field") else ""
+    return str(UnknownName(kind, str(name), known, where=where))

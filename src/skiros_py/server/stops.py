@@ -1,0 +1,198 @@
+"""Stopping everything at once, and letting it start again: past all queues and thread pools."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+import time
+from dataclasses import dataclass
+
+from skiros_py.errors import SkirosError, WrongState
+from skiros_py.runtime import Session
+from skiros_py.server.control import ControlThread
+from skiros_py.server.events.event import Kind
+from skiros_py.server.events.log import EventLog
+
+__all__ = ["Stopped", "Stops"]
+
+_log = logging.getLogger(__name__)
+
+_PATIENCE = 0.5
+"""How long a stop waits for the control thread to come round before it says that it does not [s]."""
+_LOOK = 0.002
+"""How often it looks [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stopped:
+    """Whether everything is halted, and why.
+
+    Attributes:
+        why: Why everything is halted; empty while it is not.
+        by: Who wanted it; empty where nobody did, but the watchdog or a module.
+        since: When it was seen first [s since 1970]; None while nothing is halted.
+        standing: True when no arm and no base moves; None where nobody knows: the control thread does not come round.
+        obeyed: True when the control thread has come round since, or there is nothing that could move.
+    """
+
+    why: str
+    by: str
+    since: float | None
+    standing: bool | None
+    obeyed: bool
+
+
+class Stops:
+    """Halts the station, and resets it.
+
+    Args:
+        control: Runs the session.
+        events: Hears of stops and resets.
+    """
+
+    def __init__(self, control: ControlThread, events: EventLog) -> None:
+        self._control = control
+        self._events = events
+        self._guard = threading.Lock()
+        self._session: Session | None = None
+        self._awaited = ""
+        self._seen = ""
+        self._by = ""
+        self._since: float | None = None
+
+    # ------------------------------------------------------------------ as sessions come and go
+
+    def open(self, session: Session) -> None:
+        """Has a session in hand, halted at once where somebody wanted a stop while there was none."""
+        with self._guard:
+            self._session, self._seen = session, ""
+            awaited, self._awaited = self._awaited, ""
+            if not awaited:
+                self._by, self._since = "", None
+        session.cycle.observe(self._look)
+        if awaited:
+            session.cycle.halt(awaited)
+
+    def close(self, _session: Session) -> None:
+        """Lets it go."""
+        with self._guard:
+            self._session = None
+
+    # ------------------------------------------------------------------ stopping
+
+    async def stop(self, reason: str, by: str) -> Stopped:
+        """Halts everything at once, and says soon whether that was obeyed.
+
+        Args:
+            reason: Why, for a person.
+            by: Who wants it.
+        """
+        session, before = self._session_for(reason), self._control.beat
+        if session is None:
+            self._note(reason, by)
+            return self.now(obeyed=True)
+        brake = self._halt(session, reason, by)
+        deadline = time.monotonic() + _PATIENCE
+        while not (obeyed := self._has_heard(before, brake)) and time.monotonic() < deadline:
+            await asyncio.sleep(_LOOK)
+            if not session.cycle.halted:  # it came in the midst of a reset, which must not swallow it
+                brake = self._halt(session, reason, by)
+        return self.now(obeyed=obeyed)
+
+    def _session_for(self, reason: str) -> Session | None:
+        """Returns the session; where there is none, the coming one will be halted."""
+        with self._guard:
+            if self._session is None:
+                self._awaited = self._awaited or reason
+            return self._session
+
+    def _halt(self, session: Session, reason: str, by: str) -> threading.Thread:
+        self._note(reason, by)
+        session.cycle.forbid(reason)  # an assignment: whatever becomes of the brake, nothing more is commanded
+        return _braking(session)
+
+    def _has_heard(self, before: int, brake: threading.Thread) -> bool:
+        """Tells whether a whole cycle has passed: the one under way may have sent its commands before."""
+        return self._session is None or (self._control.beat >= before + 2 and not brake.is_alive())
+
+    def now(self, *, obeyed: bool | None = None) -> Stopped:
+        """Returns whether everything is halted, and why.
+
+        Args:
+            obeyed: Whether the control thread has come round; looked up where left out.
+        """
+        session = self._session
+        round_ = self._control.stuck_for() < _PATIENCE if obeyed is None else obeyed
+        if session is None:
+            return Stopped(self._awaited, self._by if self._awaited else "", self._since, True, True)
+        why = session.cycle.halted
+        standing = session.cycle.board.still if round_ else None
+        with self._guard:
+            return Stopped(why, self._by if why else "", self._since if why else None, standing, round_)
+
+    # ------------------------------------------------------------------ starting again
+
+    def reset(self, by: str) -> bool:
+        """Lets things start again; returns False where nothing was halted.
+
+        Args:
+            by: Who wants it: they have looked at why everything was halted.
+
+        Raises:
+            WrongState: Something still moves.
+            Busy: There is no station, or the control thread does not come round.
+        """
+
+        def do(session: Session) -> bool:
+            if not session.cycle.halted:
+                return False
+            try:
+                session.reset()
+            except SkirosError as error:
+                raise WrongState(f"not yet: {error}") from None
+            return True
+
+        done = self._control.call(do)
+        if done:
+            self._events.append(Kind.SYSTEM, "reset", data={"by": by})
+        return done
+
+    # ------------------------------------------------------------------ what is known
+
+    def _look(self) -> None:
+        """In the control thread at the end of each cycle: who halted everything may have been anybody."""
+        session = self._session
+        halted = session.cycle.halted if session is not None else ""
+        if halted != self._seen:
+            self._seen = halted
+            if halted:
+                self._note(halted, "")
+            else:
+                with self._guard:
+                    self._by, self._since = "", None
+
+    def _note(self, why: str, by: str) -> None:
+        """Keeps when everything was halted, and who did it first."""
+        with self._guard:
+            if self._since is not None:
+                return
+            self._by, self._since = by, time.time()
+        self._events.append(Kind.SYSTEM, "halted", data={"why": why, "by": by})
+
+
+def _braking(session: Session) -> threading.Thread:
+    """Brakes in a thread of its own: a driver that hangs must not keep the server from saying so."""
+
+    def brake() -> None:
+        try:
+            session.cycle.board.halt()
+        except Exception:  # noqa: BLE001 - a driver's mistake is not the end of a stop
+            _log.exception("the brake broke; nothing more is commanded nevertheless")
+
+    thread = threading.Thread(target=brake, name="skiros-brake", daemon=True)
+    try:
+        thread.start()
+    except RuntimeError:  # no more threads: then here
+        brake()
+    return thread

@@ -1,0 +1,128 @@
+"""Documents that the server keeps beside world and jobs, such as goal templates: plain data by kind and name."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skiros_py.database import Database, Schema
+from skiros_py.errors import FileError, StaleVersion, UnknownName
+
+__all__ = ["Document", "DocumentStore"]
+
+_TABLES = """
+CREATE TABLE documents (
+    kind TEXT NOT NULL, name TEXT NOT NULL, version INTEGER NOT NULL, data TEXT NOT NULL, PRIMARY KEY (kind, name)
+) WITHOUT ROWID;
+CREATE TABLE versions (last INTEGER NOT NULL);
+INSERT INTO versions VALUES (0);
+"""
+
+_SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES,))
+"""Such a file is marked "sksv"."""
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """One document as it is now.
+
+    Attributes:
+        kind: What it is: "goal template", "sequence".
+        name: Its name among those of its kind.
+        version: Of all versions of all documents none is the same twice, also where one is removed and made anew.
+        data: What it says, as JSON has it.
+    """
+
+    kind: str
+    name: str
+    version: int
+    data: Any
+
+
+class DocumentStore:
+    """The documents of a data directory; used by any thread. Close it.
+
+    Args:
+        path: The file; made where it is missing.
+
+    Raises:
+        FileError: It cannot be opened or made, or is damaged.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._database = Database(path, _SCHEMA, durable=True)
+        self._path = path
+
+    def all(self, kind: str) -> tuple[Document, ...]:
+        """Returns the documents of a kind, by name."""
+        rows = self._database.rows("SELECT name, version, data FROM documents WHERE kind = ? ORDER BY name", (kind,))
+        return tuple(self._document(kind, *row) for row in rows)
+
+    def get(self, kind: str, name: str) -> Document | None:
+        """Returns a document; None where there is none."""
+        rows = self._database.rows("SELECT version, data FROM documents WHERE kind = ? AND name = ?", (kind, name))
+        return next((self._document(kind, name, *row) for row in rows), None)
+
+    def find(self, kind: str, name: str) -> Document:
+        """Returns a document.
+
+        Raises:
+            UnknownName: There is none.
+        """
+        found = self.get(kind, name)
+        if found is None:
+            raise UnknownName(kind, name, [document.name for document in self.all(kind)])
+        return found
+
+    def put(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:
+        """Writes a document, new or instead of the one that is there; when this returns, it is on the disk.
+
+        Args:
+            kind: What it is.
+            name: Its name.
+            data: What it says, as JSON has it.
+            expects: The version that it stands in for; 0 where there must be none yet. None for any.
+
+        Raises:
+            StaleVersion: Another version is there.
+        """
+        text = json.dumps(data)
+        with self._database.transaction() as connection:
+            self._check(kind, name, expects)
+            ((version,),) = connection.execute("UPDATE versions SET last = last + 1 RETURNING last").fetchall()
+            connection.execute(
+                "INSERT OR REPLACE INTO documents (kind, name, version, data) VALUES (?, ?, ?, ?)",
+                (kind, name, version, text),
+            )
+        return Document(kind, name, int(version), data)
+
+    def remove(self, kind: str, name: str, *, expects: int | None = None) -> None:
+        """Removes a document; where there is none, nothing happens.
+
+        Raises:
+            StaleVersion: Another version is there than is expected.
+        """
+        with self._database.transaction() as connection:
+            self._check(kind, name, expects)
+            connection.execute("DELETE FROM documents WHERE kind = ? AND name = ?", (kind, name))
+
+    def close(self) -> None:
+        """Closes the file; may be called twice."""
+        self._database.close()
+
+    def _check(self, kind: str, name: str, expects: int | None) -> None:
+        if expects is None:
+            return
+        found = self.get(kind, name)
+        now = found.version if found is not None else 0
+        if now != expects:
+            said = f"version {now} is there" if now else "there is none"
+            raise StaleVersion(f"{kind} '{name}': {said}, not version {expects}: it was changed since; look again")
+
+    def _document(self, kind: str, name: str, version: int, data: str) -> Document:
+        try:
+            return Document(kind, name, version, json.loads(data))
+        except ValueError as error:
+            raise FileError(self._path, f"the {kind} '{name}' in it cannot be read: {error}") from error

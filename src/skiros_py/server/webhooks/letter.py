@@ -1,0 +1,61 @@
+"""What a target is told: a CloudEvent (1.0, structured JSON), signed after Standard Webhooks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+from cloudevents.core.formats.json import JSONFormat
+from cloudevents.core.v1.event import CloudEvent
+from standardwebhooks import Webhook as Signer
+
+__all__ = ["JOB_STATE", "MEDIA_TYPE", "PING", "letter", "signed"]
+
+JOB_STATE = "io.skiros.job.state.v1"
+PING = "io.skiros.ping.v1"
+MEDIA_TYPE = "application/cloudevents+json"
+
+
+def letter(event: str, type_: str, source: str, *, subject: str, sequence: int, wall: float, data: Any) -> str:
+    """Writes a message.
+
+    Args:
+        event: Its id, the same in every try.
+        type_: What kind of message.
+        source: Who sends it.
+        subject: Id of the job.
+        sequence: Counts the messages of one webhook.
+        wall: When it happened [s since 1970].
+        data: What happened, as plain data.
+    """
+    attributes = {
+        "id": event,
+        "source": source,
+        "type": type_,
+        "specversion": "1.0",
+        "time": datetime.fromtimestamp(wall, UTC),
+        "datacontenttype": "application/json",
+        "sequence": f"{sequence:020}",  # compared as a text
+        **({"subject": subject} if subject else {}),
+    }
+    written: bytes = JSONFormat().write(CloudEvent(attributes=attributes, data=data))
+    return written.decode()
+
+
+def signed(secret: str, event: str, body: str, now: float) -> Mapping[str, str]:
+    """Returns the headers that prove who sent a message, and when.
+
+    Args:
+        secret: The key that sender and receiver share.
+        event: Id of the message.
+        body: The message.
+        now: Time of this try [s since 1970].
+    """
+    signature = Signer(secret).sign(event, datetime.fromtimestamp(now, UTC), body)
+    return {
+        "Content-Type": MEDIA_TYPE,
+        "webhook-id": event,
+        "webhook-timestamp": str(int(now)),
+        "webhook-signature": signature,
+    }

@@ -1,0 +1,227 @@
+"""The post office: sends what waits, in order for each job, until it is taken or there is no sense in it any more."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import random
+import threading
+import time
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import httpx2
+
+from skiros_py.api.webhooks import DeliveryState
+from skiros_py.errors import SkirosError, UsageError
+from skiros_py.server.webhooks.letter import signed
+from skiros_py.server.webhooks.store import Post, Subscription, WebhookStore
+from skiros_py.server.webhooks.target import resolve, target_of
+from skiros_py.tasks.jobs.announcements import Announcement
+
+__all__ = ["Patience", "WebhookOffice"]
+
+_log = logging.getLogger(__name__)
+
+Announcements = Callable[[int, int], Sequence[Announcement]]
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How long and how often something is tried.
+
+    Attributes:
+        first: Time between the first two tries [s]; it doubles with each.
+        longest: Longest time between two tries [s].
+        timeout: How long a target may take to answer [s].
+        given_up: After which time a message is a dead letter [s].
+        at_once: Messages to one target that may be under way at the same time, each of another job.
+        look: Longest time between two looks for what is new [s]; usually one is told.
+    """
+
+    first: float = 1.0
+    longest: float = 3600.0
+    timeout: float = 10.0
+    given_up: float = 24 * 3600.0
+    at_once: int = 4
+    look: float = 1.0
+
+    def wait(self, attempts: int) -> float:
+        """Returns how long to wait after so many failed tries [s]; a fifth of it is left to chance."""
+        return min(self.longest, self.first * 2.0 ** min(attempts, 30)) * random.uniform(0.8, 1.2)  # noqa: S311
+
+
+class WebhookOffice:
+    """Sends in a thread of its own; a slow target delays nobody but itself. Start it, and close it.
+
+    Args:
+        store: What is to be sent.
+        announcements: Gives the jobs' announcements after a number, at most so many.
+        forget: Told up to which announcement nobody needs them any more.
+        tell: Makes the data of a message.
+        allowed: Hosts that messages may go to.
+        on_dead: Told of each message that is given up.
+        patience: How long and how often something is tried.
+        clock: Gives the wall time [s since 1970].
+    """
+
+    def __init__(
+        self,
+        store: WebhookStore,
+        announcements: Announcements,
+        forget: Callable[[int], None],
+        tell: Callable[[Announcement], Any],
+        allowed: Collection[str],
+        *,
+        on_dead: Callable[[Post, str], None] = lambda _post, _why: None,
+        patience: Patience = Patience(),
+        clock: Callable[[], float] = time.time,
+    ) -> None:
+        self._store = store
+        self._announcements = announcements
+        self._forget = forget
+        self._tell = tell
+        self._allowed = allowed
+        self._on_dead = on_dead
+        self._patience = patience
+        self._clock = clock
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._news: asyncio.Event | None = None
+        self._ending = False
+        self._under_way: dict[tuple[str, str], asyncio.Task[None]] = {}
+        self._unreachable: dict[str, tuple[int, float]] = {}
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._work()), name="skiros-webhooks", daemon=True)
+
+    def start(self) -> None:
+        """Begins to send."""
+        self._thread.start()
+
+    def wake(self) -> None:
+        """Tells that there may be something new; quick, and for any thread."""
+        loop, news = self._loop, self._news
+        if loop is not None and news is not None:
+            with suppress(RuntimeError):  # it has just ended
+                loop.call_soon_threadsafe(news.set)
+
+    def close(self) -> None:
+        """Ends; what was under way is sent once more by the next one. May be called twice."""
+        self._ending = True
+        self.wake()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    # ------------------------------------------------------------------ in the thread
+
+    async def _work(self) -> None:
+        self._loop, self._news = asyncio.get_running_loop(), asyncio.Event()
+        limits = httpx2.Limits(max_connections=100)
+        async with httpx2.AsyncClient(
+            timeout=self._patience.timeout, follow_redirects=False, trust_env=False, limits=limits
+        ) as client:
+            while not self._ending:
+                self._news.clear()
+                try:
+                    wait = await self._round(client)
+                except SkirosError as error:  # such as a full disk: that may pass
+                    _log.error("webhooks: %s", error)
+                    wait = self._patience.look
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(self._news.wait(), wait)
+            for task in self._under_way.values():
+                task.cancel()
+            await asyncio.gather(*self._under_way.values(), return_exceptions=True)
+
+    async def _round(self, client: httpx2.AsyncClient) -> float:
+        """Fetches what is new and begins what is due; returns how long nothing will be to do [s]."""
+        await asyncio.to_thread(self._fetch)
+        subscriptions = {one.id: one for one in self._store.subscriptions if one.active}
+        now = self._clock()
+        wait = self._patience.look
+        for post in await asyncio.to_thread(self._store.due):
+            if post.webhook not in subscriptions or (post.webhook, post.job) in self._under_way:
+                continue
+            due = max(post.next_try, self._unreachable.get(post.webhook, (0, 0.0))[1])
+            if due > now:
+                wait = min(wait, due - now)
+            elif self._has_room(post.webhook):
+                self._begin(client, subscriptions[post.webhook], post)
+        return max(wait, 0.01)
+
+    def _fetch(self) -> None:
+        """Makes deliveries of what was announced since; each transaction is of a bounded number."""
+        while (seen := self._store.seen) is not None:
+            new = self._announcements(seen, _BATCH)
+            if not new:
+                break
+            self._store.take(new, self._tell)
+            self._forget(self._store.seen or seen)
+        if dropped := self._store.drop_oldest():
+            _log.warning("webhooks: %d messages are dead letters: too many were waiting", dropped)
+
+    def _has_room(self, webhook: str) -> bool:
+        """A target that was out of reach is asked by one message at a time."""
+        under_way = sum(1 for name, _ in self._under_way if name == webhook)
+        return under_way < (1 if webhook in self._unreachable else self._patience.at_once)
+
+    def _begin(self, client: httpx2.AsyncClient, subscription: Subscription, post: Post) -> None:
+        key = (post.webhook, post.job)
+        task = asyncio.create_task(self._send(client, subscription, post))
+        self._under_way[key] = task
+
+        def end(_task: asyncio.Task[None]) -> None:
+            self._under_way.pop(key, None)
+            if self._news is not None:
+                self._news.set()
+
+        task.add_done_callback(end)
+
+    async def _send(self, client: httpx2.AsyncClient, subscription: Subscription, post: Post) -> None:
+        status, error, reached = await self._try(client, subscription, post)
+        now = self._clock()
+        if reached:
+            self._unreachable.pop(post.webhook, None)
+        else:
+            failures, _ = self._unreachable.get(post.webhook, (0, 0.0))
+            self._unreachable[post.webhook] = (failures + 1, now + self._patience.wait(failures))
+        if not error:
+            await asyncio.to_thread(self._store.settle, post, DeliveryState.DONE, status=status)
+        elif now - post.wall > self._patience.given_up and post.attempts > 0:
+            await asyncio.to_thread(self._store.settle, post, DeliveryState.DEAD, status=status, error=error)
+            self._on_dead(post, error)
+        else:
+            due = now + self._patience.wait(post.attempts)
+            await asyncio.to_thread(
+                lambda: self._store.settle(post, DeliveryState.PENDING, next_try=due, status=status, error=error)
+            )
+
+    async def _try(
+        self, client: httpx2.AsyncClient, subscription: Subscription, post: Post
+    ) -> tuple[int | None, str, bool]:
+        """Sends a message once; returns the answer's status, why it failed, and whether anybody answered."""
+        try:
+            target = target_of(subscription.url, self._allowed)
+            address = await asyncio.to_thread(resolve, target)
+            headers = {**signed(subscription.secret, post.event, post.body, self._clock()), "Host": target.name}
+            request = client.build_request(
+                "POST",
+                target.url_at(address),
+                headers=headers,
+                content=post.body,
+                extensions={"sni_hostname": target.host},  # its certificate is the one that counts
+            )
+            async with asyncio.timeout(self._patience.timeout):
+                response = await client.send(request, stream=True)
+                await response.aclose()  # what it says does not matter: a long answer is not even read
+        except UsageError as error:
+            return None, str(error), False
+        except (httpx2.HTTPError, TimeoutError, OSError) as error:
+            return None, f"{type(error).__name__}: {error}".rstrip(": "), False
+        if response.is_success:
+            return response.status_code, "", True
+        where = " (redirects are not followed)" if response.is_redirect else ""
+        return response.status_code, f"the target answered {response.status_code}{where}", True
+
+
+_BATCH = 500

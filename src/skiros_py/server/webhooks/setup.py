@@ -1,0 +1,50 @@
+"""Brings up what sends webhooks."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import ExitStack, closing
+from typing import TYPE_CHECKING, Any
+
+from skiros_py.server.webhooks.office import Patience, WebhookOffice
+from skiros_py.server.webhooks.store import Post, WebhookStore
+from skiros_py.tasks.jobs.announcements import Announcement
+
+if TYPE_CHECKING:
+    from skiros_py.server.services import Services
+
+__all__ = ["open_office"]
+
+
+def open_office(
+    services: Services, stack: ExitStack, patience: Patience = Patience()
+) -> tuple[WebhookStore, WebhookOffice]:
+    """Opens the file of webhooks and begins to send.
+
+    Args:
+        services: Whose jobs are told of.
+        stack: Ends it.
+        patience: How long and how often something is tried.
+    """
+    source = f"urn:skiros:{socket.gethostname()}:{services.data.name}"
+    store = stack.enter_context(closing(WebhookStore(services.data / "webhooks.db", source)))
+
+    def on_dead(post: Post, why: str) -> None:
+        pass
+
+    office = WebhookOffice(
+        store,
+        lambda after, most: services.session.jobs.announcements(after, most),
+        lambda upto: services.session.jobs.forget_announcements(upto),
+        _data,
+        services.settings.webhook_hosts,
+        on_dead=on_dead,
+        patience=patience,
+    )
+    stack.enter_context(closing(office))
+    office.start()
+    return store, office
+
+
+def _data(announcement: Announcement) -> Any:
+    return {"trigger": announcement.trigger, "job": announcement.job.model_dump(mode="json")}

@@ -1,0 +1,346 @@
+"""Who is told what: subscriptions and their deliveries, kept over restarts."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from base64 import b64encode
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from skiros_py.api.webhooks import DeliveryState
+from skiros_py.database import Database, Schema
+from skiros_py.errors import Busy, UnknownName
+from skiros_py.server.webhooks.letter import JOB_STATE, PING, letter
+from skiros_py.tasks.jobs.announcements import Announcement
+
+__all__ = ["Post", "Subscription", "WebhookStore", "new_secret", "state_of"]
+
+_TABLES = """
+CREATE TABLE subscriptions (id TEXT PRIMARY KEY, data TEXT NOT NULL, seen INTEGER NOT NULL, last INTEGER NOT NULL)
+    WITHOUT ROWID;
+CREATE TABLE deliveries (
+    webhook TEXT NOT NULL, number INTEGER NOT NULL, job TEXT NOT NULL, event TEXT NOT NULL, wall REAL NOT NULL,
+    body TEXT NOT NULL, state TEXT NOT NULL, attempts INTEGER NOT NULL, next_try REAL NOT NULL, status INTEGER,
+    error TEXT NOT NULL, PRIMARY KEY (webhook, number)
+) WITHOUT ROWID;
+CREATE INDEX pending_by_job ON deliveries (webhook, job, number) WHERE state = 'pending';
+CREATE INDEX by_state ON deliveries (state, webhook, number);
+"""
+
+_SCHEMA = Schema("list of webhooks", "the webhooks of a server", 0x736B7768, (_TABLES,))
+"""Such a file is marked "skwh"."""
+
+_MOST = 50
+_KEPT = 1000
+"""How many deliveries of one webhook are remembered that are done."""
+_LETTERBOX = 100_000
+"""How many deliveries of one webhook may wait; of more the oldest become dead letters."""
+_COLUMNS = "webhook, number, job, event, wall, body, state, attempts, next_try, status, error"
+
+
+@dataclass(frozen=True, slots=True)
+class Subscription:
+    """Somebody who is told of jobs.
+
+    Attributes:
+        id: Given by the server.
+        url: Where to.
+        secret: Key of the signature.
+        states: States of which to tell; empty for all.
+        jobs: Tell only of jobs whose id begins so.
+        description: For people.
+        active: False while nothing is sent.
+        created: Since when [s since 1970].
+    """
+
+    id: str
+    url: str
+    secret: str
+    states: tuple[str, ...] = ()
+    jobs: str = ""
+    description: str = ""
+    active: bool = True
+    created: float = 0.0
+
+    def wants(self, state: str, job: str) -> bool:
+        """Tells whether it is to be told of a job's new state."""
+        return job.startswith(self.jobs) and (not self.states or state in self.states)
+
+
+@dataclass(frozen=True, slots=True)
+class Post:
+    """One message to one target.
+
+    Attributes:
+        webhook: Id of the subscription.
+        number: Counts its messages.
+        job: Id of the job; empty for a ping.
+        event: Id of the message.
+        wall: When it happened [s since 1970].
+        body: What is sent.
+        state: How far it is.
+        attempts: How often it was tried.
+        next_try: When it is due [s since 1970].
+        status: HTTP status of the last answer; None where there was none.
+        error: Why the last try failed.
+    """
+
+    webhook: str
+    number: int
+    job: str
+    event: str
+    wall: float
+    body: str
+    state: DeliveryState
+    attempts: int
+    next_try: float
+    status: int | None
+    error: str
+
+
+class WebhookStore:
+    """The file with subscriptions and deliveries; used by any thread. Close it.
+
+    Args:
+        path: The file; made where it is missing.
+        source: Who sends: the address that messages name as theirs.
+
+    Raises:
+        FileError: It cannot be opened or made, or is damaged.
+    """
+
+    def __init__(self, path: Path, source: str) -> None:
+        self._database = Database(path, _SCHEMA, durable=True)
+        path.chmod(0o600)  # there are secrets in it
+        self._source = source
+
+    def close(self) -> None:
+        """Closes the file; may be called twice."""
+        self._database.close()
+
+    # ------------------------------------------------------------------ subscriptions
+
+    @property
+    def subscriptions(self) -> tuple[Subscription, ...]:
+        """All subscriptions, by id."""
+        rows = self._database.rows("SELECT data FROM subscriptions ORDER BY id")
+        return tuple(_subscription(data) for (data,) in rows)
+
+    def subscription(self, webhook: str) -> Subscription:
+        """Returns one.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        known = {one.id: one for one in self.subscriptions}
+        if webhook not in known:
+            raise UnknownName("webhook", webhook, known)
+        return known[webhook]
+
+    def add(self, subscription: Subscription, seen: int) -> None:
+        """Takes a subscription.
+
+        Args:
+            subscription: What is wanted.
+            seen: Number of the last announcement that it is not told of.
+
+        Raises:
+            Busy: There are too many.
+        """
+        if len(self.subscriptions) >= _MOST:
+            raise Busy(f"there are {_MOST} webhooks, which are the most: remove one first", retry_after=3600.0)
+        with self._database.transaction() as connection:
+            connection.execute(
+                "INSERT INTO subscriptions VALUES (?, ?, ?, 0)", (subscription.id, _data(subscription), seen)
+            )
+
+    def change(self, webhook: str, **changes: Any) -> Subscription:
+        """Changes a subscription.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        changed = replace(self.subscription(webhook), **changes)
+        with self._database.transaction() as connection:
+            connection.execute("UPDATE subscriptions SET data = ? WHERE id = ?", (_data(changed), webhook))
+        return changed
+
+    def remove(self, webhook: str) -> None:
+        """Forgets a subscription with all its deliveries.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        self.subscription(webhook)
+        with self._database.transaction() as connection:
+            connection.execute("DELETE FROM subscriptions WHERE id = ?", (webhook,))
+            connection.execute("DELETE FROM deliveries WHERE webhook = ?", (webhook,))
+
+    # ------------------------------------------------------------------ what is to be sent
+
+    @property
+    def seen(self) -> int | None:
+        """Number of the last announcement that every subscription has had; None where there is no subscription."""
+        ((seen,),) = self._database.rows("SELECT min(seen) FROM subscriptions")
+        return None if seen is None else int(seen)
+
+    def take(self, announcements: Sequence[Announcement], tell: Callable[[Announcement], Any]) -> None:
+        """Makes deliveries of announcements, for each subscription those that it has not had; all in one go.
+
+        Args:
+            announcements: In order.
+            tell: Makes the data of a message.
+        """
+        with self._database.transaction() as connection:
+            rows = connection.execute("SELECT data, seen, last FROM subscriptions").fetchall()
+            for data, seen, last in rows:
+                subscription, number = _subscription(data), int(last)
+                for one in announcements:
+                    if one.number > seen and subscription.wants(state_of(one), one.job.id):
+                        number += 1
+                        text = letter(
+                            event := f"{subscription.id}-{one.number}",
+                            JOB_STATE,
+                            self._source,
+                            subject=one.job.id,
+                            sequence=number,
+                            wall=one.wall,
+                            data=tell(one),
+                        )
+                        connection.execute(_INSERT, (subscription.id, number, one.job.id, event, one.wall, text, 0.0))
+                connection.execute(
+                    "UPDATE subscriptions SET seen = max(seen, ?), last = ? WHERE id = ?",
+                    (announcements[-1].number, number, subscription.id),
+                )
+
+    def ping(self, webhook: str, now: float) -> int:
+        """Has a message sent that only shows that it arrives; returns its number.
+
+        Raises:
+            UnknownName: There is no such webhook.
+        """
+        self.subscription(webhook)
+        with self._database.transaction() as connection:
+            ((number,),) = connection.execute(
+                "UPDATE subscriptions SET last = last + 1 WHERE id = ? RETURNING last", (webhook,)
+            ).fetchall()
+            event = f"{webhook}-ping-{number}"
+            text = letter(event, PING, self._source, subject="", sequence=number, wall=now, data={"ping": webhook})
+            connection.execute(_INSERT, (webhook, number, "", event, now, text, 0.0))
+        return int(number)
+
+    def due(self) -> tuple[Post, ...]:
+        """Returns for each webhook and job the oldest message that waits, whether its time has come or not."""
+        first = "SELECT webhook, min(number) FROM deliveries WHERE state = 'pending' GROUP BY webhook, job"
+        rows = self._database.rows(
+            f"SELECT {_COLUMNS} FROM deliveries WHERE (webhook, number) IN ({first}) ORDER BY next_try, number LIMIT ?",  # noqa: S608
+            (_MOST * 4,),
+        )
+        return tuple(map(_post, rows))
+
+    def settle(
+        self, post: Post, state: DeliveryState, *, next_try: float = 0.0, status: int | None = None, error: str = ""
+    ) -> None:
+        """Writes down what came of a try."""
+        with self._database.transaction() as connection:
+            connection.execute(
+                "UPDATE deliveries SET state = ?, attempts = attempts + 1, next_try = ?, status = ?, error = ?"
+                " WHERE webhook = ? AND number = ?",
+                (state.value, next_try, status, error[:_LONGEST], post.webhook, post.number),
+            )
+            if state is DeliveryState.DONE:
+                connection.execute(
+                    "DELETE FROM deliveries WHERE webhook = ? AND state = 'done' AND number < ?",
+                    (post.webhook, post.number - _KEPT),
+                )
+
+    def drop_oldest(self) -> int:
+        """Makes dead letters of what is more than may wait; returns how many became so."""
+        dropped = 0
+        with self._database.transaction() as connection:
+            for (webhook,) in connection.execute("SELECT id FROM subscriptions").fetchall():
+                dropped += connection.execute(
+                    "UPDATE deliveries SET state = 'dead', error = 'too many were waiting' WHERE webhook = ?"
+                    " AND number IN (SELECT number FROM deliveries WHERE webhook = ? AND state = 'pending'"
+                    " ORDER BY number DESC LIMIT -1 OFFSET ?)",
+                    (webhook, webhook, _LETTERBOX),
+                ).rowcount
+        return dropped
+
+    def redeliver(self, webhook: str, number: int) -> None:
+        """Has a dead letter sent again, at once.
+
+        Raises:
+            UnknownName: There is no such dead letter.
+        """
+        with self._database.transaction() as connection:
+            changed = connection.execute(
+                "UPDATE deliveries SET state = 'pending', next_try = 0, attempts = 0, wall = wall, error = ''"
+                " WHERE webhook = ? AND number = ? AND state = 'dead'",
+                (webhook, number),
+            ).rowcount
+        if not changed:
+            raise UnknownName("dead letter", str(number), [str(p.number) for p in self.posts(webhook, "dead", 0, 100)])
+
+    # ------------------------------------------------------------------ looking
+
+    def posts(self, webhook: str | None, state: str | None, before: int, most: int) -> tuple[Post, ...]:
+        """Returns deliveries, the latest first.
+
+        Args:
+            webhook: Of which webhook; None for all.
+            state: In which state; None for any.
+            before: Only those of a lower number; 0 for all.
+            most: At most so many.
+        """
+        wanted: list[tuple[str, object]] = [
+            ("webhook = ?", webhook),
+            ("state = ?", state),
+            ("number < ?", before or None),
+        ]
+        given = [(text, value) for text, value in wanted if value is not None]
+        where = f"WHERE {' AND '.join(text for text, _ in given)}" if given else ""
+        rows = self._database.rows(
+            f"SELECT {_COLUMNS} FROM deliveries {where} ORDER BY number DESC, webhook LIMIT ?",  # noqa: S608
+            (*(value for _, value in given), most),
+        )
+        return tuple(map(_post, rows))
+
+    def counts(self) -> dict[tuple[str, str], int]:
+        """Returns how many deliveries there are by webhook and state."""
+        rows = self._database.rows("SELECT webhook, state, count(*) FROM deliveries GROUP BY state, webhook")
+        return {(webhook, state): number for webhook, state, number in rows}
+
+
+_LONGEST = 1000
+_INSERT = "INSERT INTO deliveries VALUES (?, ?, ?, ?, ?, ?, 'pending', 0, ?, NULL, '')"
+
+
+def state_of(announcement: Announcement) -> str:
+    """Returns the state to which a job came, as webhooks name it."""
+    if announcement.trigger in ("cancelled", "cleared"):
+        return "Removed"
+    return announcement.job.state.name.title().replace("_", "")
+
+
+def new_secret() -> str:
+    """Makes the key of a webhook's signatures."""
+    return f"whsec_{b64encode(secrets.token_bytes(32)).decode()}"
+
+
+def _data(subscription: Subscription) -> str:
+    fields = {name: getattr(subscription, name) for name in Subscription.__dataclass_fields__}
+    return json.dumps(fields)
+
+
+def _subscription(data: str) -> Subscription:
+    fields = json.loads(data)
+    return Subscription(**{**fields, "states": tuple(fields["states"])})
+
+
+def _post(row: Iterable[Any]) -> Post:
+    webhook, number, job, event, wall, body, state, *rest = row
+    return Post(webhook, number, job, event, wall, body, DeliveryState(state), *rest)

@@ -1,0 +1,159 @@
+"""Writing to the world for somebody who asks over the network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime, timedelta
+from functools import singledispatch
+
+from skiros_py.api import world as api
+from skiros_py.api.elements import ElementPatch, NewElement, NewRelation
+from skiros_py.errors import Locked, UsageError
+from skiros_py.server.access.roles import Caller
+from skiros_py.server.problems import Problem
+from skiros_py.server.world.values import set_value
+from skiros_py.world.change import Writer
+from skiros_py.world.element import Placement
+from skiros_py.world.locks import Lock
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.vocabulary import LABEL
+from skiros_py.world.world import World
+
+__all__ = ["add", "change", "operate", "told_lock", "writing"]
+
+
+@contextmanager
+def writing(world: World, caller: Caller, reason: str, expects: Mapping[str, int] | None = None) -> Iterator[Transaction]:
+    """Opens a transaction of a person.
+
+    Args:
+        world: The world.
+        caller: Who writes.
+        reason: Why.
+        expects: The versions that they have seen.
+
+    Raises:
+        Problem: Somebody else has locked what it is about (423); the problem lists who, and until when.
+    """
+    try:
+        with world.transaction(caller.name, reason, writer=Writer.PERSON, expects=expects) as tx:
+            yield tx
+    except Locked as error:
+        raise _locked(world, error) from None
+
+
+def _locked(world: World, error: Locked) -> Problem:
+    """The fault names elements and owners in its text only; the locks of these are looked up."""
+    text = str(error)
+    locks = [lock for lock in world.locks.held() if f"{lock.element} is locked by {lock.owner} " in text]
+    plain = [told_lock(world, lock) for lock in locks]
+    told = [{"element": name, "owner": owner, "until": until.isoformat()} for name, owner, until, _ in plain]
+    return Problem(423, "Locked", text, locks=told)
+
+
+def told_lock(world: World, lock: Lock) -> tuple[str, str, datetime, float]:
+    """Returns of a lock its element, its owner, when it ends (UTC), and in how long that is [s]."""
+    left = max(0.0, lock.until - world.locks.now())
+    return lock.element, lock.owner, datetime.now(UTC) + timedelta(seconds=left), round(left, 1)
+
+
+# ------------------------------------------------------------------ elements
+
+
+def add(tx: Transaction, new: NewElement | api.AddOperation, ids: Mapping[str, str] | None = None) -> str:
+    """Adds an element with its values and relations, and returns its id.
+
+    Args:
+        tx: The transaction.
+        new: What it is.
+        ids: Ids of what was added before, by ref.
+    """
+    placement = new.placement and Placement(new.placement.relation, _target(new.placement.place, ids or {}))
+    element = tx.add(new.class_, new.label, new.id, placement=placement)
+    for property_, value in new.properties.items():
+        set_value(tx, element, property_, value)
+    for relation in new.relations:
+        _relate(tx, element, relation, ids or {})
+    return element
+
+
+def _relate(tx: Transaction, element: str, relation: NewRelation, ids: Mapping[str, str]) -> None:
+    if (relation.subject is None) == (relation.object is None):
+        raise UsageError(f"{relation.relation} of a new element: give the other end, either 'subject' or 'object'")
+    subject = element if relation.subject is None else _target(relation.subject, ids)
+    object_ = element if relation.object is None else _target(relation.object, ids)
+    tx.relate(subject, relation.relation, object_)
+
+
+def change(tx: Transaction, element: str, patch: ElementPatch) -> None:
+    """Writes what becomes different of an element."""
+    if patch.label is not None:
+        tx.set(element, LABEL, patch.label)
+    if patch.placement is not None:
+        tx.place(element, patch.placement.relation, patch.placement.place)
+    for property_, value in patch.properties.items():
+        set_value(tx, element, property_, value)
+
+
+# ------------------------------------------------------------------ operations
+
+
+def operate(tx: Transaction, operations: Sequence[api.Operation]) -> dict[str, str]:
+    """Does the operations of a transaction in their order, and returns the ids of what was added, by ref.
+
+    Raises:
+        UsageError: One mentions a ref that no operation before it gave, or gives one again.
+    """
+    ids: dict[str, str] = {}
+    for operation in operations:
+        _do(operation, tx, ids)
+    return ids
+
+
+def _target(name: str, ids: Mapping[str, str]) -> str:
+    if not name.startswith("$"):
+        return name
+    if name[1:] not in ids:
+        known = ", ".join(f"${ref}" for ref in ids) or "none"
+        raise UsageError(f"nothing was added as '{name[:100]}' before that operation; there is: {known}")
+    return ids[name[1:]]
+
+
+@singledispatch
+def _do(operation: object, _tx: Transaction, _ids: dict[str, str]) -> None:
+    raise AssertionError(f"nobody wrote how {operation!r} is done")
+
+
+@_do.register
+def _add(operation: api.AddOperation, tx: Transaction, ids: dict[str, str]) -> None:
+    if operation.ref in ids:
+        raise UsageError(f"two operations add something as '{operation.ref}': give each its own ref")
+    element = add(tx, operation, ids)
+    if operation.ref is not None:
+        ids[operation.ref] = element
+
+
+@_do.register
+def _remove(operation: api.RemoveOperation, tx: Transaction, ids: dict[str, str]) -> None:
+    tx.remove(_target(operation.element, ids))
+
+
+@_do.register
+def _set(operation: api.SetOperation, tx: Transaction, ids: dict[str, str]) -> None:
+    set_value(tx, _target(operation.element, ids), operation.property, operation.value)
+
+
+@_do.register
+def _place(operation: api.PlaceOperation, tx: Transaction, ids: dict[str, str]) -> None:
+    tx.place(_target(operation.element, ids), operation.relation, _target(operation.place, ids))
+
+
+@_do.register
+def _state(operation: api.RelateOperation, tx: Transaction, ids: dict[str, str]) -> None:
+    tx.relate(_target(operation.subject, ids), operation.relation, _target(operation.object, ids))
+
+
+@_do.register
+def _take_back(operation: api.UnrelateOperation, tx: Transaction, ids: dict[str, str]) -> None:
+    tx.unrelate(_target(operation.subject, ids), operation.relation, _target(operation.object, ids))

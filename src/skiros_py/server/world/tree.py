@@ -1,0 +1,100 @@
+"""The world as a tree: what is placed where, and what things are built of."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from skiros_py.api.elements import TreeNode
+from skiros_py.world.index import Index
+from skiros_py.world.vocabulary import ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
+
+__all__ = ["MOST_NODES", "tree"]
+
+MOST_NODES = 2000
+"""Nodes of one answer: those nearest to the root are told, the others asked for."""
+
+TOP = ""
+"""The node above everything."""
+
+
+@dataclass(slots=True)
+class _Draft:
+    name: str
+    relation: str = ""
+    children: list[_Draft] = field(default_factory=list)
+    total: int = 0
+    next: str | None = None
+
+
+def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> TreeNode:
+    """Returns an element with what hangs on it.
+
+    Args:
+        view: The state.
+        root: Its id; "" for the node above everything.
+        depth: How many levels below it.
+        limit: How many children of each node at most.
+        after: Only children of the root that come after this id.
+
+    Raises:
+        UnknownName: There is no such element.
+    """
+    if root != TOP:
+        view.element(root)
+    top = _Draft(root)
+    waiting = deque([(top, depth)])
+    budget = MOST_NODES
+    while waiting:
+        draft, levels = waiting.popleft()
+        found = sorted(_children(view, draft.name))
+        draft.total = len(found)
+        start = bisect_right(found, after, key=_id) if draft is top else 0
+        shown = found[start : start + min(limit, budget)] if levels else []
+        draft.children = [_Draft(name, relation) for name, relation in shown]
+        budget -= len(shown)
+        if shown and start + len(shown) < len(found):
+            draft.next = shown[-1][0]
+        waiting.extend((child, levels - 1) for child in draft.children)
+    return _told(view, top)
+
+
+def _id(child: tuple[str, str]) -> str:
+    return child[0]
+
+
+def _children(view: Index, name: str) -> Iterator[tuple[str, str]]:
+    """Yields what hangs on an element, and by which relation."""
+    if name == TOP:
+        yield from ((child, "") for child in _roots(view))
+        return
+    for relation in view.ontology.sub_relations(STRUCTURE)[1:]:
+        yield from ((piece, relation) for piece in view.objects(name, relation))
+    for guest in view.contents(name):
+        placement = view.placement(guest)
+        if placement is not None:
+            yield guest, placement.relation
+
+
+def _roots(view: Index) -> set[str]:
+    """What is nowhere and no piece of anything; modules are told elsewhere, there are dozens of them."""
+    known = view.ontology.classes
+    elsewhere = {name for class_ in (SPATIAL_THING, MODULE) if class_ in known for name in view.instances(class_)}
+    loose = set(view.instances(ELEMENT)) - elsewhere
+    return set(view.instances(ROOT)) | {name for name in loose if not view.owners(name)}
+
+
+def _told(view: Index, draft: _Draft) -> TreeNode:
+    element = None if draft.name == TOP else view.element(draft.name)
+    return TreeNode(
+        id=draft.name,
+        class_="" if element is None else element.type,
+        label="world" if element is None else element.label,
+        relation=draft.relation,
+        version=view.version if element is None else view.stamp(draft.name).change,
+        children=[_told(view, child) for child in draft.children],
+        children_total=draft.total,
+        next=draft.next,
+    )

@@ -1,0 +1,173 @@
+"""What happens to jobs in the control thread: they begin when their turn comes, are followed, and obey."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from skiros_py.errors import SkirosError
+from skiros_py.execution.station import Station
+from skiros_py.skills.conditions import Condition
+from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.jobs.by_hand import done_by_hand
+from skiros_py.tasks.jobs.cut_off import BY_HAND, CUT_OFF, hold_what_was_halted
+from skiros_py.tasks.jobs.job import Intent, Job, Outcome
+from skiros_py.tasks.jobs.moves import moved
+from skiros_py.tasks.jobs.run import JobRun
+from skiros_py.tasks.jobs.states import JobState, Trigger
+from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.task_manager import TaskManager
+
+__all__ = ["Conductor", "ReadGoal"]
+
+ReadGoal = Callable[[Sequence[str]], tuple[Condition, ...]]
+"""Reads goal texts."""
+
+
+class Conductor:
+    """Lets jobs run.
+
+    Args:
+        tasks: Plans and does.
+        station: What it does it with.
+        store: Where jobs are kept.
+        book: The jobs as they are now.
+        parse: Reads goal texts.
+        guard: Held by whoever changes a job. A command holds it while it waits for the disk: the control cycle takes
+            it only where there is something to write.
+        at_once: How many jobs may be under way at the same time.
+        clock: Gives the wall time [s since 1970].
+    """
+
+    def __init__(
+        self,
+        tasks: TaskManager,
+        station: Station,
+        store: JobStore,
+        book: JobBook,
+        parse: ReadGoal,
+        guard: threading.RLock,
+        *,
+        at_once: int,
+        clock: Callable[[], float],
+    ) -> None:
+        self._tasks = tasks
+        self._station = station
+        self._store = store
+        self._book = book
+        self._parse = parse
+        self._guard = guard
+        self._at_once = at_once
+        self._clock = clock
+        self._runs: dict[str, JobRun] = {}
+        self._wishes: deque[Callable[[], None]] = deque()
+
+    # ------------------------------------------------------------------ asked in any thread, with the guard
+
+    @property
+    def idle(self) -> bool:
+        """True when nothing is under way, and nothing would start by itself now."""
+        return not (self._runs or self._wishes) and self._book.queue.next(self._clock()) is None
+
+    def run(self, job: str) -> JobRun | None:
+        """Returns what runs for a job; None where nothing does."""
+        return self._runs.get(job)
+
+    def wish(self, job: str, what: Callable[[JobRun], None]) -> None:
+        """Has something done to what runs for a job, in the control thread."""
+
+        def fulfil() -> None:
+            if job in self._runs:
+                what(self._runs[job])
+
+        self._wishes.append(fulfil)
+
+    def go_on(self, job: str) -> None:
+        """Has a job go on that stands; where nothing runs for it, it is planned anew."""
+        self._wishes.append(partial(self._go_on, job))
+
+    def note_done(self, job: str, by: str) -> None:
+        """Has that believed what a person says they did in the place of the step that was cut off."""
+        self._wishes.append(partial(self._note_done, job, by))
+
+    # ------------------------------------------------------------------ in the control thread
+
+    def attend(self) -> None:
+        """Does what was asked for, follows what runs, and begins what is next."""
+        while self._wishes:
+            self._wishes.popleft()()
+        for job, run in tuple(self._runs.items()):
+            self._follow(job, run)
+        if len(self._runs) < self._at_once and not self._station.cycle.halted:
+            coming = self._book.queue.next(self._clock())
+            if coming is not None:
+                self._dispatch(coming)
+
+    def _follow(self, job: str, run: JobRun) -> None:
+        run.write_trace()
+        if run.has_news:
+            with self._guard:
+                if run.follow(self._book.open[job]):
+                    del self._runs[job]
+
+    def _dispatch(self, id_: str) -> None:
+        with self._guard:
+            job = self._book.open.get(id_)
+            if job is None or self._book.queue.next(self._clock()) != id_:  # somebody was quicker
+                return
+            if job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._clock():
+                gone = {"outcome": Outcome.EXPIRED, "detail": ""}
+                self._book.move(job, Trigger.FAIL, "its deadline has passed", **gone)
+                return
+            self._begin(self._book.move(job, Trigger.DISPATCH, detail="planning", started=self._clock()))
+
+    def _go_on(self, id_: str) -> None:
+        with self._guard:
+            job = self._book.open.get(id_)
+            if id_ in self._runs:
+                self._runs[id_].resume()
+            elif job is not None and job.state is JobState.RUNNING:
+                self._begin(job)
+
+    def _begin(self, job: Job) -> None:
+        if self._station.cycle.halted:
+            hold_what_was_halted(self._book, job, self._station.cycle.halted)
+            return
+        for intent in self._cut_off(job.id):
+            self._store.settle(job.id, intent.number, CUT_OFF)
+        try:
+            goal = self._parse(job.order.goal)
+            undertaking = self._tasks.begin(goal, name=job.id, policy=job.order.policy)
+        except SkirosError as error:
+            failed = {"outcome": Outcome.FAILED, "reasons": (str(error),), "detail": ""}
+            self._book.move(job, Trigger.FAIL, **failed)
+            return
+        self._book.change(job.but(attempts=job.attempts + 1, seen=self._station.world.version))
+        self._runs[job.id] = JobRun(undertaking, self._station, self._book, self._store)
+
+    def _note_done(self, id_: str, by: str) -> None:
+        with self._guard:
+            job = self._book.open.get(id_)
+            if job is None or job.state is not JobState.INTERRUPTED or id_ in self._runs:  # somebody was quicker
+                return
+            before = self._station.world.version
+            try:
+                self._believe(id_, by)
+            except SkirosError as error:
+                detail = f"that it was done by hand cannot be believed: {error}; answer again"
+                self._book.change(job.but(detail=detail))
+                return
+            materials = moved(self._station.world, job.but(seen=before), self._store.intents(id_))
+            goes_on = {"detail": "goes on", "choices": (), "question": None, "materials": materials}
+            self._begin(self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on))
+
+    def _believe(self, job: str, by: str) -> None:
+        for intent in self._cut_off(job):
+            done_by_hand(self._station.world, self._tasks.capabilities, intent, by)
+            self._store.settle(job, intent.number, f"done by hand, says {by}")
+
+    def _cut_off(self, job: str) -> tuple[Intent, ...]:
+        """Returns the steps of which nobody knows how they ended."""
+        return tuple(intent for intent in self._store.intents(job) if intent.ended is None)

@@ -1,0 +1,109 @@
+"""What is known of jobs; may be asked in any thread, and waits for no command."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
+from skiros_py.errors import UnknownName
+from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.jobs.job import Intent, Job, Transition
+from skiros_py.tasks.jobs.receipts import Receipt
+from skiros_py.tasks.jobs.states import JobState
+from skiros_py.tasks.jobs.store import JobStore, Page
+
+__all__ = ["JobLookups"]
+
+
+class JobLookups:
+    """Answers questions about jobs.
+
+    Args:
+        book: The jobs as they are now.
+        store: Where they are kept.
+
+    Attributes:
+        store: Where they are kept; for what is announced to others.
+    """
+
+    def __init__(self, book: JobBook, store: JobStore) -> None:
+        self.store = store
+        self._book = book
+
+    @property
+    def jobs(self) -> Mapping[str, Job]:
+        """All jobs that were not removed, by id, in the order in which they were ordered; few questions, many reads.
+
+        What is over is read from the file each time: look at many of them by :meth:`page`.
+        """
+        return self._book.jobs
+
+    @property
+    def open(self) -> Mapping[str, Job]:
+        """The jobs that are not over, by id, in the order in which they were ordered."""
+        return self._book.open
+
+    def job(self, job: str) -> Job:
+        """Returns a job, open or over.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        found = self._book.jobs.get(job)
+        if found is None:
+            raise UnknownName("job", job, self._book.open)
+        return found
+
+    def page(
+        self,
+        *,
+        states: Collection[JobState] | None = None,
+        since: float | None = None,
+        after: int = 0,
+        limit: int = 100,
+    ) -> Page:
+        """Returns some of the jobs, open or over, in the order in which they were ordered.
+
+        Args:
+            states: Those in these states only; None for all.
+            since: Those only that changed at that time or later [s since 1970]; None for all.
+            after: Those only whose number is greater: the :attr:`Page.next` of the page before.
+            limit: How many at most.
+        """
+        return self.store.page(states=states, since=since, after=after, limit=limit)
+
+    def known(self, receipt: Receipt) -> Job | None:
+        """Returns the job that the same request led to before, removed or not; None where there was none.
+
+        Raises:
+            KeyReused: The key was used for another request.
+        """
+        return self.store.known(receipt)
+
+    def intents(self, job: str) -> tuple[Intent, ...]:
+        """Returns the steps that were begun for a job, in order, and how they ended.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        return self.store.intents(self.job(job).id)
+
+    def transitions(self, job: str) -> tuple[Transition, ...]:
+        """Returns a job's changes of state, in order, with who wanted them.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        return self.store.transitions(self.job(job).id)
+
+    def trace(self, job: str) -> tuple[Mapping[str, Any], ...]:
+        """Returns what happened for a job, as plain data, in order; the last second of what runs may be missing.
+
+        Raises:
+            UnknownName: There is no such job.
+        """
+        return self.store.trace(self.job(job).id)
+
+    def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
+        """Calls the listener with every new version of a job, in the thread that made it; returns how to end that."""
+        return self._book.subscribe(listener)

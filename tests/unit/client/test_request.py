@@ -1,0 +1,89 @@
+"""Calls become requests, and answers become results or faults with words."""
+
+from __future__ import annotations
+
+import httpx2
+import pytest
+
+from skiros_py.client import ProblemError, Unreachable
+from skiros_py.client.call import Call, plain
+from skiros_py.client.request import arguments_of, result_of, settings_for
+from skiros_py.errors import SkirosError, UsageError
+
+GET = Call("GET", "/jobs/a", plain)
+URL = "http://127.0.0.1:8000"
+
+
+def answered(status: int, content: bytes) -> httpx2.Response:
+    return httpx2.Response(status, content=content, request=httpx2.Request("GET", URL))
+
+
+@pytest.mark.parametrize("url", ["", "here", "ftp://a", "http://", "http://a?b", "http://a#b", "http://a:port", "//a"])
+def test_what_is_no_address_is_refused(url: str) -> None:
+    with pytest.raises(UsageError, match="no address"):
+        settings_for(url, None, 1.0)
+
+
+def test_a_key_in_the_address_is_refused_without_being_shown() -> None:
+    with pytest.raises(UsageError) as refused:
+        settings_for("http://sk_secret@host", None, 1.0)
+
+    assert "sk_secret" not in str(refused.value)
+
+
+@pytest.mark.parametrize("key", ["two words", "line\nbreak", "schlüssel"])
+def test_what_cannot_be_a_key_is_refused_without_being_shown(key: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        settings_for(URL, key, 1.0)
+
+    assert key not in str(refused.value)
+
+
+@pytest.mark.parametrize(("url", "proxies"), [(URL, False), ("http://[::1]:1", False), ("http://mes.example", True)])
+def test_a_proxy_does_not_come_between_programs_of_one_machine(url: str, proxies: bool) -> None:
+    assert settings_for(url, None, 1.0)["trust_env"] is proxies
+
+
+def test_dots_are_ids_and_no_directions() -> None:
+    assert arguments_of(Call("GET", "/jobs/../plan", plain))["url"] == "/jobs/%2E%2E/plan"
+
+
+def test_what_is_none_is_left_out() -> None:
+    arguments = arguments_of(Call("GET", "/jobs", plain, query={"a": None, "b": 1}, headers={"If-Match": None}))
+
+    assert arguments["params"] == {"b": 1}
+    assert arguments["headers"] == {}
+
+
+def test_what_is_posted_again_has_a_key_by_which_the_server_knows_it() -> None:
+    assert arguments_of(Call("POST", "/jobs", plain))["headers"]["Idempotency-Key"]
+    assert "Idempotency-Key" not in arguments_of(Call("POST", "/jobs", plain, repeatable=False))["headers"]
+
+
+def test_a_problem_is_told_in_its_own_words() -> None:
+    body = b'{"title": "Conflict", "status": 409, "code": "InvalidJobOrderStatus", "detail": "it is over"}'
+
+    with pytest.raises(ProblemError, match="it is over") as refused:
+        result_of(GET, answered(409, body), URL)
+
+    assert (refused.value.status, refused.value.code) == (409, "InvalidJobOrderStatus")
+
+
+@pytest.mark.parametrize("body", [b"<html>Bad Gateway</html>", b"", b"\xff", b"[]"])
+def test_an_error_of_somebody_in_between_is_shown_as_it_is(body: bytes) -> None:
+    with pytest.raises(ProblemError, match="502 Bad Gateway") as refused:
+        result_of(GET, answered(502, body), URL)
+
+    assert refused.value.status == 502
+
+
+def test_an_answer_that_is_not_understood_is_a_fault() -> None:
+    with pytest.raises(SkirosError, match="different versions"):
+        result_of(GET, answered(200, b"no json"), URL)
+
+
+def test_where_nobody_answers_it_says_how_to_start_a_server() -> None:
+    with pytest.raises(Unreachable, match="skiros serve") as fault:
+        result_of(GET, httpx2.ConnectError("refused"), URL)
+
+    assert fault.value.url == URL

@@ -1,0 +1,325 @@
+"""What becomes of messages: against real HTTP targets."""
+
+import json
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import pytest
+from standardwebhooks import Webhook as Checker
+from standardwebhooks import WebhookVerificationError
+
+from skiros_py.api.webhooks import DeliveryState
+from skiros_py.server.webhooks.office import Patience, WebhookOffice
+from skiros_py.server.webhooks.store import Subscription, WebhookStore, new_secret
+from skiros_py.tasks.jobs import Job, JobOrder, JobState
+from skiros_py.tasks.jobs.announcements import Announcement
+
+_QUICK = Patience(first=0.02, longest=0.1, timeout=0.5, look=0.05)
+
+
+class _Target:
+    """An HTTP server that keeps what it gets and answers as it is told to."""
+
+    def __init__(self, port: int = 0) -> None:
+        self.got: list[tuple[dict[str, str], bytes]] = []
+        self.answer: Callable[[BaseHTTPRequestHandler, dict], None] = lambda handler, _event: _status(handler, 200)
+        target = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_POST(self) -> None:
+                body = self.rfile.read(int(self.headers["content-length"]))
+                target.got.append(({k.lower(): v for k, v in self.headers.items()}, body))
+                target.answer(self, json.loads(body))
+
+            def log_message(self, *_args: object) -> None:
+                pass
+
+        self._server = ThreadingHTTPServer(("127.0.0.1", port), Handler)
+        self._server.daemon_threads = True
+        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.02,))
+        self._thread.start()
+        self.port = self._server.server_address[1]
+
+    @property
+    def events(self) -> list[dict]:
+        return [json.loads(body) for _, body in self.got]
+
+    def close(self) -> None:
+        self._server.shutdown()
+        self._thread.join()
+        self._server.server_close()
+
+
+def _status(handler: BaseHTTPRequestHandler, status: int, **headers: str) -> None:
+    handler.send_response(status)
+    for name, value in headers.items():
+        handler.send_header(name, value)
+    handler.send_header("Content-Length", "0")
+    handler.end_headers()
+
+
+@pytest.fixture
+def target() -> Iterator[_Target]:
+    made = _Target()
+    yield made
+    made.close()
+
+
+class _Jobs:
+    """The announcements of a job store."""
+
+    def __init__(self) -> None:
+        self.all: list[Announcement] = []
+        self.forgotten = 0
+
+    def announce(self, job: str, state: JobState = JobState.ENDED) -> None:
+        number = len(self.all) + 1
+        made = Job(order=JobOrder(id=job, goal=("x",)), number=number, state=state)
+        self.all.append(Announcement(number, time.time(), made, "finish"))
+
+    def after(self, number: int, most: int) -> list[Announcement]:
+        return self.all[number : number + most]
+
+    def forget(self, upto: int) -> None:
+        self.forgotten = upto
+
+
+@contextmanager
+def _office(tmp_path, jobs, *, patience=_QUICK, allowed=("127.0.0.1",), dead=None) -> Iterator[tuple]:
+    store = WebhookStore(tmp_path / "webhooks.db", "urn:test")
+    told = [] if dead is None else dead
+    office = WebhookOffice(
+        store,
+        jobs.after,
+        jobs.forget,
+        lambda one: {"job": one.job.id, "number": one.number},
+        allowed,
+        on_dead=lambda post, why: told.append((post.job, why)),
+        patience=patience,
+    )
+    office.start()
+    try:
+        yield store, office
+    finally:
+        office.close()
+        store.close()
+
+
+def _subscribe(store: WebhookStore, url: str, name: str = "wh_1", **more) -> Subscription:
+    made = Subscription(name, url, new_secret(), created=time.time(), **more)
+    store.add(made, 0)
+    return made
+
+
+def _until(true: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 20.0
+    while not true():
+        assert time.monotonic() < deadline, "it does not come about"
+        time.sleep(0.01)
+
+
+def _done(store: WebhookStore, number: int) -> Callable[[], bool]:
+    return lambda: len(store.posts(None, "done", 0, 1000)) == number
+
+
+def test_a_message_is_a_signed_cloud_event(tmp_path, target):
+    jobs = _Jobs()
+    with _office(tmp_path, jobs) as (store, office):
+        one = _subscribe(store, f"http://127.0.0.1:{target.port}/hook")
+        jobs.announce("j1")
+        office.wake()
+        _until(_done(store, 1))
+
+    headers, body = target.got[0]
+    event = json.loads(body)
+    assert headers["content-type"] == "application/cloudevents+json"
+    assert (event["specversion"], event["type"], event["subject"]) == ("1.0", "io.skiros.job.state.v1", "j1")
+    assert event["data"] == {"job": "j1", "number": 1}
+    assert Checker(one.secret).verify(body, headers) == event
+    with pytest.raises(WebhookVerificationError):
+        Checker(one.secret).verify(body.replace(b"j1", b"j2"), headers)
+
+
+def test_messages_of_one_job_arrive_in_order_though_the_target_fails_now_and_then(tmp_path, target):
+    failing = defaultdict(int)
+
+    def now_and_then(handler: BaseHTTPRequestHandler, event: dict) -> None:
+        failing[event["id"]] += 1
+        _status(handler, 500 if failing[event["id"]] < 3 and event["data"]["number"] % 2 else 200)
+
+    target.answer = now_and_then
+    jobs = _Jobs()
+    for number in range(20):
+        jobs.announce(f"j{number % 3}")
+    with _office(tmp_path, jobs) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/")
+        _until(_done(store, 20))
+
+    for job in ("j0", "j1", "j2"):
+        numbers = [e["data"]["number"] for e in target.events if e["subject"] == job]
+        assert numbers == sorted(numbers)
+        assert len(set(numbers)) == sum(one.job.id == job for one in jobs.all)
+
+
+def test_every_try_of_a_message_has_the_same_id(tmp_path, target):
+    answers = iter([500, 503, 200])
+    target.answer = lambda handler, _event: _status(handler, next(answers))
+    jobs = _Jobs()
+    jobs.announce("j1")
+    with _office(tmp_path, jobs) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/")
+        _until(_done(store, 1))
+
+    assert len(target.got) == 3
+    assert len({event["id"] for event in target.events}) == 1
+
+
+def test_a_slow_target_delays_nobody_else(tmp_path, target):
+    slow, free = _Target(), threading.Event()
+    slow.answer = lambda handler, _event: (free.wait(10), _status(handler, 200))
+    jobs = _Jobs()
+    for number in range(10):
+        jobs.announce(f"j{number}")
+    try:
+        with _office(tmp_path, jobs, patience=Patience(first=0.02, longest=0.1, timeout=8.0, look=0.05)) as (store, _):
+            _subscribe(store, f"http://127.0.0.1:{slow.port}/", "wh_slow")
+            _subscribe(store, f"http://127.0.0.1:{target.port}/", "wh_quick")
+            _until(lambda: len(store.posts("wh_quick", "done", 0, 100)) == 10)
+            assert not store.posts("wh_slow", "done", 0, 100)
+            free.set()
+            _until(lambda: len(store.posts("wh_slow", "done", 0, 100)) == 10)
+    finally:
+        free.set()
+        slow.close()
+
+
+def test_a_redirect_is_not_followed(tmp_path, target):
+    inner = _Target()
+    target.answer = lambda handler, _event: _status(handler, 307, Location=f"http://127.0.0.1:{inner.port}/secret")
+    jobs = _Jobs()
+    jobs.announce("j1")
+    try:
+        with _office(tmp_path, jobs, allowed=(f"127.0.0.1:{target.port}",)) as (store, _):
+            _subscribe(store, f"http://127.0.0.1:{target.port}/")
+            _until(lambda: len(target.got) >= 3)
+            (post,) = store.posts(None, None, 0, 10)
+            assert "redirects are not followed" in post.error
+            assert not inner.got
+    finally:
+        inner.close()
+
+
+def test_an_answer_that_never_ends_is_not_read(tmp_path, target):
+    written = []
+
+    def flood(handler: BaseHTTPRequestHandler, _event: dict) -> None:
+        handler.send_response(200)
+        handler.end_headers()
+        try:
+            for _ in range(1000):
+                handler.wfile.write(b"x" * 100_000)
+                written.append(100_000)
+        except OSError:
+            written.append(-1)
+
+    target.answer = flood
+    jobs = _Jobs()
+    jobs.announce("j1")
+    with _office(tmp_path, jobs) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/")
+        _until(_done(store, 1))
+        _until(lambda: bool(written) and written[-1] == -1)
+
+
+def test_a_target_that_was_away_gets_everything_when_it_is_back(tmp_path):
+    gone = _Target()
+    port = gone.port
+    gone.close()
+    jobs = _Jobs()
+    for number in range(5):
+        jobs.announce(f"j{number}")
+    with _office(tmp_path, jobs) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{port}/")
+        _until(lambda: any(post.attempts > 1 for post in store.posts(None, "pending", 0, 10)))
+        back = _Target(port)
+        try:
+            _until(_done(store, 5))
+        finally:
+            back.close()
+    assert {event["subject"] for event in back.events} == {f"j{n}" for n in range(5)}
+
+
+def test_what_nobody_takes_for_a_day_is_a_dead_letter_and_the_next_message_goes_on(tmp_path, target):
+    target.answer = lambda handler, event: _status(handler, 500 if event["data"]["number"] == 1 else 200)
+    jobs, dead = _Jobs(), []
+    jobs.announce("j1")
+    jobs.announce("j1")
+    patience = Patience(first=0.02, longest=0.05, timeout=0.5, look=0.05, given_up=0.2)
+    with _office(tmp_path, jobs, patience=patience, dead=dead) as (store, office):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/")
+        _until(lambda: len(store.posts(None, "dead", 0, 10)) == 1)
+        _until(_done(store, 1))
+        assert dead == [("j1", "the target answered 500")]
+        target.answer = lambda handler, _event: _status(handler, 200)
+        store.redeliver("wh_1", 1)
+        office.wake()
+        _until(_done(store, 2))
+
+
+def test_a_restart_sends_what_was_not_taken_and_nothing_twice_that_was(tmp_path, target):
+    jobs = _Jobs()
+    jobs.announce("j1")
+    with _office(tmp_path, jobs) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/")
+        _until(_done(store, 1))
+    jobs.announce("j1")
+    with _office(tmp_path, jobs) as (store, _):
+        _until(_done(store, 2))
+
+    assert [event["data"]["number"] for event in target.events] == [1, 2]
+    assert [event["sequence"] for event in target.events] == sorted(e["sequence"] for e in target.events)
+
+
+def test_only_what_was_asked_for_is_told(tmp_path, target):
+    jobs = _Jobs()
+    jobs.announce("line-1-a", JobState.RUNNING)
+    jobs.announce("line-1-a", JobState.ENDED)
+    jobs.announce("line-2-a", JobState.ENDED)
+    with _office(tmp_path, jobs) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/", states=("Ended",), jobs="line-1-")
+        _until(_done(store, 1))
+        _until(lambda: jobs.forgotten == 3)
+
+    assert [event["data"]["number"] for event in target.events] == [2]
+
+
+def test_a_webhook_that_rests_gets_later_what_happened_meanwhile(tmp_path, target):
+    jobs = _Jobs()
+    jobs.announce("j1")
+    with _office(tmp_path, jobs) as (store, office):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/", active=False)
+        _until(lambda: len(store.posts(None, "pending", 0, 10)) == 1)
+        assert not target.got
+        store.change("wh_1", active=True)
+        office.wake()
+        _until(_done(store, 1))
+
+
+def test_where_nothing_is_allowed_any_more_nothing_is_sent(tmp_path, target):
+    jobs = _Jobs()
+    jobs.announce("j1")
+    with _office(tmp_path, jobs, allowed=()) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/")
+        _until(lambda: any("--webhook-host" in post.error for post in store.posts(None, "pending", 0, 10)))
+    assert not target.got
+
+
+def test_secrets_are_for_the_owner_of_the_file_only(tmp_path):
+    store = WebhookStore(tmp_path / "webhooks.db", "urn:test")
+    store.close()
+    assert (tmp_path / "webhooks.db").stat().st_mode & 0o077 == 0
+    assert DeliveryState("dead") is DeliveryState.DEAD
