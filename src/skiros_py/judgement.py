@@ -29,7 +29,7 @@ from skiros_py.world.vocabulary import (
     STATION,
 )
 
-__all__ = ["judge"]
+__all__ = ["judge", "true_whereabouts"]
 
 _THERE = (0.06, 0.06)
 """A robot is at a location when it stands this close to where it should [m, rad]."""
@@ -62,6 +62,16 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
     unknown = {part for part in view.instances(MANIPULATABLE) if part not in types}
     can_tell = (_is_physical(c.pattern, view) and unknown.isdisjoint(c.arguments) for c in goal)
     return tuple(bool(c.evaluate(real)) if can else None for c, can in zip(goal, can_tell, strict=True))
+
+
+def true_whereabouts(cell: PyBulletCell) -> tuple[Mapping[str, Pose], Mapping[str, str]]:
+    """Returns where everything really is, for people who look on: poses in the map, and places of what can be moved.
+
+    Args:
+        cell: The simulation.
+    """
+    truth = Truth(cell)
+    return truth.poses(), truth.placements()
 
 
 def _is_physical(pattern: Pattern, view: WorldView) -> bool:

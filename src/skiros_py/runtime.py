@@ -39,14 +39,13 @@ from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.scene import load_scene
-from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.cell import PyBulletCell
     from skiros_py.tasks.jobs import JobManager
-    from skiros_py.world.index import Index
     from skiros_py.world.journal import DataDirectory
 
 __all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
@@ -150,7 +149,7 @@ class Session:
         self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners, fake=fake)
         _warn(self.catalogue.faults)
         self.goal = self._own_goal()
-        self.spec = read_cell(self.world, self._robots(self.world), simulated=self._simulates)
+        self.spec = read_cell(self.world, self._robots(self.world), simulated=self.simulates)
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
         self.world.subscribe(self._digest.add_change)
@@ -179,12 +178,12 @@ class Session:
             self.options.data, ontology, reasoners, find_scene(scene) if scene else None, imports=ontology_paths()
         )
         self._stack.enter_context(directory)
-        if self._simulates:
+        if self.simulates:
             respawn(directory.world, directory.journal)
         return directory.world, faults
 
     @property
-    def _simulates(self) -> bool:
+    def simulates(self) -> bool:
         """True where bodies move as physics wants."""
         return self.options.driver is None and not self.options.fake
 
@@ -302,11 +301,11 @@ class Session:
             UsageError: There is no goal, or everything was halted and nobody has called :meth:`reset` since.
         """
         wanted = self._conditions(goal)
-        self._digest.begin(self.simulation.state_bytes() if self._simulates else b"")
+        self._digest.begin(self.simulation.state_bytes() if self.simulates else b"")
         report = pursue(self.station, self.tasks, wanted, self._is_stopping)
         self._obey_stop()
         report = replace(report, digest=str(self._digest))
-        return report.with_truth(self._truths(wanted)) if self._simulates else report
+        return report.with_truth(self._truths(wanted)) if self.simulates else report
 
     def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
         """Starts one skill or primitive by itself; step the cycle until it is done.
@@ -361,16 +360,32 @@ class Session:
         at_work = self.tasks.undertakings or any(manager.running for manager in self.managers.values())
         return not at_work and ("jobs" not in self.__dict__ or bool(self.cycle.halted) or self.jobs.idle)
 
-    def check(self, scene: Index) -> None:
-        """Sees whether a session such as this one could be opened in another scene; where bodies fit is not looked at.
+    def check(self, scene: WorldView) -> None:
+        """Sees whether a session such as this one could be opened in another scene.
 
         Raises:
-            UsageError: There is no robot to use, or the goals that go with it cannot be understood.
-            DescriptionError: A robot or body lacks something.
+            UsageError: There is no robot to use.
+            DescriptionError: A robot or body lacks something, or has no room.
             WorldError: A shape cannot be read.
         """
-        read_cell(scene, self._robots(scene), simulated=self._simulates)
-        parse_goal(scene.goals, scene, self.catalogue.conditions)
+        spec = read_cell(scene, self._robots(scene), simulated=self.simulates)
+        if self.simulates:
+            from skiros_py.simulation.pybullet.spawn import start_poses
+
+            start_poses(spec, self.options.seed)
+
+    def check_again(self) -> None:
+        """Sees whether this session could be closed and opened again, and believes what would be so then.
+
+        Raises:
+            SkirosError: It could not; what is believed is as it was.
+        """
+        from skiros_py.world.journal import Journal
+
+        if self.simulates and isinstance(self.world.log, Journal):
+            respawn(self.world, self.world.log, self.check)
+        else:
+            self.check(self.world.snapshot())
 
     def reset(self) -> None:
         """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.
@@ -434,7 +449,7 @@ class Session:
     # ------------------------------------------------------------------ digest and end
 
     def _digest_state(self) -> None:
-        if self._simulates and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
+        if self.simulates and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
             self._digest.add(self.simulation.state_bytes())
 
     def close(self) -> None:

@@ -25,11 +25,15 @@ def _exported(tree: ast.Module) -> list[str] | None:
     return None
 
 
+def _registers(decorator: ast.expr) -> bool:
+    return ast.unparse(decorator).startswith(("router.", "command.command"))
+
+
 def _defined(tree: ast.Module) -> set[str]:
-    """Names of public classes and functions that a module defines itself; click finds its sub-commands by decorator."""
+    """Names of public classes and functions that a module defines itself; decorators register commands and routes."""
     kinds = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     found = (node for node in tree.body if isinstance(node, kinds) and not node.name.startswith("_"))
-    return {node.name for node in found if not any("command.command" in ast.unparse(d) for d in node.decorator_list)}
+    return {node.name for node in found if not any(_registers(d) for d in node.decorator_list)}
 
 
 def _bound(tree: ast.Module) -> set[str]:

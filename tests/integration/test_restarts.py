@@ -44,3 +44,39 @@ def test_physics_goes_on_after_a_restart_with_a_part_in_the_gripper(tmp_path: Pa
         report = session.run("InKit(Starter, kit_1)")
     assert report.reached
     assert all(condition.true for condition in report.conditions)
+
+
+def test_opening_a_world_again_writes_down_nothing_that_is_known(tmp_path: Path) -> None:
+    versions = []
+    for _ in range(3):
+        with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
+            versions.append(session.world.version)
+            assert len(session.world.instances("sk:Skill")) == 3
+    assert len(set(versions)) == 1
+
+
+def test_a_part_that_nobody_knows_the_place_of_is_missing_when_a_simulation_starts(tmp_path: Path) -> None:
+    from skiros_py.runtime import open_data
+
+    with open_data(tmp_path / "data", "kitting") as directory:
+        world = directory.world
+        with world.transaction("watch", "it fell") as tx:
+            tx.place("starter_1", "sk:on", "floor")
+        respawn(world, directory.journal)
+        assert world.placement("starter_1").place == "unknown_location"
+        assert world.value("starter_1", "sk:missing") is True
+
+
+def test_where_a_restart_would_fail_nothing_is_believed_otherwise(tmp_path: Path) -> None:
+    from skiros_py.errors import DescriptionError
+    from skiros_py.runtime import open_data
+
+    def refuse(_view: object) -> None:
+        raise DescriptionError("no room")
+
+    leave_a_part_in_the_gripper(tmp_path / "data")
+    with open_data(tmp_path / "data", create=False) as directory:
+        before = directory.world.version
+        with pytest.raises(DescriptionError, match="no room"):
+            respawn(directory.world, directory.journal, refuse)
+        assert directory.world.version == before

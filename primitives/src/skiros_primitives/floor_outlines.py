@@ -37,4 +37,5 @@ def _corners(block: Primitive) -> Array:
     else:
         radius, length = block.size
         half = np.array([radius, radius, length / 2.0])
-    return half * np.array(list(product((-1.0, 1.0), repeat=3)))
+    corners: Array = half * np.array(list(product((-1.0, 1.0), repeat=3)))
+    return corners

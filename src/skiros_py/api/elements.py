@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from skiros_py.api.values import ElementId, GivenValue, Name, Placement, Pose, Reason, Value
 
 __all__ = [
+    "Addition",
     "ElementDetails",
     "ElementPage",
     "ElementPatch",
@@ -31,7 +32,12 @@ class ElementSummary(BaseModel):
     model_config = _TOLD
 
     id: str = Field(description="Its id; never used again after removal.", examples=["starter_1"])
-    class_: str = Field(alias="class", description="Its most specific class.", examples=["kitting:Starter"])
+    class_: str = Field(
+        validation_alias="class",
+        serialization_alias="class",
+        description="Its most specific class.",
+        examples=["kitting:Starter"],
+    )
     label: str = Field(description="What people call it.", examples=["starter"])
     placement: Placement | None = Field(description="Where it is; null for what is nowhere, or goes with its owner.")
     abstract: bool = Field(description="True for what the ontology describes or what was learned, not really there.")
@@ -70,7 +76,9 @@ class ElementDetails(ElementSummary):
     properties: dict[str, Property] = Field(description="Values by property.")
     relations: list[Relation] = Field(description="What is stated of it, in both directions: the first 200.")
     relations_total: int = Field(description="How many relations are stated of it.")
-    computed: list[Relation] = Field(description="Computed relations, those that were asked for.")
+    computed: list[Relation] = Field(
+        description="Computed relations, those that were asked for: of each the first 200 in either direction."
+    )
     owner: str | None = Field(description="What it is a piece of.")
     map_pose: Pose | None = Field(description="Its pose in the map, where that is known.")
 
@@ -103,7 +111,47 @@ class NewRelation(BaseModel):
     object: ElementId | None = Field(default=None, description="Id of the object.")
 
 
-class NewElement(BaseModel):
+class Addition(BaseModel):
+    """What is added."""
+
+    model_config = _GIVEN
+
+    class_: Name | None = Field(
+        default=None,
+        validation_alias="class",
+        serialization_alias="class",
+        description="Its class; not together with `like`.",
+        examples=["kitting:Starter"],
+    )
+    like: ElementId | None = Field(
+        default=None,
+        description="Copied with its pieces: an abstract individual, or another element. Instead of a class.",
+        examples=["kitting:standard_kit"],
+    )
+    id: ElementId | None = Field(
+        default=None, description="Its id; the next of its class where left out. A copy always gets the next one."
+    )
+    label: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
+        default=None, description="What people call it; its class's name where left out."
+    )
+    properties: Annotated[dict[Name, GivenValue], Field(max_length=200)] = Field(
+        default_factory=dict, description="Own values by property.", examples=[{"sk:mass": 0.4}]
+    )
+    placement: Placement | None = Field(default=None, description="Where it is.")
+    relations: Annotated[list[NewRelation], Field(max_length=200)] = Field(
+        default_factory=list, description="Relations of it, such as whose piece it is."
+    )
+
+    @model_validator(mode="after")
+    def _says_what(self) -> Self:
+        if (self.class_ is None) == (self.like is None):
+            raise ValueError("say what is added: either 'class', or 'like' for a copy")
+        if self.like is not None and self.id is not None:
+            raise ValueError("a copy gets the next id of its class: leave out 'id'")
+        return self
+
+
+class NewElement(Addition):
     """An element to be added."""
 
     model_config = ConfigDict(
@@ -115,23 +163,12 @@ class NewElement(BaseModel):
                     "label": "spare starter",
                     "placement": {"relation": "sk:in", "place": "pallet_a"},
                     "reason": "delivered this morning",
-                }
+                },
+                {"like": "kitting:standard_kit", "placement": {"relation": "sk:on", "place": "kit_table"}},
             ]
         },
     )
 
-    class_: Name = Field(alias="class", description="Its class.", examples=["kitting:Starter"])
-    id: ElementId | None = Field(default=None, description="Its id; the next of its class where left out.")
-    label: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
-        default=None, description="What people call it; its class's name where left out."
-    )
-    properties: Annotated[dict[Name, GivenValue], Field(max_length=200)] = Field(
-        default_factory=dict, description="Own values by property.", examples=[{"sk:mass": 0.4}]
-    )
-    placement: Placement | None = Field(default=None, description="Where it is.")
-    relations: Annotated[list[NewRelation], Field(max_length=200)] = Field(
-        default_factory=list, description="Relations of it, such as whose piece it is."
-    )
     reason: Reason = Field(default="", description="Why, for people.", examples=["delivered this morning"])
 
 
@@ -170,7 +207,9 @@ class TreeNode(BaseModel):
     model_config = _TOLD
 
     id: str = Field(description='Its id; "" for the node above everything.', examples=["pallet_a"])
-    class_: str = Field(alias="class", description="Its class.", examples=["kitting:Pallet"])
+    class_: str = Field(
+        validation_alias="class", serialization_alias="class", description="Its class.", examples=["kitting:Pallet"]
+    )
     label: str = Field(description="What people call it.", examples=["pallet A"])
     relation: str = Field(description="The relation by which it hangs on the node above.", examples=["sk:on"])
     version: int = Field(description="Number of the change that touched it last; its ETag.")

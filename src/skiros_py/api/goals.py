@@ -80,7 +80,7 @@ class CheckedCondition(Answer):
     data: dict[str, Any] = Field(
         description="As structured data.", examples=[{"condition": "InKit", "arguments": ["kitting:Starter", "kit_1"]}]
     )
-    holds: bool | None = Field(description="Whether it is believed to hold now; null where that cannot be told.")
+    holds: bool = Field(description="Whether it is believed to hold now.")
     why: str = Field(description="What decides that.", examples=["no Starter makes it true for kit_1"])
     lines: tuple[str, ...] = Field(description="The same as a tree, one line a step down.")
 
@@ -124,9 +124,9 @@ class ConditionWord(Answer):
     roles: tuple[Role, ...] = Field(description="Its arguments, in order.")
     abstract: bool = Field(description='Whether an argument may be a class ("any starter").')
     skills: tuple[str, ...] = Field(
-        description="Skills of the present robots that bring it about, or what it is made of.", examples=[["place"]]
+        description="Skills of the present robots that change what it is about; empty where none does.",
+        examples=[["place"]],
     )
-    negated: tuple[str, ...] = Field(description="Skills that bring about that it does not hold.")
 
 
 class ConditionWords(Answer):

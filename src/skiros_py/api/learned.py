@@ -15,7 +15,9 @@ class Learned(BaseModel):
     model_config = ConfigDict(frozen=True, populate_by_name=True)
 
     id: str = Field(description="Its id.", examples=["learned:taught_grasp_1"])
-    class_: str = Field(alias="class", description="Its class.", examples=["sk:TaughtGrasp"])
+    class_: str = Field(
+        validation_alias="class", serialization_alias="class", description="Its class.", examples=["sk:TaughtGrasp"]
+    )
     label: str = Field(description="What people call it.")
     about: str | None = Field(description="The class of things that it is about.", examples=["kitting:Starter"])
     properties: dict[str, Any] = Field(description="What it says: values by property.")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Field
+
+from skiros_py.api.wire import Answer, Moment, Request
 
 __all__ = [
     "Arguments",
@@ -35,7 +36,6 @@ _MOST_ARGUMENTS = 50
 _MOST_ROUNDS = 1000
 
 _LONGEST = 20_000
-_LARGEST = 2**63
 
 Key = Annotated[str, Field(max_length=_LONGEST_KEY)]
 
@@ -49,16 +49,7 @@ def _sound(values: dict[str, Any]) -> dict[str, Any]:
         raise ValueError(f"no value that can be written down again: {type(error).__name__}") from None
     if len(text) > _LONGEST:
         raise ValueError(f"at most {_LONGEST} characters of JSON, not {len(text)}")
-    if re.search(r"\d{19}", text):
-        _check_numbers(values)
     return values
-
-
-def _check_numbers(value: Any) -> None:
-    if isinstance(value, int) and abs(value) >= _LARGEST:
-        raise ValueError("a whole number has at most 63 bits")
-    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
-        _check_numbers(inner)
 
 
 Arguments = Annotated[dict[Key, Any], Field(max_length=_MOST_ARGUMENTS), AfterValidator(_sound)]
@@ -66,18 +57,14 @@ Arguments = Annotated[dict[Key, Any], Field(max_length=_MOST_ARGUMENTS), AfterVa
 ModuleRunStatus = Literal["running", "paused", "stopping", "stopped", "succeeded", "failed"]
 
 
-class _Wire(BaseModel):
-    model_config = ConfigDict(frozen=True)
-
-
-class RunningInfo(_Wire):
+class RunningInfo(Answer):
     """A module that runs now, whoever started it."""
 
     module: str = Field(description="Name of the module.", examples=["pick"])
     status: str = Field(description="running, paused or stopping.", examples=["running"])
 
 
-class ManagerInfo(_Wire):
+class ManagerInfo(Answer):
     """A skill manager: what one subsystem of a robot can do."""
 
     agent: str = Field(description="Id of the subsystem.", examples=["arm_1"])
@@ -90,14 +77,14 @@ class ManagerInfo(_Wire):
     lost: str = Field(description="Why nobody may count on it any more; empty in good times.", examples=[""])
 
 
-class ModulePlace(_Wire):
+class ModulePlace(Answer):
     """Where a module can be run."""
 
     agent: str = Field(description="Id of the subsystem.", examples=["arm_1"])
     robot: str = Field(description="Id of its robot.", examples=["robot_1"])
 
 
-class ModuleSummary(_Wire):
+class ModuleSummary(Answer):
     """A module, for people who choose one."""
 
     name: str = Field(description="Its name.", examples=["pick"])
@@ -107,7 +94,7 @@ class ModuleSummary(_Wire):
     agents: list[ModulePlace] = Field(description="Who can run it.")
 
 
-class ModuleParameter(_Wire):
+class ModuleParameter(Answer):
     """One parameter, with all that a form needs."""
 
     key: str = Field(description="Its name.", examples=["Object"])
@@ -123,7 +110,7 @@ class ModuleParameter(_Wire):
     json_schema: dict[str, Any] = Field(description="JSON schema of its value; `class` names the class of an element.")
 
 
-class SkillCondition(_Wire):
+class SkillCondition(Answer):
     """A condition of a skill, over its parameters."""
 
     text: str = Field(description="As planners and logs write it.", examples=["ObjectAtLocation(Object, Container)"])
@@ -133,7 +120,7 @@ class SkillCondition(_Wire):
     negated: bool = Field(description="True where it must not hold.")
 
 
-class Implementation(_Wire):
+class Implementation(Answer):
     """One way to do a skill."""
 
     label: str = Field(description="Its name among the ways; may be empty.", examples=["by vision"])
@@ -145,7 +132,7 @@ class Implementation(_Wire):
     body: list[str] = Field(description="What it does, a line a node.")
 
 
-class ModuleDetails(_Wire):
+class ModuleDetails(Answer):
     """A module of one subsystem: all that is known before it runs."""
 
     agent: str = Field(description="Id of the subsystem.", examples=["arm_1"])
@@ -160,7 +147,7 @@ class ModuleDetails(_Wire):
     implementations: list[Implementation] = Field(description="Ways of doing it, in the order of trying.")
 
 
-class SkillInfo(_Wire):
+class SkillInfo(Answer):
     """A skill as people and planners see it, apart from how it is done."""
 
     name: str = Field(description="Its name.", examples=["pick"])
@@ -177,10 +164,10 @@ class SkillInfo(_Wire):
     agents: list[ModulePlace] = Field(description="Who offers it now.")
 
 
-class PanelRequest(_Wire):
+class PanelRequest(Request):
     """With what a module would be run."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", json_schema_extra={"examples": [{"arguments": {}}]})
+    model_config = ConfigDict(json_schema_extra={"examples": [{"arguments": {}}]})
 
     arguments: Arguments = Field(
         default_factory=dict, description="Value by parameter key.", examples=[{"Object": "starter_1"}]
@@ -190,14 +177,12 @@ class PanelRequest(_Wire):
 class RunModule(PanelRequest):
     """With what a module is run, and how often."""
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", json_schema_extra={"examples": [{"arguments": {}, "repeat": 1}]}
-    )
+    model_config = ConfigDict(json_schema_extra={"examples": [{"arguments": {}, "repeat": 1}]})
 
     repeat: int = Field(1, ge=1, le=_MOST_ROUNDS, description="How often it is done, one after the other.")
 
 
-class PanelRow(_Wire):
+class PanelRow(Answer):
     """One condition, as things are now."""
 
     kind: str = Field(description="pre, hold or post.", examples=["pre"])
@@ -206,7 +191,7 @@ class PanelRow(_Wire):
     why: list[str] = Field(description="Why not, a line a reason.", examples=[[]])
 
 
-class PanelInfo(_Wire):
+class PanelInfo(Answer):
     """What a module would be run with now, and which of its conditions hold."""
 
     ready: bool = Field(description="True when everything is specified and every precondition holds.")
@@ -216,7 +201,7 @@ class PanelInfo(_Wire):
     conditions: list[PanelRow] = Field(description="Its conditions; none for a primitive.")
 
 
-class ModuleProgress(_Wire):
+class ModuleProgress(Answer):
     """One message of a module that runs, or of a part of it."""
 
     time: float = Field(description="Run time [s].", examples=[12.5])
@@ -229,7 +214,7 @@ class ModuleProgress(_Wire):
     caller: str = Field(description="Module that it is part of; empty for the one that was started.", examples=[""])
 
 
-class ModuleRound(_Wire):
+class ModuleRound(Answer):
     """How it ended once."""
 
     success: bool = Field(description="Whether it worked.")
@@ -239,7 +224,7 @@ class ModuleRound(_Wire):
     end: float = Field(description="Run time [s].", examples=[18.0])
 
 
-class ModuleRunInfo(_Wire):
+class ModuleRunInfo(Answer):
     """A module that was started from outside."""
 
     id: str = Field(description="Id of the run.", examples=["3f2a9c1e-7"])
@@ -247,7 +232,7 @@ class ModuleRunInfo(_Wire):
     module: str = Field(description="Name of the module.", examples=["jog_joints"])
     by: str = Field(description="Who started it.", examples=["anna"])
     status: ModuleRunStatus = Field(description="What it does, or how it ended.", examples=["succeeded"])
-    started: str = Field(description="When, in UTC.", examples=["2026-11-21T13:22:56.120Z"])
+    started: Moment = Field(description="When.", examples=["2026-11-21T13:22:56.120Z"])
     given: dict[str, Any] = Field(description="The arguments that were given.")
     arguments: dict[str, Any] = Field(description="All arguments, with what was inferred.")
     repeat: int = Field(description="How often it shall be done.", examples=[1])
@@ -258,7 +243,7 @@ class ModuleRunInfo(_Wire):
     changes: list[dict[str, Any]] = Field(description="What it wrote into the world; of very many the last 100.")
 
 
-class ModuleRuns(_Wire):
+class ModuleRuns(Answer):
     """Runs, the youngest first."""
 
     items: list[ModuleRunInfo] = Field(description="The runs, without progress and changes.")

@@ -112,7 +112,12 @@ class ClassUse(BaseModel):
 
     name: str = Field(description="The skill or condition.", examples=["pick"])
     argument: str = Field(description="Its parameter or argument.", examples=["object"])
-    class_: str = Field(alias="class", description="What that may be.", examples=["sk:Manipulatable"])
+    class_: str = Field(
+        validation_alias="class",
+        serialization_alias="class",
+        description="What that may be.",
+        examples=["sk:Manipulatable"],
+    )
 
 
 class ClassDetails(BaseModel):
@@ -143,7 +148,12 @@ class PlaceOption(BaseModel):
     model_config = _TOLD
 
     id: str = Field(description="Id of the place.", examples=["kit_1_a"])
-    class_: str = Field(alias="class", description="Its class.", examples=["kitting:Compartment"])
+    class_: str = Field(
+        validation_alias="class",
+        serialization_alias="class",
+        description="Its class.",
+        examples=["kitting:Compartment"],
+    )
     label: str = Field(description="What people call it.")
     fits: bool = Field(description="Whether it would take it now.")
     why_not: str = Field(description="Why it would not; empty where it would.")
@@ -168,6 +178,8 @@ class PlacementOptions(BaseModel):
 
     model_config = _TOLD
 
-    class_: str = Field(alias="class", description="What is put.", examples=["kitting:Starter"])
+    class_: str = Field(
+        validation_alias="class", serialization_alias="class", description="What is put.", examples=["kitting:Starter"]
+    )
     element: str | None = Field(description="Which element, where one was named.")
     options: list[PlacementOption] = Field(description="The relations by which it may be placed.")

@@ -13,7 +13,7 @@ class ProblemDetails(BaseModel):
     """What went wrong, and what would be right.
 
     Attributes:
-        type: The kind of problem, as an address: ``https://skiros.example/problems/<code>`` is not fetched, only compared.
+        type: The kind of problem, as a name (``urn:skiros:problem:<code>``): to be compared, not fetched.
         title: The kind of problem in words; the same for all of a kind.
         status: The HTTP status.
         detail: What is wrong with this request, and what would be right.

@@ -8,9 +8,18 @@ from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt
 
 from skiros_py.api.values import GivenPose, Number
 
-__all__ = ["AskAnswer", "Bound", "ConstructAnswer", "DecimalLiteral", "Query", "QueryAnswer", "SelectAnswer", "TextLiteral"]
+__all__ = [
+    "AskAnswer",
+    "Bound",
+    "ConstructAnswer",
+    "DecimalLiteral",
+    "Query",
+    "QueryAnswer",
+    "SelectAnswer",
+    "TextLiteral",
+]
 
-LONGEST_TIME = 60.0
+_LONGEST_TIME = 60.0
 """What a question asked over the network may take at most [s]."""
 
 
@@ -66,7 +75,7 @@ class Query(BaseModel):
         dict[Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,99}$")], Bound], Field(max_length=100)
     ] = Field(default_factory=dict, description="What its parameters stand for.")
     entailed: bool = Field(default=False, description="Whether what OWL entails counts too.")
-    time_limit: Annotated[float, Field(gt=0.0, le=LONGEST_TIME, allow_inf_nan=False)] = Field(
+    time_limit: Annotated[float, Field(gt=0.0, le=_LONGEST_TIME, allow_inf_nan=False)] = Field(
         default=5.0, description="How long it may take [s]."
     )
 
@@ -79,7 +88,8 @@ class SelectAnswer(BaseModel):
     form: Literal["SELECT"] = Field(description="What was asked.")
     variables: list[str] = Field(description="The columns.", examples=[["part"]])
     rows: list[dict[str, Any]] = Field(
-        description="By variable: names as strings, literals as values, null for none.", examples=[[{"part": "starter_1"}]]
+        description="By variable: names as strings, literals as values, null for none.",
+        examples=[[{"part": "starter_1"}]],
     )
 
 

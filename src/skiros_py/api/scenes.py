@@ -57,7 +57,7 @@ class Scene(Answer):
     source: Source = Field(description='"saved" in this data directory, or "installed" with a package.')
     version: int = Field(description="Tells versions of its file apart; as in the ETag.", examples=[2868123])
     title: str = Field(description="What it calls itself; its name where it does not.", examples=["kitting"])
-    elements: int = Field(description="How many elements it has.", examples=[41])
+    elements: int = Field(description="How many elements it has; skills are not counted.", examples=[22])
     robots: list[SceneRobot] = Field(description="Its robots.")
     goals: list[str] = Field(description="The goals that go with it.", examples=[["InKit(Starter, kit_1)"]])
 
@@ -68,9 +68,10 @@ class PresentScene(Answer):
     name: str = Field(description="The scene that was loaded or saved last; empty for an upload.", examples=["kitting"])
     version: int = Field(description="Version of the world, as in the ETag.", examples=[17])
     changed: bool | None = Field(
-        description="Whether it differs from the scene of that name; null where there is none any more.", examples=[True]
+        description="Whether it differs from the scene of that name; null where there is none any more.",
+        examples=[True],
     )
-    elements: int = Field(description="How many elements it has.", examples=[41])
+    elements: int = Field(description="How many elements it has; skills are not counted.", examples=[22])
     learned: int = Field(description="How many things the robots were taught; they stay when a scene is loaded.")
     robots: list[SceneRobot] = Field(description="Its robots.")
     goals: list[str] = Field(description="The goals that go with it.", examples=[["InKit(Starter, kit_1)"]])

@@ -90,5 +90,3 @@ class Pace(Answer):
     """How fast simulated time goes on."""
 
     pace: float = Field(description="Simulated seconds per second.", examples=[2.0])
-
-

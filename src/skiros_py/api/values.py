@@ -46,7 +46,8 @@ class Pose(BaseModel):
         description="Unit quaternion x, y, z, w.", examples=[[0.0, 0.0, 0.0, 1.0]]
     )
     frame: str | None = Field(
-        default=None, description="Element in whose frame it is given; null for the map, or where that is said elsewhere."
+        default=None,
+        description="Element in whose frame it is given; null for the map, or where that is said elsewhere.",
     )
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from skiros_py.api.elements import NewRelation
-from skiros_py.api.values import ElementId, GivenValue, Name, Placement, Reason
+from skiros_py.api.elements import Addition
+from skiros_py.api.values import GivenValue, Name
 
 __all__ = [
     "AddOperation",
@@ -20,8 +20,8 @@ __all__ = [
     "RemoveOperation",
     "SetOperation",
     "TransactionOrder",
-    "Undoable",
     "UndoOrder",
+    "Undoable",
     "UnrelateOperation",
     "WorldInfo",
     "Written",
@@ -30,8 +30,10 @@ __all__ = [
 _GIVEN = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 _TOLD = ConfigDict(frozen=True, populate_by_name=True)
 
+_MOST_OPERATIONS = 1000
+
 Version = Annotated[int, Field(strict=True, ge=0, le=2**62)]
-MOST_OPERATIONS = 1000
+"""Number of a change."""
 
 
 class Change(BaseModel):
@@ -129,26 +131,12 @@ Target = Annotated[str, Field(min_length=1, max_length=300)]
 """Id of an element, or "$" and the ref of one that was added before in the same transaction."""
 
 
-class AddOperation(BaseModel):
+class AddOperation(Addition):
     """Adds an element."""
-
-    model_config = _GIVEN
 
     op: Literal["add"] = Field(description="What is done.")
     ref: Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,49}$")] | None = Field(
         default=None, description='A name for later operations of this transaction, which write "$name".'
-    )
-    class_: Name = Field(alias="class", description="Its class.", examples=["kitting:Starter"])
-    id: ElementId | None = Field(default=None, description="Its id; the next of its class where left out.")
-    label: Annotated[str, Field(min_length=1, max_length=1000)] | None = Field(
-        default=None, description="What people call it."
-    )
-    properties: Annotated[dict[Name, GivenValue], Field(max_length=200)] = Field(
-        default_factory=dict, description="Own values by property."
-    )
-    placement: Placement | None = Field(default=None, description="Where it is.")
-    relations: Annotated[list[NewRelation], Field(max_length=200)] = Field(
-        default_factory=list, description="Relations of it; the end that is left out is the element."
     )
 
 
@@ -240,6 +228,6 @@ class TransactionOrder(BaseModel):
         default_factory=dict,
         description='The versions that the author has seen, by id of an element; for "" that of the world.',
     )
-    operations: Annotated[list[Operation], Field(min_length=1, max_length=MOST_OPERATIONS)] = Field(
+    operations: Annotated[list[Operation], Field(min_length=1, max_length=_MOST_OPERATIONS)] = Field(
         description="What is written, in this order."
     )

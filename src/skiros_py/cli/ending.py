@@ -25,9 +25,7 @@ _LEAVING = 2.0
 _LOOK = 0.05
 
 
-def end_unless(
-    comes_back: Callable[[], bool], text: str, status: int, *, as_json: bool, within: float = GRACE
-) -> None:
+def end_unless(comes_back: Callable[[], bool], text: str, status: int, *, as_json: bool, within: float = GRACE) -> None:
     """Ends the process from a thread of its own, unless there is a sign of life in time.
 
     Args:

@@ -24,11 +24,15 @@ __all__ = ["cli", "main"]
 _COMMANDS = {
     "run": ("skiros_py.cli.run", "Plan and do the goal of a scene."),
     "serve": ("skiros_py.cli.serve", "Serve a scene or data directory to factory systems, clients and people."),
+    "job": ("skiros_py.cli.job", "Order jobs of a server, follow and command them."),
+    "stop": ("skiros_py.cli.stop", "Halt all robots of a server at once."),
+    "reset": ("skiros_py.cli.reset", "Let them start again after that."),
     "report": ("skiros_py.cli.report", "Make a page about a run: timeline, pictures, what happened and why."),
     "plan": ("skiros_py.cli.plan", "Show domain, problem and plan without doing anything."),
     "skills": ("skiros_py.cli.skills", "List the skills, primitives and conditions that were found."),
     "plugins": ("skiros_py.cli.plugins", "List the plug-ins that are installed, and say what is wrong with them."),
     "check-plugin": ("skiros_py.cli.check_plugin", "Ask the rules about plug-ins, and try their skills."),
+    "key": ("skiros_py.cli.key", "Make keys for a server, list and revoke them."),
     "doctor": ("skiros_py.cli.doctor", "Explain this environment: what is there, what is missing, what to do."),
     "module": ("skiros_py.cli.module", "Run skills and primitives on their own; see what holds, and why not."),
     "new": (

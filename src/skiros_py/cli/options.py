@@ -15,7 +15,18 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
-__all__ = ["AUTHOR", "CONFIG", "DATA", "JSON", "PACE", "Seconds", "data_option", "open_existing", "pace_option", "planner_options"]
+__all__ = [
+    "AUTHOR",
+    "CONFIG",
+    "DATA",
+    "JSON",
+    "PACE",
+    "Seconds",
+    "data_option",
+    "open_existing",
+    "pace_option",
+    "planner_options",
+]
 
 _SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])
@@ -99,6 +110,8 @@ DATA = data_option()
 """Where the world lives."""
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 """For programs that read the answer."""
+
+
 def pace_option(default: str) -> Callable[[_Command], _Command]:
     """Makes the option that says how fast it goes."""
     return click.option(

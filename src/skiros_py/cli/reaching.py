@@ -36,8 +36,14 @@ def server_options(command: _Command) -> _Command:
     return data_option(required=False)(_URL(_KEY_FILE(command)))
 
 
-def reach(data: Path | None, url: str | None, key_file: Path | None) -> Client:
+def reach(data: Path | None, url: str | None, key_file: Path | None, **options: Any) -> Client:
     """Returns the client of the server that the options name; close it.
+
+    Args:
+        data: A data directory of this machine.
+        url: An address, instead.
+        key_file: File with the key for that.
+        **options: Those of :class:`~skiros_py.client.Client`: ``timeout`` and ``tries``.
 
     Raises:
         UsageError: They say two things.
@@ -48,8 +54,8 @@ def reach(data: Path | None, url: str | None, key_file: Path | None) -> Client:
     if data is not None:
         if key_file is not None:
             raise UsageError("--key-file is for --url: the server of a data directory of yours needs no key")
-        return Client.of_data(data)  # --data is said, SKIROS_URL may only be lying about
-    return Client(url or "http://127.0.0.1:8000", _key(key_file))
+        return Client.of_data(data, **options)  # whatever SKIROS_URL says
+    return Client(url or "http://127.0.0.1:8000", _key(key_file), **options)
 
 
 def _key(file: Path | None) -> str | None:

@@ -140,7 +140,7 @@ def command(
 def _check_first_content(scene: str, data: Path) -> None:
     lives = (data / "journal.db").exists()
     if not (scene or lives):
-        raise UsageError(f"{data}: no world lives here yet: say with which scene it begins: skiros serve SCENE --data …")
+        raise UsageError(f"{data}: no world lives here yet; say with which scene it begins: skiros serve SCENE …")
     if scene and lives:
         click.echo(f"world   {data} has one already; {scene} was not loaded", err=True)
 

@@ -2,6 +2,6 @@
 
 from skiros_py.client.async_client import AsyncClient
 from skiros_py.client.client import Client
-from skiros_py.client.errors import ProblemError, Unreachable
+from skiros_py.client.errors import ProblemError, TookTooLong, Unreachable
 
-__all__ = ["AsyncClient", "Client", "ProblemError", "Unreachable"]
+__all__ = ["AsyncClient", "Client", "ProblemError", "TookTooLong", "Unreachable"]

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import httpx2
 
+from skiros_py.client.async_topics import Topics
 from skiros_py.client.call import Call
 from skiros_py.client.discovery import server_of
 from skiros_py.client.patience import Outcome, Patience
 from skiros_py.client.request import arguments_of, result_of, settings_for
+from skiros_py.client.streams import Stream, follow_later
 
 __all__ = ["AsyncClient"]
 
 T = TypeVar("T")
 
 
-class AsyncClient:
+class AsyncClient(Topics):
     """Speaks with one server, as :class:`~skiros_py.client.client.Client` does, with ``await``.
 
     Args:
@@ -30,6 +33,7 @@ class AsyncClient:
 
     Attributes:
         url: Address of the server.
+        http: Sends; its base address is that of the API.
 
     Raises:
         UsageError: That is no address, or no key.
@@ -38,6 +42,7 @@ class AsyncClient:
     def __init__(
         self, url: str = "http://127.0.0.1:8000", key: str | None = None, *, timeout: float = 30.0, tries: int = 6
     ) -> None:
+        super().__init__(self)
         self.url = url.rstrip("/")
         self._patience = Patience(tries)
         self.http = httpx2.AsyncClient(**settings_for(url, key, timeout))
@@ -78,6 +83,10 @@ class AsyncClient:
             return await self.http.request(**request)
         except httpx2.TransportError as error:
             return error
+
+    def follow(self, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> AsyncIterator[T]:
+        """Yields what happens for ``async for``; see :meth:`skiros_py.client.client.Client.follow`."""
+        return follow_later(self.http, stream, after=after, patience=patience)
 
     async def close(self) -> None:
         """Closes all connections; may be called twice."""

@@ -8,7 +8,7 @@ from typing import Any, Concatenate, Generic, ParamSpec, Protocol, TypeVar
 
 import httpx2
 
-__all__ = ["Call", "awaiting", "blocking", "nothing", "plain"]
+__all__ = ["Call", "LaterTopic", "Sends", "SendsLater", "Topic", "awaiting", "blocking", "nothing", "plain"]
 
 T = TypeVar("T")
 P = ParamSpec("P")
@@ -24,8 +24,10 @@ class Call(Generic[T]):
         read: Makes the result of a good answer.
         query: Query parameters; None leaves one out.
         json: Body, as plain data; None for none.
+        content: Body as it is, in the place of data; the headers say what it is.
         headers: Further headers; None leaves one out.
-        repeatable: True where the same request twice does no harm, so that it may be sent again when the connection breaks.
+        repeatable: True where the same request twice does no harm, so that it may be sent again when the connection
+            breaks.
     """
 
     method: str
@@ -35,21 +37,30 @@ class Call(Generic[T]):
     json: Any = None
     headers: Mapping[str, str | None] = field(default_factory=dict)
     repeatable: bool = True
+    content: bytes | None = None
 
 
-class _Sends(Protocol):
-    def send(self, call: Call[T]) -> T: ...
+class Sends(Protocol):
+    """A blocking client, as its parts see it."""
+
+    def send(self, call: Call[T]) -> T:
+        """Sends a call, and returns what it asked for."""
+        ...
 
 
-class _SendsLater(Protocol):
-    async def send(self, call: Call[T]) -> T: ...
+class SendsLater(Protocol):
+    """An asynchronous client, as its parts see it."""
+
+    async def send(self, call: Call[T]) -> T:
+        """Sends a call, and returns what it asked for."""
+        ...
 
 
 class Topic(Protocol):
     """A part of a blocking client."""
 
     @property
-    def client(self) -> _Sends:
+    def client(self) -> Sends:
         """The client."""
         ...
 
@@ -58,7 +69,7 @@ class LaterTopic(Protocol):
     """A part of an asynchronous client."""
 
     @property
-    def client(self) -> _SendsLater:
+    def client(self) -> SendsLater:
         """The client."""
         ...
 
@@ -70,6 +81,7 @@ def blocking(make: Callable[P, Call[T]]) -> Callable[Concatenate[Topic, P], T]:
         return topic.client.send(make(*args, **kwargs))
 
     method.__name__, method.__doc__ = make.__name__, make.__doc__
+    vars(method)["call"] = make
     return method
 
 
@@ -80,6 +92,7 @@ def awaiting(make: Callable[P, Call[T]]) -> Callable[Concatenate[LaterTopic, P],
         return await topic.client.send(make(*args, **kwargs))
 
     method.__name__, method.__doc__ = make.__name__, make.__doc__
+    vars(method)["call"] = make
     return method
 
 

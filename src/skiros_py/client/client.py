@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
@@ -13,13 +14,15 @@ from skiros_py.client.call import Call
 from skiros_py.client.discovery import server_of
 from skiros_py.client.patience import Outcome, Patience
 from skiros_py.client.request import arguments_of, result_of, settings_for
+from skiros_py.client.streams import Stream, follow
+from skiros_py.client.topics import Topics
 
 __all__ = ["Client"]
 
 T = TypeVar("T")
 
 
-class Client:
+class Client(Topics):
     """Speaks with one server. Close it, or use it in a ``with``; several threads may share it.
 
     What breaks on the way is sent again, where that does no harm: orders of jobs are, and are done once nevertheless.
@@ -32,6 +35,7 @@ class Client:
 
     Attributes:
         url: Address of the server.
+        http: Sends; its base address is that of the API.
 
     Raises:
         UsageError: That is no address, or no key.
@@ -40,6 +44,7 @@ class Client:
     def __init__(
         self, url: str = "http://127.0.0.1:8000", key: str | None = None, *, timeout: float = 30.0, tries: int = 6
     ) -> None:
+        super().__init__(self)
         self.url = url.rstrip("/")
         self._patience = Patience(tries)
         self.http = httpx2.Client(**settings_for(url, key, timeout))
@@ -80,6 +85,20 @@ class Client:
             return self.http.request(**request)
         except httpx2.TransportError as error:
             return error
+
+    def follow(self, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> Iterator[T]:
+        """Yields what happens, over broken connections and restarts of the server; leave the loop to end that.
+
+        Args:
+            stream: What to follow, from :mod:`skiros_py.client.calls.events`.
+            after: Id of the last event seen; None for what comes from now on (of a job: for all that is kept).
+            patience: How long nobody may answer before it is given up [s].
+
+        Raises:
+            ProblemError: The server refuses.
+            Unreachable: Nobody answers.
+        """
+        return follow(self.http, stream, after=after, patience=patience)
 
     def close(self) -> None:
         """Closes all connections; may be called twice."""

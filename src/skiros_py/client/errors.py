@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from skiros_py.api.problem import ProblemDetails
 from skiros_py.errors import DeviceError, SkirosError
 
-__all__ = ["ProblemError", "Unreachable", "problem_of"]
+__all__ = ["ProblemError", "TookTooLong", "Unreachable", "problem_of"]
 
 _LONGEST_SHOWN = 200
 
@@ -52,6 +52,10 @@ class Unreachable(DeviceError):
         super().__init__(
             f"no server answers at {url}: {why}; 'skiros serve SCENE --data DIR' starts one, and prints its address"
         )
+
+
+class TookTooLong(SkirosError):
+    """What was waited for did not come true in time; it may later."""
 
 
 def problem_of(response: httpx2.Response) -> ProblemError:

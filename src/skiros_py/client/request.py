@@ -75,6 +75,7 @@ def arguments_of(call: Call[Any]) -> dict[str, Any]:
         "url": path,
         "params": {name: value for name, value in call.query.items() if value is not None},
         "json": call.json,
+        "content": call.content,
         "headers": _headers_of(call),
     }
 

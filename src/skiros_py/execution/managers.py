@@ -58,6 +58,7 @@ class Managers(Mapping[str, SkillManager]):
         self._directory: Directory[Modules] = Directory(context.world)
         self._watching = False
         self._managers: dict[str, SkillManager] = {}
+        self._seen: set[str] = set()
 
     def __getitem__(self, agent: str) -> SkillManager:
         return self._managers[agent]
@@ -103,7 +104,8 @@ class Managers(Mapping[str, SkillManager]):
             directory=self._directory,
             config=self._config,
         )
-        manager.register()
+        manager.register(adopt=agent not in self._seen)
+        self._seen.add(agent)
         self._managers[agent] = manager
         if self._watching and not self._cycle.halted:
             manager.watch()

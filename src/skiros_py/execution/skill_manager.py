@@ -181,9 +181,13 @@ class SkillManager:
 
     # ------------------------------------------------------------------ coming and going
 
-    def register(self) -> None:
-        """Writes what it can do into the world model, where planners and people find it."""
-        self._registration.write(self.info(name) for name in self.modules)
+    def register(self, *, adopt: bool = False) -> None:
+        """Writes what it can do into the world model, where planners and people find it.
+
+        Args:
+            adopt: True for the first manager of its subsystem: what is written already was left by another program.
+        """
+        self._registration.write((self.info(name) for name in self.modules), adopt=adopt)
 
     def retire(self) -> None:
         """Stops what runs, ends its watching, and takes back what it wrote about itself into the world model.

@@ -171,6 +171,8 @@ class AlarmSources:
     def _task(self, undertaking: Undertaking) -> None:
         def hear(entry: TraceEntry) -> None:
             report = undertaking.report
+            if self._session.cycle.halted:  # there is an alarm of that
+                return
             if entry.what is Happening.FINISHED and report is not None and report.fault:
                 text = f"{undertaking.name} ended before its time: {report.fault}"
                 self._alarms.raise_(AlarmKind.TASK, text, undertaking.name, lasts=False)

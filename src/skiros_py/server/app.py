@@ -7,10 +7,12 @@ from importlib.metadata import version
 from fastapi import APIRouter, FastAPI
 
 from skiros_py.server.access.gate import Gate
+from skiros_py.server.access.openapi import GuardedApi
 from skiros_py.server.metrics import RequestMetrics
 from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
     alarms,
+    audit,
     elements,
     events,
     goals,
@@ -42,7 +44,7 @@ __all__ = ["PREFIX", "create_app"]
 PREFIX = "/api/v1"
 _TOPICS = (
     jobs, goals, templates, previews, world, elements, ontology, queries, learned, locks, scenes, simulation,
-    modules, plugins, tasks, sequences, robots, stop, events, alarms, webhooks, keys, session,
+    modules, plugins, tasks, sequences, robots, stop, events, alarms, webhooks, keys, session, audit,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 
@@ -53,7 +55,7 @@ def create_app(services: Services) -> FastAPI:
     Args:
         services: What its routes reach; whoever made it starts and closes it.
     """
-    app = FastAPI(
+    app = GuardedApi(
         title="skiros-py",
         version=version("skiros-py"),
         summary="Order goals, follow and command the robots that pursue them.",
@@ -61,6 +63,7 @@ def create_app(services: Services) -> FastAPI:
         docs_url=f"{PREFIX}/docs",
         redoc_url=None,
         redirect_slashes=False,
+        generate_unique_id_function=lambda route: route.name,
     )
     app.state.services = services
     api = APIRouter(prefix=PREFIX, responses=PROBLEMS)
@@ -69,6 +72,6 @@ def create_app(services: Services) -> FastAPI:
     app.include_router(api)
     app.include_router(health.router)
     add_problem_handlers(app)
-    app.add_middleware(Gate, services)
+    app.add_middleware(Gate, services)  # which reads and limits bodies, too
     app.add_middleware(RequestMetrics, services.metrics)
     return app

@@ -174,6 +174,8 @@ class ControlThread:
     ) -> None:
         """Closes the session and opens it anew, such as after another scene was loaded; returns when that is done.
 
+        Where everything was halted, it still is in the new session: only a reset changes that.
+
         Args:
             prepare: Called in the control thread between its last cycle and its end; what it raises is raised here,
                 and the session goes on. Where the session broke before, it is not called.
@@ -267,27 +269,30 @@ class ControlThread:
             self._commands.popleft().refuse(Busy("the station was shut down before that was done", retry_after=5.0))
 
     def _renew(self, prepare: Callable[[Session], object], restore: Callable[[], object] | None) -> None:
-        session = self._session
+        session, halted = self._session, ""
         if session is not None:
             prepare(session)
+            halted = session.cycle.halted
             self._leave(session)
         try:
             try:
-                self._enter()
+                self._enter(halted)
             except BaseException:
                 if restore is not None and session is not None:
                     restore()
-                    self._enter()
+                    self._enter(halted)
                 raise
         except BaseException as error:
             if self._session is None:
                 self._tell_fault(error)
             raise
 
-    def _enter(self) -> None:
+    def _enter(self, halted: str = "") -> None:
         self.fault = None
         session = self._opening()
         try:
+            if halted:
+                session.cycle.halt(halted)
             session.jobs  # noqa: B018 - what is queued goes on, though nobody has asked for a job yet
             for listener in self._on_open:
                 listener(session)

@@ -47,6 +47,17 @@ class JobDesk:
         finally:
             self._places.release()
 
+    def wait_for(self, event: threading.Event, seconds: float) -> None:
+        """Waits for something else, in the same way."""
+        end = time.monotonic() + seconds
+        if event.is_set() or not self._places.acquire(blocking=False):
+            return
+        try:
+            while not (event.is_set() or self._ending) and (left := end - time.monotonic()) > 0.0:
+                event.wait(min(left, _GLANCE))
+        finally:
+            self._places.release()
+
     def close(self) -> None:
         """Lets nobody wait any longer."""
         self._ending = True

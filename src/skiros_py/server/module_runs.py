@@ -16,8 +16,8 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.runtime import Session
-from skiros_py.server.control import ControlThread
 from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.parameters import Param
 from skiros_py.world.change import Change
 
 __all__ = ["ModuleRun", "ModuleRuns", "Round", "Wish"]
@@ -71,6 +71,7 @@ class ModuleRun:
     Attributes:
         id: Its id.
         wish: What was wanted.
+        params: The parameters of its module.
         wall: When it was started [s since 1970].
         values: Its arguments as far as they are known, with what was inferred.
         running: What runs now; what ran last when it is over.
@@ -83,9 +84,10 @@ class ModuleRun:
         begun: True when it has its devices, in this round.
     """
 
-    def __init__(self, id_: str, wish: Wish, values: Mapping[str, Any]) -> None:
+    def __init__(self, id_: str, wish: Wish, params: tuple[Param, ...], values: Mapping[str, Any]) -> None:
         self.id = id_
         self.wish = wish
+        self.params = params
         self.wall = time.time()
         self.values = dict(values)
         self.running: RunningModule | None = None
@@ -166,19 +168,16 @@ class ModuleRuns:
     """The modules that were started from outside, of all sessions of one server.
 
     Args:
-        control: Runs the session.
         name: Begins the ids of runs: those of another start of the server are others.
     """
 
-    def __init__(self, control: ControlThread, name: str) -> None:
+    def __init__(self, name: str) -> None:
         self._name = name
         self._numbers = count(1)
         self._runs: OrderedDict[str, ModuleRun] = OrderedDict()
         self._active: tuple[ModuleRun, ...] = ()
         self._session: Session | None = None
         self._guard = threading.Lock()
-        control.on_open(self._open)
-        control.on_close(self._close)
 
     # ------------------------------------------------------------------ asking
 
@@ -215,8 +214,8 @@ class ModuleRuns:
         """
         manager = session.managers[wish.agent]
         _require_startable(session, manager, wish.module)
-        values = manager.panel(wish.module, wish.given).values
-        run = ModuleRun(f"{self._name}-{next(self._numbers)}", wish, values)
+        panel = manager.panel(wish.module, wish.given)
+        run = ModuleRun(f"{self._name}-{next(self._numbers)}", wish, panel.params, panel.values)
         run.begin(manager.start(wish.module, wish.given), session.cycle.board.now)
         with self._guard:
             self._runs[run.id] = run
@@ -229,13 +228,14 @@ class ModuleRuns:
         for id_ in over[: max(0, len(over) - _KEPT)]:
             del self._runs[id_]
 
-    def _open(self, session: Session) -> None:
+    def open(self, session: Session) -> None:
+        """Follows what runs in a session, from its first cycle on."""
         self._session = session
         session.cycle.observe(self._attend)
         session.monitor.subscribe(self._on_event)
         session.world.subscribe(self._on_change)
 
-    def _close(self, session: Session) -> None:
+    def close(self, session: Session) -> None:
         """Whatever still runs ends with its session."""
         for run in self._active:
             run.stop_wanted = True
@@ -310,4 +310,3 @@ def _require_startable(session: Session, manager: SkillManager, module: str) -> 
         raise WrongState(f"the skill manager of {manager.agent} is lost: {manager.lost}")
     if module in manager.running:
         raise WrongState(f"{module} of {manager.agent} is running already: wait for its end, or stop it")
-

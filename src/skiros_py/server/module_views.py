@@ -21,6 +21,7 @@ from skiros_py.api.modules import (
     SkillCondition,
     SkillInfo,
 )
+from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
 from skiros_py.runtime import Session
@@ -193,23 +194,17 @@ def _skill(session: Session, capability: Capability) -> SkillInfo:
 # ---------------------------------------------------------------------- runs
 
 
-def run_info(run: ModuleRun, params: Iterable[Param], *, in_full: bool = True) -> ModuleRunInfo:
-    """Tells how far a run is, in any thread.
-
-    Args:
-        run: The run.
-        params: The parameters of its module.
-        in_full: False to leave out what it reported and wrote.
-    """
+def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
+    """Tells how far a run is, in any thread; not in full leaves out what it reported and wrote."""
     return ModuleRunInfo(
         id=run.id,
         agent=run.wish.agent,
         module=run.wish.module,
         by=run.wish.by,
         status=run.status,
-        started=datetime.fromtimestamp(run.wall, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
+        started=datetime.fromtimestamp(run.wall, UTC),
         given=dict(run.wish.given),
-        arguments={param.key: _plain(param, run.values.get(param.key)) for param in params},
+        arguments={param.key: _plain(param, run.values.get(param.key)) for param in run.params},
         repeat=run.wish.repeat,
         done=run.done,
         succeeded=run.succeeded,
@@ -233,7 +228,7 @@ def _round(one: Round) -> ModuleRound:
     return ModuleRound(success=True, code=1, text=outcome.message, start=one.start, end=one.end)
 
 
-def _progress(event: Any) -> ModuleProgress:
+def _progress(event: ModuleEvent) -> ModuleProgress:
     return ModuleProgress(
         time=event.time,
         module=event.module,

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 
-from skiros_py.errors import Busy, SkirosError, UnknownName, UsageError
+from skiros_py.errors import Busy, PlanningError, SkirosError, UnknownName
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
@@ -25,8 +25,8 @@ __all__ = ["Preview", "Previews", "is_applicable"]
 _AT_ONCE = 2
 """Planners take a core each."""
 _KEPT = 100
-_PAUSE = 0.002
-"""Time between two looks for the planner's answer [s]."""
+_PAUSE = 0.0005
+"""Time between two pieces of work: others want the interpreter too [s]."""
 _RETRY_AFTER = 5.0
 
 
@@ -43,6 +43,7 @@ class Preview:
         asked: When it was asked for [s since 1970].
         planned: The answer; None while there is none.
         fault: Why there is none and will be none; empty in good times.
+        unwanted: True when nobody wants the answer any more.
         ended: Set when there will be no other answer.
     """
 
@@ -54,6 +55,7 @@ class Preview:
     asked: float
     planned: Planned | None = None
     fault: str = ""
+    unwanted: bool = False
     ended: threading.Event = field(default_factory=threading.Event)
 
     @property
@@ -73,6 +75,17 @@ class Preview:
         """What would help."""
         return () if self.no_plan is None else self.no_plan.repairs
 
+    def repair(self, number: int) -> Repair:
+        """Returns one of the repairs.
+
+        Raises:
+            UnknownName: There is none of that number.
+        """
+        if not 0 <= number < len(self.repairs):
+            known = [str(index) for index in range(len(self.repairs))]
+            raise UnknownName("repair", str(number), known, where=f"of preview {self.id}")
+        return self.repairs[number]
+
 
 class Previews:
     """The previews of a server, the last of them. Close it."""
@@ -81,7 +94,6 @@ class Previews:
         self._previews: OrderedDict[str, Preview] = OrderedDict()
         self._guard = threading.Lock()
         self._threads: set[threading.Thread] = set()
-        self._running: set[Planners] = set()
         self._last = 0
         self._closed = False
 
@@ -97,7 +109,7 @@ class Previews:
             UsageError: The goal cannot be understood.
             Busy: Enough is being planned already.
         """
-        version, view = session.world.state
+        version, view = session.world.state()
         conditions = session.parse(goal)
         with self._guard:
             if self._closed or len(self._threads) >= _AT_ONCE:
@@ -128,21 +140,6 @@ class Previews:
         with self._guard:
             return tuple(reversed(self._previews.values()))
 
-    def repair(self, id_: str, number: int) -> Repair:
-        """Returns one of the repairs that a preview offers.
-
-        Raises:
-            UnknownName: There is no such preview, or it has no such repair.
-            UsageError: It cannot be made by changing the world.
-        """
-        repairs = self.find(id_).repairs
-        if not 0 <= number < len(repairs):
-            raise UnknownName("repair", str(number), [str(i) for i in range(len(repairs))], where=f"of preview {id_}")
-        repair = repairs[number]
-        if not is_applicable(repair):
-            raise UsageError(f"'{repair.text}' is no change of the world alone: do it, or order another goal, yourself")
-        return repair
-
     def forget(self, session: Session) -> None:
         """Ends what is being planned and forgets all: the station is another one from now on."""
         del session
@@ -163,9 +160,9 @@ class Previews:
 
     def _end(self) -> None:
         with self._guard:
-            threads, running = tuple(self._threads), tuple(self._running)
-        for planners in running:
-            planners.close()
+            threads = tuple(self._threads)
+            for preview in self._previews.values():
+                preview.unwanted = True
         for thread in threads:
             thread.join()
 
@@ -174,13 +171,7 @@ class Previews:
     def _work(self, preview: Preview, session: Session, capabilities: Sequence[Capability]) -> None:
         try:
             with closing(_planners(session)) as planners:
-                with self._guard:
-                    self._running.add(planners)
-                try:
-                    preview.planned = self._planned(preview, planners, session.options, capabilities)
-                finally:
-                    with self._guard:
-                        self._running.discard(planners)
+                preview.planned = _planned(preview, planners, session.options, capabilities)
         except SkirosError as error:
             preview.fault = str(error)
         except Exception as error:  # noqa: BLE001 - a plug-in's condition may raise anything; it is said, not hidden
@@ -191,20 +182,24 @@ class Previews:
                 self._threads.discard(threading.current_thread())
             preview.ended.set()
 
-    def _planned(
-        self, preview: Preview, planners: Planners, options: Options, capabilities: Sequence[Capability]
-    ) -> Planned:
-        assert preview.view is not None  # until the work is over
-        service = PlanningService(planners, "preview", lockstep=False, temporal=options.temporal)
-        work = service.plan(preview.view, capabilities, preview.conditions)
-        with closing(work):
-            while True:
-                try:
-                    next(work)
-                except StopIteration as end:
-                    planned: Planned = end.value
-                    return planned
-                time.sleep(_PAUSE)
+
+def _planned(preview: Preview, planners: Planners, options: Options, capabilities: Sequence[Capability]) -> Planned:
+    """Plans, until the answer is there or nobody wants it any more.
+
+    Raises:
+        PlanningError: The planners broke, or nobody wants it any more.
+    """
+    assert preview.view is not None  # until the work is over
+    service = PlanningService(planners, "preview", lockstep=False, temporal=options.temporal)
+    with closing(service.plan(preview.view, capabilities, preview.conditions)) as work:
+        while not preview.unwanted:
+            try:
+                next(work)
+            except StopIteration as end:
+                planned: Planned = end.value
+                return planned
+            time.sleep(_PAUSE)
+    raise PlanningError("planning was stopped: the station ends, or another scene is loaded")
 
 
 def is_applicable(repair: Repair) -> bool:

@@ -79,6 +79,14 @@ _KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
 """Which status a fault of the platform has; the first that fits counts."""
 
 
+def _answer_fault(request: Request, error: Exception) -> Response:
+    assert isinstance(error, SkirosError)
+    problem = _of(error)
+    if problem.status == 500:
+        _log.error("request %s: %s", getattr(request.state, "id", ""), error, exc_info=error)
+    return problem_response(request, problem)
+
+
 def _of(error: SkirosError) -> Problem:
     status, code = next((status, code) for kind, status, code in _KINDS if isinstance(error, kind))
     extra: dict[str, Any] = {}
@@ -92,8 +100,6 @@ def _of(error: SkirosError) -> Problem:
 
 def problem_response(request: Request, problem: Problem) -> Response:
     """Makes the answer to a request that cannot be fulfilled."""
-    if problem.status == 500:
-        _log.error("request %s: %s", getattr(request.state, "id", ""), problem.detail)
     details = ProblemDetails(
         type=_TYPE + problem.code,
         title=_title(problem.code),
@@ -114,7 +120,7 @@ _INVALID_REQUEST = 32
 
 def _return_status(request: Request, problem: Problem) -> int | None:
     """Returns the ISA-95 return status of what has to do with jobs (OPC 10031-4 v2.00, annex B.2); None elsewhere."""
-    if "/jobs" not in request.url.path or problem.status >= 500 and problem.code != "Busy":
+    if "/jobs" not in request.url.path or (problem.status >= 500 and problem.code != "Busy"):
         return None
     return 1 << _BITS.get(problem.code, _INVALID_REQUEST)
 
@@ -133,7 +139,7 @@ def add_problem_handlers(app: FastAPI) -> None:
         return lambda request, error: problem_response(request, make(error))
 
     app.add_exception_handler(Problem, answering(lambda error: error))
-    app.add_exception_handler(SkirosError, answering(_of))
+    app.add_exception_handler(SkirosError, _answer_fault)
     app.add_exception_handler(HTTPException, answering(_of_http))
     app.add_exception_handler(RequestValidationError, answering(_of_validation))
 

@@ -13,6 +13,8 @@ from skiros_py.world.queries.outside import Limits, OutsideQueries
 
 __all__ = ["Queries"]
 
+_LIMITS = Limits()
+
 
 class Queries:
     """Answers questions about the world of the present session.
@@ -22,7 +24,7 @@ class Queries:
         limits: What one question may take.
     """
 
-    def __init__(self, control: ControlThread, limits: Limits = Limits()) -> None:
+    def __init__(self, control: ControlThread, limits: Limits = _LIMITS) -> None:
         self._limits = limits
         self._turns = threading.BoundedSemaphore(limits.at_once)
         self._outside: OutsideQueries | None = None

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from skiros_py.errors import WrongState
+from skiros_py.errors import DescriptionError, FileError, UsageError, WrongState
 from skiros_py.runtime import Session, open_data
 from skiros_py.server.control import ControlThread
+from skiros_py.server.scene_content import changes_to
 from skiros_py.world.change import Change, Writer
 from skiros_py.world.index import Index
-from skiros_py.world.scene import diff
 from skiros_py.world.world import World
 
 __all__ = ["LOADED", "load", "require_rest", "scene_of"]
@@ -48,10 +48,15 @@ def load(control: ControlThread, data: Path, scene: Index, name: str, *, author:
         old = session.world.snapshot()
         expects = None if seen is None else {"": seen}
         with session.world.transaction(author, reason, writer=Writer.PERSON, expects=expects) as tx:
-            tx.apply(diff(old, scene))
+            tx.apply(changes_to(scene, old))
         before.append((old, tx.change))
 
-    control.reopen(prepare, lambda: _take_back(data, *before[0]))
+    try:
+        control.reopen(prepare, lambda: _take_back(data, *before[0]))
+    except (DescriptionError, FileError) as error:
+        if not before:
+            raise
+        raise UsageError(f"the station cannot be brought up in that scene, and is in the old one: {error}") from error
 
 
 def require_rest(session: Session) -> None:
@@ -74,7 +79,7 @@ def _take_back(data: Path, old: Index, change: Change | None) -> None:
         reason = "takes the last scene back: the station cannot be brought up in it"
         undoes = None if change is None else change.number
         with world.transaction("server", reason, writer=Writer.PERSON, undoes=undoes) as tx:
-            tx.apply(diff(world.snapshot(), old))
+            tx.apply(changes_to(old, world.snapshot()))
 
 
 def scene_of(world: World) -> tuple[str, int]:

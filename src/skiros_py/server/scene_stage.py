@@ -10,7 +10,9 @@ from pathlib import Path
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UsageError
 from skiros_py.runtime import Session
+from skiros_py.server.scene_content import scene_only
 from skiros_py.server.scenes import SceneFile
+from skiros_py.tasks.goals import parse_goal
 from skiros_py.world.change import Edit
 from skiros_py.world.index import Index
 from skiros_py.world.names import SCENE, STANDARD_PREFIXES
@@ -70,6 +72,7 @@ class SceneStage:
             UsageError: It has no robot to use, or goals that cannot be understood; or a robot or body lacks something.
         """
         try:
+            parse_goal(scene.goals, scene, session.catalogue.conditions)
             session.check(scene)
         except DescriptionError as error:
             raise UsageError(f"the station cannot be brought up in that scene: {error}") from error
@@ -84,7 +87,7 @@ class SceneStage:
         key = (id(session), version, file.path, file.version)
         known = self._compared
         if known is None or known[0] != key:
-            known = self._compared = key, diff(self.read(session, file), now)
+            known = self._compared = key, diff(scene_only(self.read(session, file)), scene_only(now))
         return version, known[1]
 
     def forget(self, session: Session) -> None:
@@ -102,7 +105,8 @@ class SceneStage:
             FileError: It is broken.
         """
         said = [t for t in read_document(file.path).triples if t.predicate.value == _LABEL]
-        return next((str(t.object.value) for t in said if getattr(t.subject, "value", "") == _THIS), file.name)
+        titles = (getattr(t.object, "value", "") for t in said if getattr(t.subject, "value", "") == _THIS)
+        return str(next(titles, file.name))
 
 
 def _read(session: Session, path: Path) -> Index:

@@ -13,6 +13,7 @@ from pathlib import Path
 from skiros_py.api.scenes import SCENE_NAME
 from skiros_py.config import named_scene, scene_names
 from skiros_py.errors import FileError, StaleVersion, UnknownName, UsageError
+from skiros_py.server.scene_content import scene_only
 from skiros_py.world.index import Index
 from skiros_py.world.scene.atomic import write_atomically
 from skiros_py.world.scene.writer import scene_turtle
@@ -104,7 +105,7 @@ class SceneShelf:
         """
         if not _NAME.fullmatch(name):
             raise UsageError("a scene is saved under small letters, digits, '_' and '-', 64 at most")
-        text = scene_turtle(scene)
+        text = scene_turtle(scene_only(scene))
         with self._writing:
             self._check(name, expects)
             self._make_folder()

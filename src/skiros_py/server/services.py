@@ -17,6 +17,7 @@ from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.setup import set_up_access
 from skiros_py.server.alarm_sources import AlarmSources
 from skiros_py.server.alarms import Alarms
+from skiros_py.server.bodies import Bodies
 from skiros_py.server.control import ControlThread, OpenSession
 from skiros_py.server.events.live import LiveState
 from skiros_py.server.events.log import EventLog
@@ -24,9 +25,16 @@ from skiros_py.server.events.sources import EventSources
 from skiros_py.server.events.streams import Streams
 from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.metrics import Metrics
+from skiros_py.server.queries import Queries
+from skiros_py.server.previews import Previews
+from skiros_py.server.module_runs import ModuleRuns
+from skiros_py.server.scene_stage import SceneStage
+from skiros_py.server.scenes import SceneShelf
 from skiros_py.server.settings import ServerSettings
+from skiros_py.server.simulation import Simulation
 from skiros_py.server.stops import Stops
 from skiros_py.server.store import DocumentStore
+from skiros_py.server.task_book import TaskBook
 from skiros_py.server.webhooks.office import WebhookOffice
 from skiros_py.server.webhooks.setup import open_office
 from skiros_py.server.webhooks.store import WebhookStore
@@ -56,10 +64,17 @@ class Services:
         live: What the robots do at this moment.
         alarms: What stopped a robot, or waits for a person.
         stops: Halts and resets everything.
+        modules: What was started by itself, apart from tasks.
+        tasks: What is or was under way, for jobs and beside them.
         documents: What the server keeps beside world and jobs, such as goal templates; from :meth:`start` on.
         desk: Where jobs are waited for.
         previews: Goals that are planned and not done.
         metrics: Figures for those who watch the server.
+        queries: Answers questions in SPARQL.
+        scenes: Scenes that can be loaded.
+        stage: Where scenes are read beside the live world.
+        bodies: Has bodies of a simulation follow what people write.
+        simulation: What only a simulated world can be asked for.
         webhooks: Who else is told of jobs, and what became of that; from :meth:`start` on.
     """
 
@@ -71,13 +86,17 @@ class Services:
         self.audit: AuditLog
         self.control = ControlThread(opening)
         self.events = EventLog(settings.kept_events)
-        self.streams = Streams(self.events, settings.streams)
+        self.streams = Streams(self.events, settings.streams, lambda caller: self.doorkeeper.still(caller))
         self.alarms = Alarms(self.events)
         self.stops = Stops(self.control, self.events)
         self.live = LiveState(lambda: self.streams.ending)
+        self.modules = ModuleRuns(self.events.epoch)
+        self.tasks = TaskBook()
         for part in (
             self.stops,  # the first: a stop that was asked for meanwhile holds before anything else
             self.live,
+            self.modules,
+            self.tasks,
             EventSources(self.events),
             AlarmSources(self.alarms, self.control),
         ):
@@ -86,11 +105,18 @@ class Services:
         self.documents: DocumentStore
         self.desk = JobDesk(settings.open_jobs)
         self.control.on_open(self.desk.open)
-        self.previews = Previews(settings.scene_name)
+        self.previews = Previews()
+        self.control.on_close(self.previews.forget)
         self.metrics = Metrics(self.control, self.events)
         self.webhooks: WebhookStore
         self._office: WebhookOffice | None = None
         self.control.on_open(lambda session: _ignore(session.jobs.subscribe(lambda _job: self.send_webhooks())))
+        self.queries = Queries(self.control)
+        self.scenes = SceneShelf(data / "scenes")
+        self.stage = SceneStage()
+        self.control.on_close(self.stage.forget)
+        self.bodies = Bodies(self.control, self.events)
+        self.simulation = Simulation(self.control, self.bodies)
         self._stack = ExitStack()
 
     @property
@@ -147,7 +173,7 @@ def _ignore(_ending: object) -> None:
     """For subscriptions that end with what they are to."""
 
 
-def _services(request: Request) -> Services:
+async def _services(request: Request) -> Services:  # not in the thread pool: a stop must not wait for a place there
     services: Services = request.app.state.services
     return services
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+import httpx2
 import uvicorn
+from fastapi import FastAPI
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.server.app import create_app
@@ -59,12 +62,15 @@ class Serving:
     """
 
     def __init__(self, services: Services, listening: socket.socket, on_listening: Callable[[], None]) -> None:
+        app = create_app(services)
+        asyncio.run(_warm_up(app))
         config = uvicorn.Config(
-            create_app(services),
+            app,
             http="httptools",
             log_config=None,
             access_log=False,
             server_header=False,
+            proxy_headers=False,  # any program on this machine could claim to speak for somebody else
             timeout_graceful_shutdown=_GRACE,
         )
         self._server = _Server(config, on_listening, lambda: _halt(services))
@@ -77,6 +83,13 @@ class Serving:
     def end(self) -> None:
         """Asks the server to end; safe to call from a signal handler."""
         self._server.should_exit = True
+
+
+async def _warm_up(app: FastAPI) -> None:
+    """Has everything made that is made for the first request: that takes a second, and may be somebody's stop."""
+    app.openapi()
+    async with httpx2.AsyncClient(transport=httpx2.ASGITransport(app), base_url="http://127.0.0.1") as client:
+        await client.get("/healthz")
 
 
 class _Server(uvicorn.Server):
@@ -102,6 +115,7 @@ class _Server(uvicorn.Server):
 
 def _halt(services: Services) -> None:
     """Brakes everything before the connections are waited for; running jobs wait for a person then."""
+    services.streams.end()
     if not services.control.alive:
         return
     try:

@@ -56,7 +56,7 @@ class Stops:
         self._events = events
         self._guard = threading.Lock()
         self._session: Session | None = None
-        self._awaited = ""
+        self._wanted = ""
         self._seen = ""
         self._by = ""
         self._since: float | None = None
@@ -64,20 +64,17 @@ class Stops:
     # ------------------------------------------------------------------ as sessions come and go
 
     def open(self, session: Session) -> None:
-        """Has a session in hand, halted at once where somebody wanted a stop while there was none."""
-        with self._guard:
-            self._session, self._seen = session, ""
-            awaited, self._awaited = self._awaited, ""
-            if not awaited:
-                self._by, self._since = "", None
+        """Has a session in hand, halted at once where somebody wanted a stop and nobody has reset it since."""
+        self._session, self._seen = session, ""
         session.cycle.observe(self._look)
-        if awaited:
-            session.cycle.halt(awaited)
+        if self._wanted:
+            session.cycle.halt(self._wanted)
+        else:
+            self._forget()
 
     def close(self, _session: Session) -> None:
         """Lets it go."""
-        with self._guard:
-            self._session = None
+        self._session = None
 
     # ------------------------------------------------------------------ stopping
 
@@ -88,33 +85,28 @@ class Stops:
             reason: Why, for a person.
             by: Who wants it.
         """
-        session, before = self._session_for(reason), self._control.beat
-        if session is None:
-            self._note(reason, by)
-            return self.now(obeyed=True)
-        brake = self._halt(session, reason, by)
-        deadline = time.monotonic() + _PATIENCE
+        before, deadline = self._control.beat, time.monotonic() + _PATIENCE
+        brake = self._halt(reason, by)
         while not (obeyed := self._has_heard(before, brake)) and time.monotonic() < deadline:
             await asyncio.sleep(_LOOK)
-            if not session.cycle.halted:  # it came in the midst of a reset, which must not swallow it
-                brake = self._halt(session, reason, by)
+            if self._session is not None and not self._session.cycle.halted:
+                brake = self._halt(reason, by)  # it came in the midst of a reset, which must not swallow it
         return self.now(obeyed=obeyed)
 
-    def _session_for(self, reason: str) -> Session | None:
-        """Returns the session; where there is none, the coming one will be halted."""
-        with self._guard:
-            if self._session is None:
-                self._awaited = self._awaited or reason
-            return self._session
-
-    def _halt(self, session: Session, reason: str, by: str) -> threading.Thread:
+    def _halt(self, reason: str, by: str) -> threading.Thread | None:
         self._note(reason, by)
+        self._wanted = reason  # first: a session that is being opened is halted by it
+        session = self._session
+        if session is None:
+            return None
         session.cycle.forbid(reason)  # an assignment: whatever becomes of the brake, nothing more is commanded
+        self._wanted = reason
         return _braking(session)
 
-    def _has_heard(self, before: int, brake: threading.Thread) -> bool:
+    def _has_heard(self, before: int, brake: threading.Thread | None) -> bool:
         """Tells whether a whole cycle has passed: the one under way may have sent its commands before."""
-        return self._session is None or (self._control.beat >= before + 2 and not brake.is_alive())
+        braked = brake is None or not brake.is_alive()
+        return self._session is None or (self._control.beat >= before + 2 and braked)
 
     def now(self, *, obeyed: bool | None = None) -> Stopped:
         """Returns whether everything is halted, and why.
@@ -124,12 +116,11 @@ class Stops:
         """
         session = self._session
         round_ = self._control.stuck_for() < _PATIENCE if obeyed is None else obeyed
-        if session is None:
-            return Stopped(self._awaited, self._by if self._awaited else "", self._since, True, True)
-        why = session.cycle.halted
-        standing = session.cycle.board.still if round_ else None
+        why = self._wanted if session is None else session.cycle.halted
+        standing = session is None or session.cycle.board.still
         with self._guard:
-            return Stopped(why, self._by if why else "", self._since if why else None, standing, round_)
+            since = self._since if why else None
+            return Stopped(why, self._by if why else "", since, standing if round_ else None, round_)
 
     # ------------------------------------------------------------------ starting again
 
@@ -151,6 +142,7 @@ class Stops:
                 session.reset()
             except SkirosError as error:
                 raise WrongState(f"not yet: {error}") from None
+            self._forget()
             return True
 
         done = self._control.call(do)
@@ -169,8 +161,12 @@ class Stops:
             if halted:
                 self._note(halted, "")
             else:
-                with self._guard:
-                    self._by, self._since = "", None
+                self._forget()
+
+    def _forget(self) -> None:
+        """Notes that nothing is halted."""
+        with self._guard:
+            self._seen, self._wanted, self._by, self._since = "", "", "", None
 
     def _note(self, why: str, by: str) -> None:
         """Keeps when everything was halted, and who did it first."""

@@ -39,7 +39,7 @@ def read_cell(view: WorldView, robots: Sequence[str], *, simulated: bool = True)
     for root in (v.FLOOR, v.UNKNOWN_LOCATION):
         if not view.instances(root):
             raise DescriptionError(f"the scene has no {root}: things that fall or get lost need a place")
-    shaped = [e for e in view.instances(v.SPATIAL_THING) if _is_body(view, e)]
+    shaped = [e for e in view.instances(v.SPATIAL_THING) if _is_body(view, e) and not _is_lost(view, e)]
     bodies = [_body(view, e) for e in shaped if simulated or not _is_held(view, e)]
     bodies += [body for stock in view.instances(v.STOCK) for body in _stocked(view, stock, simulated=simulated)]
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
@@ -54,22 +54,26 @@ def read_body(view: WorldView, element: str) -> BodySpec | None:
         element: Id of an element.
 
     Returns:
-        The body, or None for what has no shape, is in a gripper, or is a robot or a piece of one.
+        The body, or None for what has no shape, is missing, or is a robot or a piece of one.
 
     Raises:
         UnknownName: There is no such element.
         DescriptionError: The body lacks something.
         WorldError: Its shape cannot be read.
     """
-    if not view.ontology.is_a(view.element(element).type, v.SPATIAL_THING) or not _is_body(view, element):
-        return None
-    return None if _is_held(view, element) else _body(view, element)
+    spatial = view.ontology.is_a(view.element(element).type, v.SPATIAL_THING)
+    return _body(view, element) if spatial and _is_body(view, element) and not _is_lost(view, element) else None
 
 
 def _is_body(view: WorldView, element: str) -> bool:
     type_ = view.element(element).type
     robotic = any(view.ontology.is_a(type_, class_) for class_ in (v.ROBOT, v.DEVICE))
     return not robotic and solid_of(view, element) is not None
+
+
+def _is_lost(view: WorldView, element: str) -> bool:
+    """Tells whether a thing counts as missing: there is none until somebody says where it is."""
+    return view.value(element, v.MISSING) is True and view.value(element, v.POSE) is None and not _place(view, element)
 
 
 def _is_held(view: WorldView, element: str) -> bool:

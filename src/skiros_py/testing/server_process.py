@@ -88,7 +88,7 @@ class ServerProcess:
     def _read(self) -> None:
         assert self._process.stderr is not None
         for line in self._process.stderr:
-            self._said.append(line)  # noqa: PERF402 - as they come
+            self._said.append(line)
 
     def __enter__(self) -> Self:
         return self

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import uvicorn
-
 from skiros_py.errors import DeviceError
 from skiros_py.runtime import Options, Session
-from skiros_py.server.app import create_app
-from skiros_py.server.serving import bind
 from skiros_py.server.services import Services
+from skiros_py.server.serving import Serving, bind, url_of
 from skiros_py.server.settings import ServerSettings
 
 __all__ = ["Served", "serving"]
 
 _PATIENCE = 30.0
 """How long the server may take to listen [s]."""
+_PRETENDING = Options(fake=True)
+_USUAL = ServerSettings()
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +37,7 @@ class Served:
 
 @contextmanager
 def serving(
-    scene: str, data: Path, options: Options = Options(fake=True), settings: ServerSettings = ServerSettings()
+    scene: str, data: Path, options: Options = _PRETENDING, settings: ServerSettings = _USUAL
 ) -> Iterator[Served]:
     """Serves a scene while the block runs.
 
@@ -55,21 +53,14 @@ def serving(
     chosen = replace(options, data=data)
     listening = bind(replace(settings, port=0))
     with Services(lambda: Session(scene, chosen), data, settings) as services:
-        config = uvicorn.Config(create_app(services), log_config=None, access_log=False, timeout_graceful_shutdown=1)
-        server = uvicorn.Server(config)
-        thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, name="skiros-test-server")
+        ready = threading.Event()
+        server = Serving(services, listening, ready.set)
+        thread = threading.Thread(target=server.run, name="skiros-test-server")
         thread.start()
         try:
-            _wait(server, thread)
-            yield Served(f"http://127.0.0.1:{listening.getsockname()[1]}", services)
+            if not ready.wait(_PATIENCE):
+                raise DeviceError("the server did not start")
+            yield Served(url_of(listening), services)
         finally:
-            server.should_exit = True
+            server.end()
             thread.join()
-
-
-def _wait(server: uvicorn.Server, thread: threading.Thread) -> None:
-    deadline = time.monotonic() + _PATIENCE
-    while not server.started:
-        if not thread.is_alive() or time.monotonic() > deadline:
-            raise DeviceError("the server did not start")
-        time.sleep(0.01)

@@ -58,3 +58,11 @@ def test_what_does_not_take_part_is_not_found_by_what_it_is_related_to(ball: str
     )
 
     assert found.holds is there
+
+
+@given(class_=classes)
+def test_elements_are_counted_as_they_are_listed(class_: str) -> None:
+    index = WORLD.snapshot()
+
+    assert index.count(class_) == len(index.instances(class_))
+    assert index.count(class_, abstract=True) == len(index.abstracts(class_))

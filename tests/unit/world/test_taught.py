@@ -13,6 +13,7 @@ from skiros_py.testing.tiny import tiny_ontology
 from skiros_py.testing.tiny_skills import REACHABLE
 from skiros_py.world.journal import DataDirectory
 from skiros_py.world.overlay import Overlay
+from skiros_py.world.taught import lesson_about
 from skiros_py.world.vocabulary import APPLIES_TO, DRIVING_POSE, GRASP_WIDTH, TAUGHT_DRIVING_POSE, TAUGHT_GRASP
 from skiros_py.world.world import World
 
@@ -123,3 +124,16 @@ def test_what_was_taught_survives_a_restart(tmp_path: Path) -> None:
             tx.place("slot_9", "sk:on", "floor")
         assert directory.world.element(lesson).properties[APPLIES_TO] == "tiny:Slot"
         assert docks(directory.world, "slot_9") == pytest.approx(-2.0)
+
+
+def test_who_says_a_taught_value_is_named() -> None:
+    world = tiny_world()
+    teach(world, "tiny:Box", -2.0)
+    lesson = teach(world, "tiny:Box", -3.0)
+
+    found = lesson_about(world, "tiny:Box", DRIVING_POSE)
+
+    assert found is not None
+    assert found.id == lesson
+    assert lesson_about(world, "tiny:Ball", DRIVING_POSE) is None
+    assert lesson_about(world, "tiny:Box", "sk:mass") is None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import WorldError
+from skiros_py.errors import StaleVersion, WorldError
 from skiros_py.testing import tiny_ontology, tiny_scene
 from skiros_py.world.change import Change, GoalsEdit, Writer
 from skiros_py.world.element import Placement
@@ -177,3 +177,15 @@ def facts(world: World) -> object:
     state = world.snapshot()
     elements = {name: state.element(name) for name in state.ids()}
     return elements, list(state.statements()), state.goals
+
+
+def test_only_the_change_that_is_meant_is_undone(tmp_path: Path) -> None:
+    world = load_scene(tiny_ontology(), tiny_scene(tmp_path))
+    for label in ("one", "two"):
+        with world.transaction("ann", label, writer=Writer.PERSON) as tx:
+            tx.set("ball_1", "rdfs:label", label)
+
+    with pytest.raises(StaleVersion, match=r"change 2 is not the one that can be undone now, which is change 3 \(ann"):
+        undo(world, "bob", expects=2)
+
+    assert undo(world, "bob", expects=3).undoes == 3

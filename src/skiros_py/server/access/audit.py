@@ -136,7 +136,7 @@ class AuditLog:
             self._write()
             self._besides(self._database)
         except SkirosError as error:
-            _log.error("the audit log cannot be written: %s", error)  # noqa: TRY400 - its text says all there is
+            _log.error("the audit log cannot be written: %s", error)
 
     def _write(self) -> None:
         with self._writing:

@@ -101,8 +101,8 @@ def check_json(body: bytes) -> None:
     """
     if b"\0" in body:
         raise _bad("JSON is written in UTF-8, and holds no NUL")
-    if body.count(b"[") + body.count(b"{") > _DEEPEST and _depth(body) > _DEEPEST:
-        raise _bad(f"lists and objects are nested deeper than {_DEEPEST}")
+    if body.count(b"[") + body.count(b"{") > _DEEPEST and _too_deep(body):
+        raise _bad(f"lists and objects are nested deeper than {_DEEPEST}, or not closed")
     if _SUSPICIOUS.search(body):
         try:
             value = json.loads(body, parse_constant=_constant, parse_float=_float, parse_int=_int)
@@ -111,15 +111,18 @@ def check_json(body: bytes) -> None:
         _check_texts(value)
 
 
-def _depth(body: bytes) -> int:
-    """Returns how deep a text is nested, or something above what is allowed."""
-    depth = deepest = 0
-    for bracket in _OUTSIDE_TEXTS.sub(b"", body):
-        depth += 1 if bracket in b"[{" else -1 if bracket in b"]}" else 0
-        deepest = max(deepest, depth)
-        if deepest > _DEEPEST:
+def _too_deep(body: bytes) -> bool:
+    """Tells whether a text is nested too deep, or never closes what it opens; in C, not bracket by bracket."""
+    brackets = _OUTSIDE_TEXTS.sub(b"", body).translate(_SAME_BRACKETS)
+    for _ in range(_DEEPEST):
+        shorter = brackets.replace(b"[]", b"")  # the innermost ones
+        if len(shorter) == len(brackets):
             break
-    return deepest
+        brackets = shorter
+    return b"[" in brackets
+
+
+_SAME_BRACKETS = bytes.maketrans(b"{}", b"[]")
 
 
 def _constant(text: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from skiros_py.database import Database, Schema
@@ -33,8 +34,6 @@ def open_access(data: Path) -> Database:
     """
     path = data / FILE
     database = Database(path, _SCHEMA, durable=True, shared=True)
-    try:
+    with suppress(OSError):  # some file systems know no rights; keys are kept hashed in any case
         path.chmod(0o600)
-    except OSError:
-        pass  # some file systems have no rights, or it is another's: keys are kept hashed in any case
     return database

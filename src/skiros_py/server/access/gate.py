@@ -32,6 +32,7 @@ _API = "/api/v1"
 OPEN = frozenset({("GET", "/healthz"), ("GET", "/readyz"), ("POST", f"{_API}/session")})
 """What needs no key: methods and paths."""
 _STOP = ("POST", f"{_API}/stop")
+_ALWAYS = OPEN - {("POST", f"{_API}/session")} | {_STOP}
 """What always passes, be there ever so much to do."""
 _NOBODY = Caller("", Role.VIEWER)
 
@@ -108,7 +109,7 @@ class Gate:
         except Exception as error:
             if answer.revoked:
                 return
-            _log.exception("request %s broke: %s", request.state.id, error)  # noqa: TRY401 - the text first, then the stack
+            _log.exception("request %s broke: %s", request.state.id, error)
             if answer.status:  # it had begun: all that can be done is to break off
                 raise
             await problem_response(request, _broken(request.state.id))(scope, receive, answer)
@@ -127,18 +128,18 @@ class Gate:
         _check_url(scope)
         if what not in OPEN:
             request.state.caller = self._services.doorkeeper.caller(headers, _address(scope))
-        if what != _STOP:
-            self._check_load(request.state.caller, what in OPEN)
-            if request.method not in SAFE:
-                receive = replayed(await read_body(headers, receive, self._services.settings.body), receive)
+        if what not in _ALWAYS:
+            self._check_load(request.state.caller)
+        if request.method not in SAFE and what != _STOP:  # which is obeyed whatever its body is, or before it is there
+            receive = replayed(await read_body(headers, receive, self._services.settings.body), receive)
         await self._app(scope, receive, answer)
 
-    def _check_load(self, caller: Caller, is_open: bool) -> None:
+    def _check_load(self, caller: Caller) -> None:
         if self._under_way > self._services.settings.requests:
             raise Problem(503, "Busy", "too many requests are under way", headers={"Retry-After": "1"})
-        if not is_open and not self._rates.take(caller.key or caller.name):
-            most = self._services.settings.rate
-            raise Problem(429, "TooManyRequests", f"more than {most} requests in a second", headers={"Retry-After": "1"})
+        if caller is not _NOBODY and not self._rates.take(caller.key or caller.name):
+            detail = f"more than {self._services.settings.rate} requests in a second"
+            raise Problem(429, "TooManyRequests", detail, headers={"Retry-After": "1"})
 
     def _keep(self, request: Request, status: int) -> None:
         """Has the audit log remember what changed something, and what was refused."""

@@ -12,11 +12,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from skiros_py.api.keys import ApiKey
+from skiros_py.api.wire import moment
 from skiros_py.database import Database
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
 from skiros_py.server.access.roles import Role
 
-__all__ = ["Key", "KeyStore", "without_keys"]
+__all__ = ["Key", "KeyStore", "shown", "without_keys"]
 
 _LONGEST_NAME = 100
 _MOST = 10_000
@@ -64,10 +66,22 @@ class Key:
         """True while it opens the door."""
         return self.revoked is None and (self.expires is None or time.time() < self.expires)
 
-    @property
-    def shown(self) -> str:
-        """The key as it may be shown: its beginning and its end."""
-        return f"sk_{self.id}_…{self.ending}"
+
+def shown(key: Key) -> ApiKey:
+    """Returns a key as it may be shown."""
+    return ApiKey.model_validate(
+        {
+            "id": key.id,
+            "name": key.name,
+            "role": key.role.value,
+            "shown": f"sk_{key.id}_…{key.ending}",
+            "created": moment(key.created),
+            "expires": moment(key.expires),
+            "revoked": moment(key.revoked),
+            "used": moment(key.used),
+            "valid": key.valid,
+        }
+    )
 
 
 class KeyStore:

@@ -48,7 +48,7 @@ class Places:
             raise Problem(
                 403,
                 "HostRefused",
-                f"this server is not known as {headers.get('host', '')[:100]!a}: start it with --allow-host to say it is",
+                f"this server is not called {headers.get('host', '')[:100]!a}: start it with --allow-host where it is",
             )
 
     def check_origin(self, method: str, scheme: str, headers: Headers) -> None:

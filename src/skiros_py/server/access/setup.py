@@ -14,9 +14,7 @@ from skiros_py.server.settings import ServerSettings
 __all__ = ["set_up_access"]
 
 
-def set_up_access(
-    settings: ServerSettings, data: Path, stack: ExitStack
-) -> tuple[KeyStore, Doorkeeper, AuditLog]:
+def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Doorkeeper, AuditLog]:
     """Opens the keys and the audit log of a data directory, which is made where it is missing.
 
     Args:

@@ -116,7 +116,7 @@ def change_data(change: Change) -> dict[str, Any]:
     few = change.edits[:_MOST_EDITS]
     data = Change(change.number, change.author, change.reason, change.time, few, change.writer, change.undoes).as_json()
     if len(few) < len(change.edits):
-        data |= {"all_edits": len(change.edits), "read": f"/api/v1/world/history/{change.number}"}
+        data |= {"all_edits": len(change.edits), "read": f"/api/v1/world/changes/{change.number}"}
     return data
 
 

@@ -32,9 +32,14 @@ class EventStream(StreamingResponse):
     media_type = "text/event-stream"
 
     def __init__(
-        self, frames: AsyncIterator[bytes], place: AbstractContextManager[None], *, stalled: float = _STALLED
+        self,
+        frames: AsyncIterator[bytes],
+        place: AbstractContextManager[None],
+        *,
+        stalled: float = _STALLED,
+        status_code: int = 200,  # which the API's description is made from
     ) -> None:
-        super().__init__(frames, headers=_HEADERS)
+        super().__init__(frames, status_code, headers=_HEADERS)
         self._place = place
         self._stalled = stalled
 

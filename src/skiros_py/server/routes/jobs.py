@@ -1,9 +1,220 @@
-"""Routes: jobs."""
+"""Routes: jobs. Ordering and looking; commands and what came of them are in modules of their own."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+import re
+import time
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Query, Response
+
+from skiros_py.api.jobs import Job, JobOrder, JobPage, StateName
+from skiros_py.api.wire import Moment
+from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
+from skiros_py.server.job_desk import JobDesk
+from skiros_py.server.job_faults import UNABLE_TO_ACCEPT, job_faults
+from skiros_py.server.job_views import STATES, job_view
+from skiros_py.server.ordering.orders import digest_of, is_same, job_order, new_id, texts_of
+from skiros_py.server.problems import Problem
+from skiros_py.server.routes import job_commands, job_results
+from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, TemplatesDep, job_location, said_by, shown
+from skiros_py.server.services import ServicesDep
+from skiros_py.server.templates import TemplateStore
+from skiros_py.tasks.jobs import Job as Known
+from skiros_py.tasks.jobs import JobManager, Receipt
 
 __all__ = ["router"]
 
 router = APIRouter(tags=["jobs"])
+
+_LONGEST_WAIT = 30
+_WAIT = re.compile(r'(?:^|[,;\s])wait\s*=\s*"?(\d{1,6})"?')
+_KEY = re.compile(r'"?([\x21\x23-\x5b\x5d-\x7e]{1,200})"?')
+"""A key in printable characters, with the quotes of a structured field or without."""
+_TAKEN: dict[int | str, dict[str, Any]] = {
+    200: {"model": Job, "description": "It was there already, or it is over (Prefer: wait)."}
+}
+
+StartQuery = Annotated[bool, Query(description="False to keep it until somebody gives leave to start.")]
+PreferHeader = Annotated[
+    str | None, Header(max_length=200, description="wait=N: answer when it is over or stands, after N s at the latest.")
+]
+
+
+@router.post(
+    "/jobs",
+    status_code=202,
+    summary="Order a job",
+    dependencies=[needs(Role.OPERATOR, mes=True)],
+    responses=_TAKEN,
+)
+def order_job(
+    order: JobOrder,
+    services: ServicesDep,
+    jobs: JobsDep,
+    templates: TemplatesDep,
+    caller: CallerDep,
+    response: Response,
+    start: StartQuery = True,
+    idempotency_key: Annotated[
+        str | None,
+        Header(max_length=202, description="Marks the request: the same one again leads to no second job."),
+    ] = None,
+    prefer: PreferHeader = None,
+) -> Job:
+    """Takes a job order; it is on the disk when this is answered, and nobody waits for the plan.
+
+    Without an id the server makes one; an `Idempotency-Key` makes that repeatable for at least 24 h.
+    """
+    with job_faults():
+        receipt = _receipt(idempotency_key, caller, digest_of(order, start=start))
+        known = _ordered_before(jobs, order, receipt)
+        if known is not None:
+            response.headers["Idempotency-Replayed"] = "true"
+        job = known or _submit(jobs, templates, order, order.id or new_id(), start, caller, receipt)
+    return _taken(services.desk, jobs, job, response, prefer)
+
+
+@router.put(
+    "/jobs/{id}",
+    status_code=202,
+    summary="Order a job under an id of one's own, or change its order",
+    dependencies=[needs(Role.OPERATOR, mes=True)],
+    responses=_TAKEN,
+)
+def put_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    order: JobOrder,
+    services: ServicesDep,
+    jobs: JobsDep,
+    templates: TemplatesDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+    start: StartQuery = True,
+    if_match: Annotated[str | None, Header()] = None,
+    prefer: PreferHeader = None,
+) -> Job:
+    """Takes a job order. The same order again is answered with the same job (200), whatever has become of it.
+
+    Another order under the same id is refused (409), unless the job has not begun and `If-Match` names its version:
+    then it is ordered instead.
+    """
+    with job_faults():
+        if order.id not in (None, id):
+            raise Problem(422, "InvalidRequest", f"the order has the id '{order.id}', and the address '{id}'")
+        known = jobs.jobs.get(id)
+        if known is None and if_match is not None:
+            raise Problem(412, "StaleVersion", f"there is no job '{id}' (any more): leave out If-Match to order it")
+        if known is None:
+            job = _submit(jobs, templates, order, id, start, caller, None)
+            return _taken(services.desk, jobs, job, response, prefer)
+        if not is_same(order, known.order):
+            _require_match(known, if_match)
+            changed = job_order(order, id, texts_of(order, templates))
+            known = jobs.update(changed, said_by(caller, ""), expects=expected)
+    response.status_code = 200
+    return _located(known, response)
+
+
+@router.get("/jobs", summary="List jobs", dependencies=[needs(Role.VIEWER, mes=True)])
+def list_jobs(
+    jobs: JobsDep,
+    state: Annotated[list[StateName] | None, Query(max_length=6, description="In these states only.")] = None,
+    since: Annotated[Moment | None, Query(description="Those only that changed since then.")] = None,
+    limit: Annotated[int, Query(ge=1, le=1000, description="How many at most.")] = 100,
+    cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
+) -> JobPage:
+    """Lists the jobs that were not removed, open or over, in the order in which they were ordered."""
+    states = None if not state else [STATES[name] for name in state]
+    wall = None if since is None else since.timestamp()
+    page = jobs.page(states=states, since=wall, after=int(cursor), limit=limit)
+    now = time.time()
+    return JobPage(
+        items=tuple(job_view(job, now) for job in page.jobs), next=None if page.next is None else str(page.next)
+    )
+
+
+@router.get("/jobs/{id}", summary="Look at a job", dependencies=[needs(Role.VIEWER, mes=True)])
+def get_job(id: JobId, jobs: JobsDep, response: Response) -> Job:  # noqa: A002 - the name in the address
+    """Shows a job as it is now."""
+    with job_faults():
+        return shown(jobs.job(id), response)
+
+
+router.include_router(job_commands.router)
+router.include_router(job_results.router)
+
+
+def _ordered_before(jobs: JobManager, order: JobOrder, receipt: Receipt | None) -> Known | None:
+    """Returns the job that the same request, or the same order, has led to before."""
+    before = None if receipt is None else jobs.known(receipt)
+    if before is not None or order.id is None:
+        return before
+    known = jobs.jobs.get(order.id)
+    if known is not None and not is_same(order, known.order):
+        raise _taken_already(known)
+    if known is not None and receipt is not None:  # so that the key counts for this order from now on
+        return jobs.submit(known.order, receipt=receipt)
+    return known
+
+
+def _submit(
+    jobs: JobManager,
+    templates: TemplateStore,
+    order: JobOrder,
+    id_: str,
+    start: bool,
+    caller: Caller,
+    receipt: Receipt | None,
+) -> Known:
+    wanted = job_order(order, id_, texts_of(order, templates))
+    return jobs.submit(wanted, start=start, comment=said_by(caller, ""), receipt=receipt)
+
+
+def _require_match(known: Known, if_match: str | None) -> None:
+    """Sees that whoever orders something else under the id of a job has seen that."""
+    if if_match is None:
+        raise _taken_already(known)
+
+
+def _taken_already(known: Known) -> Problem:
+    return Problem(
+        409,
+        "UnableToAcceptJobOrder",
+        f"job '{known.id}' is there already, with another order: take another id; or, before it has begun, put the"
+        f' order with If-Match: "{known.version}"',
+        return_status=UNABLE_TO_ACCEPT,
+    )
+
+
+def _receipt(key: str | None, caller: Caller, digest: str) -> Receipt | None:
+    """Makes what a request is known by.
+
+    Raises:
+        Problem: The key cannot be one.
+    """
+    if key is None:
+        return None
+    match = _KEY.fullmatch(key.strip())
+    if match is None:
+        raise Problem(422, "InvalidRequest", "Idempotency-Key: 1 to 200 printable ASCII characters, such as a UUID")
+    return Receipt(caller.key or caller.name, match[1], digest)
+
+
+def _taken(desk: JobDesk, jobs: JobManager, job: Known, response: Response, prefer: str | None) -> Job:
+    """Answers an order, perhaps when it is over."""
+    wanted = _WAIT.search(prefer or "")
+    if wanted is not None:
+        seconds = min(int(wanted[1]), _LONGEST_WAIT)
+        job = desk.wait(jobs, job, seconds)
+        response.headers["Preference-Applied"] = f"wait={seconds}"
+        response.status_code = 202 if job.state.is_open else 200
+    return _located(job, response)
+
+
+def _located(job: Known, response: Response) -> Job:
+    response.headers["Location"] = job_location(job.id)
+    if job.state.is_open:
+        response.headers["Retry-After"] = "1"
+    return shown(job, response)

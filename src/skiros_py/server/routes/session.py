@@ -1,9 +1,62 @@
-"""Routes: session."""
+"""The caller's own session: who they are, what they may do; logins of web pages."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request, Response
+
+from skiros_py.api.session import Login, Me
+from skiros_py.server.access.logins import COOKIE, LIFETIME
+from skiros_py.server.access.openapi import operations
+from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
+from skiros_py.server.services import Services, ServicesDep
 
 __all__ = ["router"]
 
-router = APIRouter(tags=["session"])
+router = APIRouter(prefix="/session", tags=["access"])
+
+
+@router.get("", summary="Who am I?", dependencies=[needs(Role.VIEWER, mes=True)])
+def get_session(request: Request, services: ServicesDep, caller: CallerDep) -> Me:
+    """Tells who the caller is and what they may do, so that a page offers nothing that would be refused.
+
+    Answered with 401 where a key is needed and none was shown.
+    """
+    return _me(request, services, caller)
+
+
+@router.post("", summary="Log in")
+async def login(login: Login, request: Request, services: ServicesDep, response: Response) -> Me:
+    """Takes a key, and gives a cookie for it, for pages in a browser; for 12 hours, or until the key is revoked."""
+    address = request.client.host if request.client is not None else ""
+    key, text = services.doorkeeper.login(login.key, address)
+    request.state.caller = Caller(key.name, key.role, key.id)
+    response.set_cookie(
+        COOKIE, text, max_age=LIFETIME, httponly=True, samesite="strict", secure=request.url.scheme == "https"
+    )
+    return _me(request, services, request.state.caller)
+
+
+@router.delete("", status_code=204, summary="Log out", dependencies=[needs(Role.VIEWER, mes=True)])
+async def logout(request: Request, services: ServicesDep) -> Response:
+    """Ends the login that the cookie stands for. Once more does no harm."""
+    services.doorkeeper.logout(request.headers)
+    response = Response(status_code=204)
+    response.delete_cookie(COOKIE, httponly=True, samesite="strict", secure=request.url.scheme == "https")
+    return response
+
+
+def _me(request: Request, services: Services, caller: Caller) -> Me:
+    allowed = [
+        operation
+        for operation, asked in operations(request.app).items()
+        if all(need.allows(caller.role) for need in asked)
+    ]
+    return Me.model_validate(
+        {
+            "name": caller.name,
+            "role": caller.role.value,
+            "key": caller.key,
+            "keys_needed": services.doorkeeper.keys_needed,
+            "operations": sorted(allowed),
+        }
+    )

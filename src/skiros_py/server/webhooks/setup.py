@@ -6,6 +6,8 @@ import socket
 from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING, Any
 
+from skiros_py.api.alarms import AlarmKind, Severity
+from skiros_py.server.job_views import job_view
 from skiros_py.server.webhooks.office import Patience, WebhookOffice
 from skiros_py.server.webhooks.store import Post, WebhookStore
 from skiros_py.tasks.jobs.announcements import Announcement
@@ -30,7 +32,8 @@ def open_office(
     store = stack.enter_context(closing(WebhookStore(services.data / "webhooks.db", source)))
 
     def on_dead(post: Post, why: str) -> None:
-        pass
+        text = f"{post.webhook} was not told of {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
+        services.alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
 
     office = WebhookOffice(
         store,
@@ -47,4 +50,5 @@ def open_office(
 
 
 def _data(announcement: Announcement) -> Any:
-    return {"trigger": announcement.trigger, "job": announcement.job.model_dump(mode="json")}
+    job = job_view(announcement.job, announcement.wall)
+    return {"trigger": announcement.trigger, "job": job.model_dump(mode="json", by_alias=True)}

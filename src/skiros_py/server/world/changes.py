@@ -6,33 +6,28 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from skiros_py.api.world import Change, ChangePage, Undoable, Written
-from skiros_py.errors import UnknownName
 from skiros_py.server.problems import Problem
 from skiros_py.world import change as world_change
-from skiros_py.world.journal import Entry, Journal
+from skiros_py.world.change import Edit
+from skiros_py.world.journal import Head, Journal
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.undo import last_undoable
 from skiros_py.world.world import World
 
 __all__ = ["change_page", "history", "one_change", "told_change", "undoable", "written"]
 
-MOST_EDITS = 100
+_MOST_EDITS = 100
 """Edits of a change that are told in a list; a scene has thousands."""
 
 
-def told_change(
-    change: world_change.Change, wall: float | None = None, *, start: int = 0, most: int = MOST_EDITS
-) -> Change:
-    """Tells of a change.
+def told_change(change: world_change.Change) -> Change:
+    """Tells of a change that was just made."""
+    return _told(change, change.edits[:_MOST_EDITS], 0, len(change.edits))
 
-    Args:
-        change: The change.
-        wall: When it was written [s since 1970, UTC]; None where that is not known.
-        start: The first edit to tell.
-        most: How many of them at most.
-    """
-    total = len(change.edits)
-    end = min(start + most, total)
+
+def _told(
+    change: world_change.Change, edits: Sequence[Edit], start: int, total: int, wall: float | None = None
+) -> Change:
+    end = start + len(edits)
     return Change(
         number=change.number,
         author=change.author,
@@ -41,9 +36,9 @@ def told_change(
         time=change.time,
         written=None if wall is None else datetime.fromtimestamp(wall, UTC),
         undoes=change.undoes,
-        edits=[edit.as_json() for edit in change.edits[start:end]],
+        edits=[edit.as_json() for edit in edits],
         edits_total=total,
-        next=str(end) if end < total else None,
+        next=str(end) if edits and end < total else None,
     )
 
 
@@ -54,7 +49,7 @@ def change_page(world: World, beyond: int, limit: int, *, newest_first: bool) ->
         Problem: Changes were asked for that are remembered no longer (410).
     """
     journal = _journal(world)
-    if not newest_first and beyond < journal.first - 1 and beyond > 0:
+    if not newest_first and 0 < beyond < journal.first - 1:
         raise _forgotten(journal, f"the changes after {beyond}")
     return _page(journal, journal.page(beyond, limit + 1, newest_first=newest_first), limit)
 
@@ -67,9 +62,9 @@ def history(world: World, element: str, beyond: int, limit: int, *, newest_first
     """
     journal = _journal(world)
     if not (world.has(element) or journal.was_given(element)):
-        raise UnknownName("element", element, list(world.snapshot().ids()))
-    entries = journal.page(beyond, limit + 1, element=element, newest_first=newest_first)
-    return _page(journal, entries, limit)
+        raise world.snapshot().unknown(element)
+    heads = journal.page(beyond, limit + 1, element=element, newest_first=newest_first)
+    return _page(journal, heads, limit)
 
 
 def one_change(world: World, number: int, start: int, most: int) -> Change:
@@ -81,28 +76,32 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
     journal = _journal(world)
     if 0 < number < journal.first:
         raise _forgotten(journal, f"change {number}")
-    found = journal.page(number - 1, 1) if 0 < number <= journal.version else ()
-    if not found or found[0].change.number != number:
+    heads = journal.page(number - 1, 1) if 0 < number <= journal.version else ()
+    if not heads:
         raise Problem(404, "NotFound", f"there is no change {number}: the latest is {journal.version}")
-    return told_change(found[0].change, found[0].wall, start=start, most=most)
+    head = heads[0]
+    return _told(head.change, journal.edits(head, start, most), start, head.edits, head.wall)
 
 
 def undoable(world: World) -> Undoable | None:
     """Tells what an undo would take back."""
-    last = last_undoable(world.log)
-    return last and Undoable(number=last.number, author=last.author, reason=last.reason)
+    head = _journal(world).undoable()
+    if head is None:
+        return None
+    return Undoable(number=head.change.number, author=head.change.author, reason=head.change.reason)
 
 
 def written(world: World, tx: Transaction, ids: dict[str, str] | None = None) -> Written:
     """Tells what a transaction did, once it is over."""
-    return Written(version=world.version, change=tx.change and told_change(tx.change), ids=ids or {})
+    told = None if tx.change is None else told_change(tx.change)
+    return Written(version=world.version, change=told, ids=ids or {})
 
 
-def _page(journal: Journal, entries: Sequence[Entry], limit: int) -> ChangePage:
-    shown = entries[:limit]
+def _page(journal: Journal, heads: Sequence[Head], limit: int) -> ChangePage:
+    shown = heads[:limit]
     return ChangePage(
-        items=[told_change(entry.change, entry.wall) for entry in shown],
-        next=str(shown[-1].change.number) if len(entries) > limit else None,
+        items=[_told(h.change, h.change.edits[:_MOST_EDITS], 0, h.edits, h.wall) for h in shown],
+        next=str(shown[-1].change.number) if len(heads) > limit else None,
         remembered_from=journal.first,
         version=journal.version,
     )

@@ -8,23 +8,26 @@ from datetime import UTC, datetime, timedelta
 from functools import singledispatch
 
 from skiros_py.api import world as api
-from skiros_py.api.elements import ElementPatch, NewElement, NewRelation
+from skiros_py.api.elements import Addition, ElementPatch, NewRelation
 from skiros_py.errors import Locked, UsageError
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.problems import Problem
 from skiros_py.server.world.values import set_value
 from skiros_py.world.change import Writer
-from skiros_py.world.element import Placement
+from skiros_py.world.drafts import add_draft, draft_of, instantiate
+from skiros_py.world.element import is_abstract
 from skiros_py.world.locks import Lock
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.vocabulary import LABEL
+from skiros_py.world.vocabulary import LABEL, STRUCTURE
 from skiros_py.world.world import World
 
-__all__ = ["add", "change", "operate", "told_lock", "writing"]
+__all__ = ["add", "change", "operate", "told_lock", "writing", "writing_locks"]
 
 
 @contextmanager
-def writing(world: World, caller: Caller, reason: str, expects: Mapping[str, int] | None = None) -> Iterator[Transaction]:
+def writing(
+    world: World, caller: Caller, reason: str, expects: Mapping[str, int] | None = None
+) -> Iterator[Transaction]:
     """Opens a transaction of a person.
 
     Args:
@@ -36,9 +39,20 @@ def writing(world: World, caller: Caller, reason: str, expects: Mapping[str, int
     Raises:
         Problem: Somebody else has locked what it is about (423); the problem lists who, and until when.
     """
+    transaction = world.transaction(caller.name, reason, writer=Writer.PERSON, expects=expects)
+    with writing_locks(world), transaction as tx:
+        yield tx
+
+
+@contextmanager
+def writing_locks(world: World) -> Iterator[None]:
+    """Answers who has locked what is in the way, and until when.
+
+    Raises:
+        Problem: Somebody has (423).
+    """
     try:
-        with world.transaction(caller.name, reason, writer=Writer.PERSON, expects=expects) as tx:
-            yield tx
+        yield
     except Locked as error:
         raise _locked(world, error) from None
 
@@ -61,21 +75,42 @@ def told_lock(world: World, lock: Lock) -> tuple[str, str, datetime, float]:
 # ------------------------------------------------------------------ elements
 
 
-def add(tx: Transaction, new: NewElement | api.AddOperation, ids: Mapping[str, str] | None = None) -> str:
+def add(tx: Transaction, new: Addition, ids: Mapping[str, str] | None = None) -> str:
     """Adds an element with its values and relations, and returns its id.
 
     Args:
         tx: The transaction.
         new: What it is.
         ids: Ids of what was added before, by ref.
+
+    Raises:
+        UnknownName: There is nothing that it could be like.
+        UsageError: A ref was not given before, or a relation has not one other end.
     """
-    placement = new.placement and Placement(new.placement.relation, _target(new.placement.place, ids or {}))
-    element = tx.add(new.class_, new.label, new.id, placement=placement)
+    element = _made(tx, new, ids or {})
+    if new.placement is not None:
+        tx.place(element, new.placement.relation, _target(new.placement.place, ids or {}))
     for property_, value in new.properties.items():
         set_value(tx, element, property_, value)
     for relation in new.relations:
         _relate(tx, element, relation, ids or {})
     return element
+
+
+def _made(tx: Transaction, new: Addition, ids: Mapping[str, str]) -> str:
+    if new.class_ is not None:
+        return tx.add(new.class_, new.label, new.id)
+    assert new.like is not None
+    element = _copied(tx, _target(new.like, ids))
+    if new.label is not None:
+        tx.set(element, LABEL, new.label)
+    return element
+
+
+def _copied(tx: Transaction, like: str) -> str:
+    if is_abstract(like):
+        return instantiate(tx, like)
+    return next(iter(add_draft(tx, draft_of(tx.view, like, STRUCTURE)).values()))
 
 
 def _relate(tx: Transaction, element: str, relation: NewRelation, ids: Mapping[str, str]) -> None:

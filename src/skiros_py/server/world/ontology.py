@@ -17,10 +17,11 @@ from skiros_py.world.vocabulary import ELEMENT
 
 __all__ = ["class_details", "class_tree", "property_info", "relation_info"]
 
-MOST_SHOWN = 100
+_MOST_SHOWN = 100
 """Ids of individuals that are told with a class."""
 
-_UNIT = re.compile(r"\[([^\[\]]{1,30})\]\W*$")
+_UNIT = re.compile(r"\[([^\[\]]{1,30})\]")
+"""Comments give units in brackets, as in "Mass [kg]; 0 for what never moves"."""
 
 
 # ------------------------------------------------------------------ classes
@@ -80,8 +81,8 @@ def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDeta
             api.HowMany(relation=n.relation, least=n.least, most=n.most, of=n.of) for n in ontology.cardinalities(name)
         ],
         instances=view.count(name),
-        some_instances=list(view.some_instances(name, MOST_SHOWN)),
-        individuals=list(view.abstracts(name))[:MOST_SHOWN],
+        some_instances=list(view.some_instances(name, _MOST_SHOWN)),
+        individuals=list(view.abstracts(name))[:_MOST_SHOWN],
         skills=list(_used(ontology, name, _skill_arguments(catalogue))),
         conditions=list(_used(ontology, name, _condition_arguments(catalogue))),
     )

@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Iterator
 
 from skiros_py.api.ontology import PlacementOption, PlacementOptions, PlaceOption
-from skiros_py.errors import WorldError
+from skiros_py.errors import UsageError, WorldError
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.ids import Ids
@@ -37,8 +37,9 @@ def placement_options(
 
     Raises:
         UnknownName: There is no such relation.
+        UsageError: It places nothing.
     """
-    wanted = [view.ontology.relation(relation)] if relation is not None else _placements(view)
+    wanted = _placements(view) if relation is None else [_placement(view, relation)]
     trial = _Trial(view, class_, element)
     told = [_option(view, trial, r, limit, after) for r in wanted if not view.ontology.missed_end(class_, _guests(r))]
     return PlacementOptions(class_=class_, element=element, options=told)
@@ -47,6 +48,14 @@ def placement_options(
 def _placements(view: Index) -> list[Relation]:
     names = sorted(name for name in view.ontology.sub_relations(PLACEMENT) if name != PLACEMENT)
     return [view.ontology.relation(name) for name in names]
+
+
+def _placement(view: Index, name: str) -> Relation:
+    relation = view.ontology.relation(name)
+    placements = _placements(view)
+    if relation not in placements:
+        raise UsageError(f"{name} does not place anything: use one of {', '.join(r.curie for r in placements)}")
+    return relation
 
 
 def _guests(relation: Relation) -> End:
@@ -107,7 +116,7 @@ class _Trial:
             tx.add(self._class, id=_TRIAL, placement=Placement(relation, place))
             about = place  # what else a new thing lacks, its pieces perhaps, is said when it is added
         problems = [sentence for name, sentence in tx.problems() if about is None or name == about]
-        return "; ".join(problems) or self._objection(tx)
+        return ("; ".join(problems) or self._objection(tx)).replace(_TRIAL, "it")
 
     def _objection(self, tx: Transaction) -> str:
         try:

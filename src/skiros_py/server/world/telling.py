@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from skiros_py.api import elements as api
 from skiros_py.api.values import Placement, Pose
 from skiros_py.errors import UsageError
+from skiros_py.server.world.values import told
 from skiros_py.world.element import is_abstract
 from skiros_py.world.index import Index
 from skiros_py.world.poses import map_pose
 from skiros_py.world.taught import lesson_about
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import POSE, POSE_FRAME
-from skiros_py.server.world.values import told
 
 __all__ = ["computed_relations", "details", "relations", "summary"]
 
-MOST_RELATIONS = 200
+_MOST_RELATIONS = 200
 """Relations that are told together with an element."""
 
 
@@ -27,19 +28,15 @@ def summary(view: Index, name: str) -> api.ElementSummary:
     Raises:
         UnknownName: There is none of that id.
     """
-    return api.ElementSummary(**_summary(view, name))
-
-
-def _summary(view: Index, name: str) -> dict[str, object]:
     element, placement = view.element(name), view.placement(name)
-    return {
-        "id": name,
-        "class": element.type,
-        "label": element.label,
-        "placement": placement and Placement(relation=placement.relation, place=placement.place),
-        "abstract": is_abstract(name),
-        "version": view.stamp(name).change,
-    }
+    return api.ElementSummary(
+        id=name,
+        class_=element.type,
+        label=element.label,
+        placement=None if placement is None else Placement(relation=placement.relation, place=placement.place),
+        abstract=is_abstract(name),
+        version=view.stamp(name).change,
+    )
 
 
 def details(view: Index, name: str, computed: Sequence[str] = ()) -> api.ElementDetails:
@@ -57,14 +54,14 @@ def details(view: Index, name: str, computed: Sequence[str] = ()) -> api.Element
     stated = relations(view, name)
     pose = map_pose(view, name)
     return api.ElementDetails(
-        **_summary(view, name),
+        **dict(summary(view, name)),
         changed_at=view.stamp(name).time,
         properties=dict(_properties(view, name)),
-        relations=stated[:MOST_RELATIONS],
+        relations=stated[:_MOST_RELATIONS],
         relations_total=len(stated),
         computed=computed_relations(view, name, computed),
         owner=next(iter(view.owners(name)), None),
-        map_pose=pose and Pose(position=pose.position, orientation=pose.orientation),
+        map_pose=None if pose is None else Pose(position=pose.position, orientation=pose.orientation),
     )
 
 
@@ -80,7 +77,7 @@ def _relations(view: Index, statements: Iterable[tuple[str, str, str]]) -> Itera
 
 
 def computed_relations(view: Index, name: str, wanted: Sequence[str]) -> list[api.Relation]:
-    """Works out computed relations of an element, in both directions.
+    """Works out computed relations of an element: of each 200 in either direction at most.
 
     Args:
         view: The state.
@@ -93,8 +90,8 @@ def computed_relations(view: Index, name: str, wanted: Sequence[str]) -> list[ap
     """
     found: set[tuple[str, str, str]] = set()
     for relation in dict.fromkeys(each for word in wanted for each in _named(view, word)):
-        found |= {(name, relation, other) for other in view.objects(name, relation)}
-        found |= {(other, relation, name) for other in view.subjects(relation, name)}
+        found |= {(name, relation, other) for other in view.objects(name, relation)[:_MOST_RELATIONS]}
+        found |= {(other, relation, name) for other in view.subjects(relation, name)[:_MOST_RELATIONS]}
     return list(_relations(view, sorted(found)))
 
 
@@ -116,12 +113,14 @@ def _properties(view: Index, name: str) -> Iterator[tuple[str, api.Property]]:
         value = view.value(name, property_)
         if value is not None:
             frame = next(iter(view.objects(name, POSE_FRAME)), None) if property_ == POSE else None
-            yield property_, api.Property(value=told(value, frame), **_origin(view, name, property_))
+            yield property_, _property(view, name, property_, told(value, frame))
 
 
-def _origin(view: Index, name: str, property_: str) -> dict[str, str]:
+def _property(view: Index, name: str, property_: str, value: Any) -> api.Property:
     element = view.element(name)
     if property_ in element.properties:
-        return {"origin": "own"}
+        return api.Property(value=value, origin="own")
     lesson = lesson_about(view, element.type, property_)
-    return {"origin": "class"} if lesson is None else {"origin": "taught", "taught_by": lesson.id}
+    if lesson is None:
+        return api.Property(value=value, origin="class")
+    return api.Property(value=value, origin="taught", taught_by=lesson.id)

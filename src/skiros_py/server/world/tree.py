@@ -16,7 +16,7 @@ __all__ = ["MOST_NODES", "tree"]
 MOST_NODES = 2000
 """Nodes of one answer: those nearest to the root are told, the others asked for."""
 
-TOP = ""
+_TOP = ""
 """The node above everything."""
 
 
@@ -42,7 +42,7 @@ def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> Tre
     Raises:
         UnknownName: There is no such element.
     """
-    if root != TOP:
+    if root != _TOP:
         view.element(root)
     top = _Draft(root)
     waiting = deque([(top, depth)])
@@ -67,7 +67,7 @@ def _id(child: tuple[str, str]) -> str:
 
 def _children(view: Index, name: str) -> Iterator[tuple[str, str]]:
     """Yields what hangs on an element, and by which relation."""
-    if name == TOP:
+    if name == _TOP:
         yield from ((child, "") for child in _roots(view))
         return
     for relation in view.ontology.sub_relations(STRUCTURE)[1:]:
@@ -87,7 +87,7 @@ def _roots(view: Index) -> set[str]:
 
 
 def _told(view: Index, draft: _Draft) -> TreeNode:
-    element = None if draft.name == TOP else view.element(draft.name)
+    element = None if draft.name == _TOP else view.element(draft.name)
     return TreeNode(
         id=draft.name,
         class_="" if element is None else element.type,

@@ -81,6 +81,15 @@ class Scene:
         body = Body(spec, index, centre, colour)
         self.bodies[spec.id] = self._bolted(body, pose) if spec.carrier is not None else body
 
+    def fit(self, compartment: BodySpec, relative: Pose) -> None:
+        """Says where in the body that it belongs to a compartment is."""
+        self.compartments[compartment.id] = (compartment, relative)
+
+    def standing(self) -> list[tuple[BodySpec, Pose]]:
+        """Returns all bodies and compartments, with where they really are in the map."""
+        compartments = [spec for spec, _ in self.compartments.values() if spec.place in self.bodies]
+        return [(spec, self.pose(spec.id)) for spec in (*[b.spec for b in self.bodies.values()], *compartments)]
+
     def remove(self, body_id: str) -> None:
         """Takes a body away.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
 from skiros_py.robot.cell import BodySpec, CellSpec
 
-__all__ = ["start_poses"]
+__all__ = ["free_pose", "start_poses"]
 
 _MIN_DISTANCE = 0.13  # between the middles of parts on one place [m], so that a hand fits between them
 _DROP = 0.0005  # above the surface, from where a drawn part settles [m]
@@ -44,6 +45,27 @@ def start_poses(spec: CellSpec, seed: int) -> dict[str, Pose]:
         for body_id, pose in _arrange(place, bodies, standing, rng).items():
             poses[body_id] = poses[place.id] @ pose
     return poses
+
+
+def free_pose(body: BodySpec, standing: Sequence[tuple[BodySpec, Pose]], seed: int) -> Pose:
+    """Returns a pose in the map at which a body may come into a cell where others stand.
+
+    Args:
+        body: The body; its own pose counts where it has one.
+        standing: The bodies and compartments that are there, with their poses in the map.
+        seed: The run's seed.
+
+    Raises:
+        DescriptionError: It has neither pose nor place, or its place has no room for it.
+    """
+    if body.pose is not None:
+        return body.pose
+    # Whatever is movable may lie there, whichever place it was meant for.
+    there = [
+        replace(spec, pose=pose, carrier=None, place=body.place if spec.mass > 0.0 else spec.place)
+        for spec, pose in standing
+    ]
+    return start_poses(CellSpec((*there, body), ()), seed)[body.id]
 
 
 def _carrier_pose(spec: CellSpec, body: BodySpec) -> Pose:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from skiros_py.tasks.jobs.job import Job
 
-__all__ = ["CANCELLED", "CLEARED", "MOST_ANNOUNCEMENTS", "Announcement"]
+__all__ = ["CANCELLED", "CLEARED", "MOST_ANNOUNCEMENTS", "Announcement", "keep_announcement"]
 
 CANCELLED, CLEARED = "cancelled", "cleared"
 """What is announced of a job that is removed, before it began and after its end."""
@@ -33,7 +33,7 @@ class Announcement:
     trigger: str
 
 
-def write(connection: sqlite3.Connection, data: str, trigger: str, wall: float) -> None:
+def keep_announcement(connection: sqlite3.Connection, data: str, trigger: str, wall: float) -> None:
     """Keeps what happened to a job."""
     values = (wall, trigger, data)
     number = connection.execute("INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?)", values).lastrowid

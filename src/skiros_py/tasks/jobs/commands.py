@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import threading
-
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
 from skiros_py.execution.station import Station
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.conductor import Conductor
 from skiros_py.tasks.jobs.cut_off import ABORT, BY_HAND
+from skiros_py.tasks.jobs.guard import Guard
 from skiros_py.tasks.jobs.job import Job, Outcome
 from skiros_py.tasks.jobs.lookups import JobLookups
 from skiros_py.tasks.jobs.run import JobRun
@@ -33,9 +32,7 @@ class JobCommands(JobLookups):
         guard: Held while a job changes.
     """
 
-    def __init__(
-        self, book: JobBook, store: JobStore, station: Station, conductor: Conductor, guard: threading.RLock
-    ) -> None:
+    def __init__(self, book: JobBook, store: JobStore, station: Station, conductor: Conductor, guard: Guard) -> None:
         super().__init__(book, store)
         self._station = station
         self._conductor = conductor
@@ -45,7 +42,7 @@ class JobCommands(JobLookups):
 
     def start(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
         """Gives a job leave to start."""
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             if now.state is JobState.ALLOWED_TO_START:
                 return now
@@ -53,7 +50,7 @@ class JobCommands(JobLookups):
 
     def revoke_start(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
         """Takes back the leave to start."""
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             if now.state is JobState.NOT_ALLOWED_TO_START:
                 return now
@@ -61,7 +58,7 @@ class JobCommands(JobLookups):
 
     def cancel(self, job: str, *, expects: int | None = None) -> Job:
         """Removes a job that has not begun, and returns it as it was last."""
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             if now.state.has_begun:
                 raise WrongState(f"job '{job}' has begun: stop or abort it, then clear it")
@@ -73,7 +70,7 @@ class JobCommands(JobLookups):
 
     def pause(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
         """Lets a job come to a standstill where it is; what waits for an answer stands when that has come."""
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             if now.state is not JobState.INTERRUPTED:
                 now = self._book.move(now, Trigger.PAUSE, comment, detail="paused")
@@ -86,7 +83,7 @@ class JobCommands(JobLookups):
         Raises:
             WrongState: It waits for an answer, or everything is halted, or it does not stand.
         """
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             if now.state is JobState.RUNNING:
                 return now
@@ -111,7 +108,7 @@ class JobCommands(JobLookups):
             UnknownName: There is no such job, or it does not offer that choice.
             WrongState: It asks something else by now, or everything is halted.
         """
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             if choice not in now.choices:
                 raise UnknownName("answer", choice, now.choices, where=f"of job '{job}'")
@@ -139,14 +136,14 @@ class JobCommands(JobLookups):
 
     def clear(self, job: str, *, expects: int | None = None) -> Job:
         """Removes a job that is over, with all that is known of it, and returns it as it was last."""
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             if now.state.is_open:
                 raise WrongState(f"job '{job}' is not over: stop, abort or cancel it")
             return self._book.remove(now)
 
     def _end(self, job: str, trigger: Trigger, outcome: Outcome, comment: str, expects: int | None) -> Job:
-        with self._guard:
+        with self._guard.command():
             now = self._expected(job, expects)
             run = self._conductor.run(job)
             if now.outcome is outcome or (run is not None and run.ending is outcome):

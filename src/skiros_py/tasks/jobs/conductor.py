@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -13,6 +12,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.by_hand import done_by_hand
 from skiros_py.tasks.jobs.cut_off import BY_HAND, CUT_OFF, hold_what_was_halted
+from skiros_py.tasks.jobs.guard import Guard
 from skiros_py.tasks.jobs.job import Intent, Job, Outcome
 from skiros_py.tasks.jobs.moves import moved
 from skiros_py.tasks.jobs.run import JobRun
@@ -48,7 +48,7 @@ class Conductor:
         store: JobStore,
         book: JobBook,
         parse: ReadGoal,
-        guard: threading.RLock,
+        guard: Guard,
         *,
         at_once: int,
         clock: Callable[[], float],
@@ -108,23 +108,22 @@ class Conductor:
     def _follow(self, job: str, run: JobRun) -> None:
         run.write_trace()
         if run.has_news:
-            with self._guard:
+            with self._guard.control():
                 if run.follow(self._book.open[job]):
                     del self._runs[job]
 
     def _dispatch(self, id_: str) -> None:
-        with self._guard:
+        with self._guard.control():
             job = self._book.open.get(id_)
             if job is None or self._book.queue.next(self._clock()) != id_:  # somebody was quicker
                 return
             if job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._clock():
-                gone = {"outcome": Outcome.EXPIRED, "detail": ""}
-                self._book.move(job, Trigger.FAIL, "its deadline has passed", **gone)
+                self._book.move(job, Trigger.FAIL, "its deadline has passed", outcome=Outcome.EXPIRED, detail="")
                 return
             self._begin(self._book.move(job, Trigger.DISPATCH, detail="planning", started=self._clock()))
 
     def _go_on(self, id_: str) -> None:
-        with self._guard:
+        with self._guard.control():
             job = self._book.open.get(id_)
             if id_ in self._runs:
                 self._runs[id_].resume()
@@ -141,14 +140,13 @@ class Conductor:
             goal = self._parse(job.order.goal)
             undertaking = self._tasks.begin(goal, name=job.id, policy=job.order.policy)
         except SkirosError as error:
-            failed = {"outcome": Outcome.FAILED, "reasons": (str(error),), "detail": ""}
-            self._book.move(job, Trigger.FAIL, **failed)
+            self._book.move(job, Trigger.FAIL, outcome=Outcome.FAILED, reasons=(str(error),), detail="")
             return
         self._book.change(job.but(attempts=job.attempts + 1, seen=self._station.world.version))
         self._runs[job.id] = JobRun(undertaking, self._station, self._book, self._store)
 
     def _note_done(self, id_: str, by: str) -> None:
-        with self._guard:
+        with self._guard.control():
             job = self._book.open.get(id_)
             if job is None or job.state is not JobState.INTERRUPTED or id_ in self._runs:  # somebody was quicker
                 return

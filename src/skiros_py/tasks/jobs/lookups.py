@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from skiros_py.errors import UnknownName
+from skiros_py.tasks.jobs.announcements import Announcement
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.job import Intent, Job, Transition
 from skiros_py.tasks.jobs.receipts import Receipt
@@ -103,6 +104,19 @@ class JobLookups:
             UnknownName: There is no such job.
         """
         return self.store.trace(self.job(job).id)
+
+    def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
+        """Returns what is to be told to others; see :meth:`JobStore.announcements`."""
+        return self.store.announcements(after, most)
+
+    @property
+    def last_announcement(self) -> int:
+        """Number of the last announcement, forgotten or not; 0 before the first."""
+        return self.store.last_announcement
+
+    def forget_announcements(self, upto: int) -> None:
+        """Forgets what was told to everybody; see :meth:`JobStore.forget_announcements`."""
+        self.store.forget_announcements(upto)
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with every new version of a job, in the thread that made it; returns how to end that."""

@@ -6,7 +6,6 @@ control cycle. What runs is touched in the control thread only.
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 
@@ -16,6 +15,7 @@ from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.commands import JobCommands
 from skiros_py.tasks.jobs.conductor import Conductor, ReadGoal
 from skiros_py.tasks.jobs.cut_off import hold_what_was_cut_off
+from skiros_py.tasks.jobs.guard import Guard
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.order import JobOrder
 from skiros_py.tasks.jobs.receipts import Receipt
@@ -57,7 +57,7 @@ class JobManager(JobCommands):
         limit: int = _MOST_OPEN,
         clock: Callable[[], float] = time.time,
     ) -> None:
-        guard = threading.RLock()
+        guard = Guard()
         book = JobBook(store, clock)
         conductor = Conductor(tasks, station, store, book, parse, guard, at_once=at_once, clock=clock)
         super().__init__(book, store, station, conductor, guard)
@@ -93,7 +93,7 @@ class JobManager(JobCommands):
         if known is not None:
             return known
         self._parse(order.goal)
-        with self._guard:
+        with self._guard.command():
             known = self._known(order, receipt)
             if known is not None:
                 return known
@@ -116,7 +116,7 @@ class JobManager(JobCommands):
             WrongState: It has begun.
         """
         self._parse(order.goal)
-        with self._guard:
+        with self._guard.command():
             now = self._expected(order.id, expects)
             if now.order == order:
                 return now
@@ -124,7 +124,7 @@ class JobManager(JobCommands):
 
     def _known(self, order: JobOrder, receipt: Receipt | None) -> Job | None:
         """Returns the job of an order or request that comes once more; None where both are new."""
-        with self._guard:
+        with self._guard.command():
             if receipt is not None and (before := self.known(receipt)) is not None:
                 return before
             known = self.jobs.get(order.id)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from skiros_py.errors import UsageError
 
-__all__ = ["KEPT", "KeyReused", "Receipt"]
+__all__ = ["KEPT", "KeyReused", "Receipt", "keep_receipt", "leave_receipts"]
 
 KEPT = 24 * 3600.0
 """How long a receipt is kept at least [s]."""
@@ -41,13 +41,13 @@ class Receipt:
             raise KeyReused(f"the key '{self.key}' was used for another order: take a new key for each new order")
 
 
-def write(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
+def keep_receipt(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
     """Keeps that a request led to a job, and forgets what is old."""
     connection.execute("DELETE FROM receipts WHERE wall < ?", (wall - KEPT,))
     values = (receipt.caller, receipt.key, receipt.digest, job, wall)
     connection.execute("INSERT INTO receipts (caller, key, digest, job, wall) VALUES (?, ?, ?, ?, ?)", values)
 
 
-def part(connection: sqlite3.Connection, job: str, data: str) -> None:
+def leave_receipts(connection: sqlite3.Connection, job: str, data: str) -> None:
     """Keeps the last version of a job that is removed with the receipts that led to it."""
     connection.execute("UPDATE receipts SET last = ? WHERE job = ? AND last IS NULL", (data, job))

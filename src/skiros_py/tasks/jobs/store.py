@@ -13,16 +13,18 @@ from pydantic import TypeAdapter, ValidationError
 
 from skiros_py.database import Database
 from skiros_py.errors import FileError, UnknownName
-from skiros_py.tasks.jobs import announcements, receipts
-from skiros_py.tasks.jobs.announcements import Announcement
+from skiros_py.tasks.jobs.announcements import Announcement, keep_announcement
 from skiros_py.tasks.jobs.job import Intent, Job, Transition
-from skiros_py.tasks.jobs.receipts import Receipt
+from skiros_py.tasks.jobs.receipts import Receipt, keep_receipt, leave_receipts
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.tables import SCHEMA
 
 __all__ = ["JobStore", "Page"]
 
 T = TypeVar("T")
+
+_LAST = 2**63 - 1
+"""The greatest number that the file can hold."""
 
 _TRACE = TypeAdapter(dict[str, Any])
 
@@ -98,7 +100,7 @@ class JobStore:
         # Numbers of our own, and no text of anybody's: they need not be bound.
         among = "1" if states is None else f"state IN ({', '.join(str(state.value) for state in wanted)})"
         sql = f"SELECT data FROM jobs WHERE number > ? AND changed >= ? AND {among} ORDER BY number LIMIT ?"  # noqa: S608
-        rows = self._database.rows(sql, (after, 0.0 if since is None else since, limit + 1))
+        rows = self._database.rows(sql, (min(after, _LAST), 0.0 if since is None else since, limit + 1))
         jobs = tuple(self._job(data) for (data,) in rows[:limit])
         return Page(jobs, jobs[-1].number if len(rows) > limit else None)
 
@@ -119,7 +121,7 @@ class JobStore:
             numbered = job.model_copy(update={"number": int(number)})
             _write(connection, numbered, trigger, comment)
             if receipt is not None:
-                receipts.write(connection, receipt, job.id, job.changed)
+                keep_receipt(connection, receipt, job.id, job.changed)
         return numbered
 
     def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "") -> None:
@@ -145,8 +147,8 @@ class JobStore:
             connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
             for table in ("transitions", "intents", "trace"):
                 connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - our own names
-            receipts.part(connection, job.id, data)
-            announcements.write(connection, data, why, job.changed)
+            leave_receipts(connection, job.id, data)
+            keep_announcement(connection, data, why, job.changed)
 
     # ------------------------------------------------------------------ requests and announcements
 
@@ -169,7 +171,7 @@ class JobStore:
     def note(self, receipt: Receipt, job: Job, wall: float) -> None:
         """Keeps that a request led to a job that was there already."""
         with self._database.transaction() as connection:
-            receipts.write(connection, receipt, job.id, wall)
+            keep_receipt(connection, receipt, job.id, wall)
 
     def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
         """Returns what is to be told to others, in order.
@@ -181,6 +183,12 @@ class JobStore:
         sql = "SELECT number, wall, data, trigger FROM announcements WHERE number > ? ORDER BY number LIMIT ?"
         rows = self._database.rows(sql, (after, most))
         return tuple(Announcement(number, wall, self._job(data), trigger) for number, wall, data, trigger in rows)
+
+    @property
+    def last_announcement(self) -> int:
+        """Number of the last announcement, forgotten or not; 0 before the first."""
+        rows = self._database.rows("SELECT seq FROM sqlite_sequence WHERE name = 'announcements'")
+        return int(rows[0][0]) if rows else 0
 
     def forget_announcements(self, upto: int) -> None:
         """Forgets what was told to everybody.
@@ -258,4 +266,4 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
     if trigger is not None:
         entry = Transition(wall=job.changed, trigger=trigger.value, state=job.state, comment=comment)
         connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
-        announcements.write(connection, data, trigger.value, job.changed)
+        keep_announcement(connection, data, trigger.value, job.changed)

@@ -2,6 +2,6 @@
 
 from skiros_py.world.journal.data_directory import DataDirectory
 from skiros_py.world.journal.journal import Journal
-from skiros_py.world.journal.records import Entry
+from skiros_py.world.journal.records import Entry, Head
 
-__all__ = ["DataDirectory", "Entry", "Journal"]
+__all__ = ["DataDirectory", "Entry", "Head", "Journal"]

@@ -21,18 +21,21 @@ from skiros_py.world.change import (
 )
 from skiros_py.world.element import Element, Placement, Value
 
-__all__ = ["decode_change", "decode_edits", "encode_change", "encode_edits", "parts"]
+__all__ = ["LONGEST_PART", "decode_change", "decode_edits", "encode_change", "encode_edits", "parts"]
 
-_LONGEST_PART = 1000
-"""Edits in one text: a scene of 100,000 elements is read and written piece by piece."""
+LONGEST_PART = 1000
+"""Edits in one text: a scene of 100,000 elements is read and written piece by piece.
+
+Files count on it: of the texts of a change all but the last have so many.
+"""
 
 _Json = Mapping[str, Any]
 
 
 def parts(edits: Sequence[Edit]) -> Iterator[Sequence[Edit]]:
     """Yields the edits in pieces of bearable length; an empty one where there are none."""
-    for first in range(0, max(len(edits), 1), _LONGEST_PART):
-        yield edits[first : first + _LONGEST_PART]
+    for first in range(0, max(len(edits), 1), LONGEST_PART):
+        yield edits[first : first + LONGEST_PART]
 
 
 def encode_change(change: Change) -> list[str]:

@@ -11,13 +11,23 @@ from pathlib import Path
 
 from skiros_py.database import Database
 from skiros_py.errors import FileError, UsageError, WorldError
-from skiros_py.world.change import Change
+from skiros_py.world.change import Change, Edit
 from skiros_py.world.garbage import collection_paused
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
 from skiros_py.world.journal.content import Content
 from skiros_py.world.journal.recent import Recent
-from skiros_py.world.journal.records import Entry, delete_from, delete_until, insert, select, select_after
+from skiros_py.world.journal.records import (
+    Entry,
+    Head,
+    delete_from,
+    delete_until,
+    insert,
+    select,
+    select_after,
+    select_edits,
+    select_heads,
+)
 from skiros_py.world.journal.schema import SCHEMA
 from skiros_py.world.journal.snapshot import read_piece, snapshot_pieces
 from skiros_py.world.past import Past
@@ -27,6 +37,8 @@ __all__ = ["Journal"]
 _log = logging.getLogger(__name__)
 
 _PEOPLE = "writer = 'person' OR undoes IS NOT NULL"
+_TAKEN_BACK = f"SELECT undoes FROM changes WHERE ({_PEOPLE}) AND undoes IS NOT NULL"  # noqa: S608  all ours
+_UNDOABLE = f"({_PEOPLE}) AND undoes IS NULL AND number NOT IN ({_TAKEN_BACK}) ORDER BY number DESC LIMIT 1"
 _PAGE = 50
 _MOST_PROBLEMS = 20
 
@@ -152,8 +164,8 @@ class Journal:
 
     def page(
         self, beyond: int, limit: int, *, element: str | None = None, newest_first: bool = False
-    ) -> tuple[Entry, ...]:
-        """Returns some of the remembered changes of an element, which may be gone, or of all.
+    ) -> tuple[Head, ...]:
+        """Returns the beginnings of some of the remembered changes of an element, which may be gone, or of all.
 
         Args:
             beyond: Only changes after this number; with ``newest_first``, only those before it.
@@ -164,7 +176,26 @@ class Journal:
         about = "number IN (SELECT number FROM marks WHERE element = ?) AND " if element is not None else ""
         order = "number < ? ORDER BY number DESC LIMIT ?" if newest_first else "number > ? ORDER BY number LIMIT ?"
         values = [] if element is None else [element]
-        return tuple(self._select(about + order, (*values, beyond, limit)))
+        return tuple(select_heads(self._database, about + order, (*values, beyond, limit)))
+
+    def edits(self, head: Head, start: int, most: int) -> Sequence[Edit]:
+        """Returns some edits of a remembered change.
+
+        Args:
+            head: Its beginning.
+            start: The first of them.
+            most: How many at most.
+        """
+        here = head.change.edits[start : start + most]
+        missing = min(most, head.edits - start) - len(here)
+        if missing <= 0:
+            return here
+        return (*here, *select_edits(self._database, head.change.number, start + len(here), missing))
+
+    def undoable(self) -> Head | None:
+        """Returns the beginning of the last remembered change by a person that was not taken back yet, or None."""
+        heads = select_heads(self._database, _UNDOABLE)
+        return heads[0] if heads else None
 
     def was_given(self, element: str) -> bool:
         """Returns True when there was an element of that id at any time."""

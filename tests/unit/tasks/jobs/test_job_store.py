@@ -10,6 +10,7 @@ import pytest
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.order import JobOrder
+from skiros_py.tasks.jobs.receipts import Receipt
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.store import JobStore
 
@@ -32,7 +33,7 @@ def test_what_was_kept_is_there_after_opening_again(tmp_path, store):
     store.keep(kept, Trigger.DISPATCH, "its turn")
     store.close()
     again = JobStore(tmp_path / "jobs.db")
-    assert again.all() == (kept,)
+    assert again.open() == (kept,)
     (moved,) = again.transitions("a")
     assert (moved.trigger, moved.state, moved.comment) == ("dispatch", JobState.RUNNING, "its turn")
     again.close()
@@ -40,15 +41,24 @@ def test_what_was_kept_is_there_after_opening_again(tmp_path, store):
 
 def test_jobs_come_in_the_order_in_which_they_were_ordered(store):
     for name in "zma":
-        store.keep(job(name, store.next_number()))
-    assert [kept.id for kept in store.all()] == ["z", "m", "a"]
+        store.add(job(name), Trigger.START)
+    assert [kept.id for kept in store.open()] == ["z", "m", "a"]
+    assert store.ids() == ("z", "m", "a")
 
 
 def test_numbers_are_never_given_again(store):
-    first = store.next_number()
-    store.keep(job("a", first))
-    store.forget("a")
-    assert store.next_number() > first
+    first = store.add(job("a"), Trigger.START)
+    store.forget(first, "cleared")
+    assert store.add(job("a"), Trigger.START).number > first.number
+
+
+def test_what_cannot_be_kept_costs_no_number_and_leaves_nothing_behind(store):
+    store.add(job("a"), Trigger.START, receipt=Receipt("mes", "k", "d"))
+    with pytest.raises(FileError):
+        store.add(job("b"), Trigger.START, receipt=Receipt("mes", "k", "other"))
+    assert store.ids() == ("a",)
+    assert store.last_announcement == 1
+    assert store.add(job("c"), Trigger.START).number == 2
 
 
 def test_an_intent_stays_open_until_it_is_settled(store):
@@ -67,8 +77,8 @@ def test_forgetting_a_job_forgets_all_of_it(store):
     store.keep(job(), Trigger.DISPATCH)
     store.intend("a", "pick", {})
     store.tell("a", [{"text": "begun"}])
-    store.forget("a")
-    assert (store.all(), store.transitions("a"), store.intents("a"), store.trace("a")) == ((), (), (), ())
+    store.forget(job(), "cleared")
+    assert (store.open(), store.transitions("a"), store.intents("a"), store.trace("a")) == ((), (), (), ())
 
 
 def test_a_trace_is_kept_in_its_order(store):
@@ -88,13 +98,10 @@ def test_what_is_kept_outlives_a_kill(tmp_path):
     """The writer is killed right after it says that it has kept the job."""
     code = (
         "import sys, time; from pathlib import Path\n"
-        "from skiros_py.tasks.jobs.job import Job
-from skiros_py.tasks.jobs.order import JobOrder\n"
-        "from skiros_py.tasks.jobs.states import JobState\n"
-        "from skiros_py.tasks.jobs.store import JobStore\n"
+        "from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger\n"
         f"store = JobStore(Path({str(tmp_path / 'jobs.db')!r}))\n"
         "order = JobOrder(id='a', goal=('InKit(Starter, kit_1)',))\n"
-        "store.keep(Job(order=order, number=store.next_number(), state=JobState.RUNNING))\n"
+        "store.add(Job(order=order, number=0, state=JobState.RUNNING), Trigger.START)\n"
         "store.intend('a', 'pick', {'Object': 'starter_1'})\n"
         "print('kept', flush=True); time.sleep(60)\n"
     )
@@ -103,6 +110,6 @@ from skiros_py.tasks.jobs.order import JobOrder\n"
         assert writer.stdout.readline() == "kept\n"
         os.kill(writer.pid, signal.SIGKILL)
     store = JobStore(tmp_path / "jobs.db")
-    assert [kept.id for kept in store.all()] == ["a"]
+    assert [kept.id for kept in store.open()] == ["a"]
     assert [intent.ended for intent in store.intents("a")] == [None]
     store.close()

@@ -87,13 +87,13 @@ def test_texts_are_plain_ascii_so_that_every_character_can_be_stored(edits: list
 
 @given(st.lists(EDITS, max_size=20))
 def test_many_edits_take_several_texts(edits: list[Edit]) -> None:
-    before = codec._LONGEST_PART
-    codec._LONGEST_PART = 3
+    before = codec.LONGEST_PART
+    codec.LONGEST_PART = 3
     try:
         change = Change(1, "scene", "read", 0.0, tuple(edits))
         texts = encode_change(change)
     finally:
-        codec._LONGEST_PART = before
+        codec.LONGEST_PART = before
 
     assert len(texts) == max(1, math.ceil(len(edits) / 3))
     assert decode_change(texts[0], texts[1:]) == change

@@ -16,10 +16,11 @@ from skiros_py.errors import FileError, UsageError, WorldError
 from skiros_py.testing import tiny_ontology, tiny_world
 from skiros_py.world.change import Change, ElementEdit, GoalsEdit, PropertyEdit, Writer
 from skiros_py.world.index import Index
-from skiros_py.world.journal import DataDirectory, Journal, codec, recent, records
+from skiros_py.world.journal import DataDirectory, Head, Journal, codec, recent, records
 from skiros_py.world.journal.codec import encode_change
 from skiros_py.world.journal.schema import SCHEMA
 from skiros_py.world.past import GOALS, MemoryLog
+from skiros_py.world.undo import last_undoable
 
 Open = Callable[[], DataDirectory]
 Weigh = Callable[..., None]
@@ -311,7 +312,7 @@ def test_threads_may_ask_while_one_writes_and_another_compacts(open_tiny: Open, 
 def test_a_file_of_version_one_is_brought_up_to_date_with_its_content(
     longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(codec, "_LONGEST_PART", longest)
+    monkeypatch.setattr(codec, "LONGEST_PART", longest)
     world = tiny_world()
     with world.transaction("ann", "goals", writer=Writer.PERSON) as tx:
         tx.set_goals(["In(ball_1, slot_1)"])
@@ -381,3 +382,43 @@ def old_file(path: Path, changes: Sequence[Change]) -> Path:
 def facts(state: Index) -> object:
     elements = {name: (state.element(name), state.placement(name), state.stamp(name)) for name in state.ids()}
     return elements, list(state.statements()), state.goals
+
+
+def numbers(heads: Sequence[Head]) -> list[int]:
+    return [head.change.number for head in heads]
+
+
+def test_pages_go_forward_from_a_number_or_back_before_it(journal: Journal) -> None:
+    journal.append_all([change(number, element=f"ball_{number % 2}") for number in range(1, 8)])
+
+    assert numbers(journal.page(0, 3)) == [1, 2, 3]
+    assert numbers(journal.page(3, 10)) == [4, 5, 6, 7]
+    assert numbers(journal.page(8, 3, newest_first=True)) == [7, 6, 5]
+    assert numbers(journal.page(1, 2, element="ball_1")) == [3, 5]
+    assert numbers(journal.page(5, 9, element="ball_1", newest_first=True)) == [3, 1]
+
+
+@pytest.mark.parametrize("total", [0, 1, 999, 1000, 1001, 2000, 2500])
+def test_of_a_long_change_any_edits_are_read_without_the_others(journal: Journal, total: int) -> None:
+    edits = tuple(PropertyEdit(f"ball_{n}", "sk:mass", None, float(n)) for n in range(total))
+    journal.append(Change(1, "scene", "loaded", 0.0, edits))
+
+    (head,) = journal.page(0, 1)
+
+    assert (head.edits, head.change.edits) == (total, edits[:1000])
+    for start, most in ((0, 10), (990, 20), (1000, 1000), (995, 1400), (2400, 500), (3000, 5)):
+        assert journal.edits(head, start, most) == edits[start : start + most]
+
+
+def test_what_can_be_undone_is_the_last_that_a_person_did_and_nobody_took_back(journal: Journal) -> None:
+    assert journal.undoable() is None
+    for number, more in enumerate(
+        [{"writer": Writer.PERSON}, {}, {"writer": Writer.PERSON}, {"writer": Writer.PERSON, "undoes": 3}], start=1
+    ):
+        journal.append(change(number, **more))
+
+    head = journal.undoable()
+
+    assert head is not None
+    assert head.change == last_undoable(journal)
+    assert head.change.number == 1

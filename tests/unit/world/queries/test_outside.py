@@ -377,3 +377,7 @@ def test_closing_ends_the_replica_and_what_it_runs() -> None:
     assert not set(here.children(recursive=True)) - others
     with pytest.raises(DeviceError, match="was closed"):
         queries.ask("ASK {}")
+
+
+def test_any_name_may_be_that_of_a_parameter(outside: OutsideQueries) -> None:
+    assert outside.answer("ASK { ?part sk:in $sparql }", {"sparql": "pallet_a"}) is True

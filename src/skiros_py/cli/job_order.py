@@ -1,0 +1,147 @@
+"""``skiros job submit`` and ``skiros job preview``: goals for a server."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import click
+from pydantic import ValidationError
+
+from skiros_py.api.jobs import JobOrder, order_from
+from skiros_py.api.previews import Preview, PreviewState
+from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED
+from skiros_py.cli.job_text import say, state_line
+from skiros_py.cli.job_watch import follow_job
+from skiros_py.cli.options import JSON
+from skiros_py.cli.output import answer
+from skiros_py.cli.reaching import reach, server_options
+from skiros_py.errors import UsageError
+
+__all__ = ["preview", "submit"]
+
+
+_LOOK = 10.0
+"""For how long one request waits for a plan [s]."""
+
+
+class _Time(click.ParamType[datetime]):
+    name = "TIME"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> datetime:
+        """Reads a time; without a zone it is that of this machine."""
+        try:
+            return datetime.fromisoformat(value).astimezone()
+        except (ValueError, OverflowError):
+            self.fail(f"'{value}' is no time such as 2026-11-21T14:30 or 2026-11-21T14:30:00+01:00", param, ctx)
+
+
+@click.command(
+    "submit",
+    epilog="""\b
+Examples:
+  skiros job submit 'InKit(Starter, kit_1)' --data cell --watch
+  skiros job submit --template 'fill kit' --param kit=kit_1 --material 2*Starter --url http://cell-3:8000
+""",
+)
+@click.argument("goals", nargs=-1, metavar="[GOAL]...")
+@click.option("--id", "id_", metavar="ID", help="Id of the job; the same order again is the same job.")
+@click.option("--description", default="", metavar="TEXT", help="For people.")
+@click.option("--priority", type=click.IntRange(-(2**15), 2**15 - 1), default=0, help="The higher comes first.")
+@click.option("--not-before", type=_Time(), help="It does not start earlier.")
+@click.option("--deadline", type=_Time(), help="When it should be done.")
+@click.option("--expires", is_flag=True, help="It must not be begun after its deadline.")
+@click.option("--hold", is_flag=True, help="Keep it until 'skiros job start'.")
+@click.option("--template", default="", metavar="NAME", help="A goal template of the server instead of goals.")
+@click.option("--param", "params", multiple=True, metavar="NAME=VALUE", help="What the template is given.")
+@click.option(
+    "--material", "materials", multiple=True, metavar="[N*]CLASS[=ID][@PLACE]", help="Material that it is about."
+)
+@click.option("--watch", is_flag=True, help="Follow it until it is over, as 'skiros job watch' does.")
+@server_options
+@JSON
+def submit(
+    goals: tuple[str, ...],
+    template: str,
+    params: tuple[str, ...],
+    materials: tuple[str, ...],
+    hold: bool,
+    watch: bool,
+    data: Path | None,
+    url: str | None,
+    key_file: Path | None,
+    as_json: bool,
+    id_: str | None,
+    **fields: Any,
+) -> int:
+    """Orders a job: all GOALs must hold together, such as 'InKit(Starter, kit_1)'.
+
+    It is kept when this returns. Exit status: 0 taken; with --watch that of 'skiros job watch'.
+    """
+    order = _order(goals, template, params, materials, id=id_, **fields)
+    with reach(data, url, key_file) as client:
+        job = client.jobs.order(order, start=not hold)
+        if watch:
+            return follow_job(client, job.id, as_json=as_json)
+    if as_json:
+        answer(job.model_dump(mode="json", by_alias=True))
+    else:
+        say([state_line(job)])
+    return REACHED
+
+
+@click.command("preview", epilog="Example: skiros job preview 'InKit(Starter, kit_1)' --data cell")
+@click.argument("goals", nargs=-1, required=True, metavar="GOAL...")
+@server_options
+@JSON
+def preview(goals: tuple[str, ...], data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
+    """Shows what would be done for GOALs from what is believed now, or why there is no plan; nothing moves.
+
+    Exit status: 0 there is a plan or nothing to be done, 1 planning failed, 3 there is no plan.
+    """
+    order = _order(goals, "", (), ())
+    with reach(data, url, key_file) as client:
+        found = client.previews.ask(order)
+        while found.state is PreviewState.PLANNING:
+            found = client.previews.get(found.id, wait=_LOOK)
+    if as_json:
+        answer(found.model_dump(mode="json"))
+    else:
+        say(_preview_lines(found))
+    return {PreviewState.PLANNED: REACHED, PreviewState.NO_PLAN: NO_PLAN}.get(found.state, NOT_REACHED)
+
+
+def _preview_lines(found: Preview) -> Iterator[str]:
+    if found.state is PreviewState.PLANNED and not found.steps:
+        yield "the goal already holds: nothing to do"
+    for number, step in enumerate(found.steps, start=1):
+        yield f"{number:3}. {step.text}"
+    yield from (f"{found.state}: {reason}" for reason in found.reasons)
+    yield from (f"  to make it work: {repair.text}" for repair in found.repairs)
+
+
+def _order(
+    goals: tuple[str, ...], template: str, params: tuple[str, ...], materials: tuple[str, ...], **fields: Any
+) -> JobOrder:
+    if bool(goals) == bool(template):
+        raise click.UsageError("say what is wanted: either GOALs or --template NAME")
+    try:
+        return order_from(goals, template=template, parameters=_parameters(params), materials=materials, **fields)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise UsageError(f"that is no order: {where + ': ' if where else ''}{first['msg']}") from None
+
+
+def _parameters(texts: tuple[str, ...]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise click.UsageError(f"--param takes NAME=VALUE, as in kit=kit_1; got '{text}'")
+        if name in found:
+            raise click.UsageError(f"--param says twice what {name} is: give it once")
+        found[name] = value
+    return found

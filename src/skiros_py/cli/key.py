@@ -1,0 +1,136 @@
+"""``skiros key``: who may use a server, as what."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from skiros_py.cli.exit_status import REACHED
+from skiros_py.cli.options import DATA, JSON
+from skiros_py.cli.output import answer
+from skiros_py.cli.text import escaped
+from skiros_py.errors import FileError
+
+if TYPE_CHECKING:
+    from skiros_py.api.keys import ApiKey
+    from skiros_py.server.access.keys import KeyStore
+
+__all__ = ["command"]
+
+_ROLES = ("viewer", "operator", "engineer", "admin", "mes")
+_LASTING = re.compile(r"([1-9]\d{0,4})([hdw])")
+_SECONDS = {"h": 3600.0, "d": 86_400.0, "w": 604_800.0}
+
+
+class _Lasting(click.ParamType[float]):
+    """A time span such as 12h, 90d or 4w [s]."""
+
+    name = "span"
+
+    def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        match = _LASTING.fullmatch(str(value))
+        if match is None:
+            self.fail(f"{value!r} is no time span: give hours, days or weeks, such as 12h, 90d or 4w", param, ctx)
+        return int(match[1]) * _SECONDS[match[2]]
+
+
+@click.group("key")
+def command() -> None:
+    """Makes keys for a server, lists and revokes them.
+
+    It works on the data directory, whether a server runs on it or not; what is revoked counts at once.
+    """
+
+
+@command.command("create", epilog="Example: skiros key create 'line 1 MES' --role mes --expires 90d --data plant")
+@click.argument("name")
+@click.option("--role", required=True, type=click.Choice(_ROLES), help="What the owner of the key may do.")
+@click.option("--expires", type=_Lasting(), metavar="SPAN", help="How long it is valid: 12h, 90d, 4w.  [default: ever]")
+@DATA
+@JSON
+def create(name: str, role: str, expires: float | None, data: Path, as_json: bool) -> int:
+    """Makes a key for NAME and prints it, once: it is kept nowhere.
+
+    Viewers look on; operators edit scenes, order and command jobs; engineers run modules, move robots by hand and
+    teach; admins make keys. A MES orders, follows and commands jobs, and nothing else.
+    """
+    from skiros_py.server.access.keys import shown
+    from skiros_py.server.access.roles import Role
+
+    with _keys(data, make=True) as keys:
+        key, text = keys.create(name, Role(role), None if expires is None else time.time() + expires)
+    if as_json:
+        answer({"key": shown(key).model_dump(mode="json"), "secret": text})
+        return REACHED
+    click.echo(f"{role} key for {escaped(name)}; it is shown this once:", err=True)
+    click.echo(text)
+    return REACHED
+
+
+@command.command("list", epilog="Example: skiros key list --data plant")
+@DATA
+@JSON
+def list_keys(data: Path, as_json: bool) -> int:
+    """Lists the keys, revoked and expired ones too."""
+    from skiros_py.server.access.keys import shown
+
+    with _keys(data) as keys:
+        found = [shown(key) for key in keys.all()]
+    if as_json:
+        answer({"keys": [key.model_dump(mode="json") for key in found]})
+        return REACHED
+    for key in found:
+        click.echo(f"{key.id}  {key.role:<8}  {key.shown}  {escaped(key.name)}: {_state(key)}")
+    return REACHED
+
+
+@command.command("revoke", epilog="Example: skiros key revoke 1f0c55a2 --data plant")
+@click.argument("key")
+@DATA
+@JSON
+def revoke(key: str, data: Path, as_json: bool) -> int:
+    """Takes a key out of use, at once and for good; KEY is its id, as 'skiros key list' shows it."""
+    from skiros_py.server.access.keys import shown
+
+    with _keys(data) as keys:
+        revoked = shown(keys.revoke(key))
+    if as_json:
+        answer(revoked.model_dump(mode="json"))
+    else:
+        click.echo(f"{revoked.shown} of {escaped(revoked.name)} is revoked")
+    return REACHED
+
+
+@contextmanager
+def _keys(data: Path, *, make: bool = False) -> Iterator[KeyStore]:
+    from skiros_py.server.access.file import FILE, open_access
+    from skiros_py.server.access.keys import KeyStore
+
+    if not make and not (data / FILE).exists():
+        raise FileError(data, "no keys were made in this data directory: 'skiros key create' makes one")
+    try:
+        data.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(data, f"cannot be made: {error.strerror}") from None
+    with closing(open_access(data)) as database:
+        yield KeyStore(database)
+
+
+def _state(key: ApiKey) -> str:
+    if key.revoked is not None:
+        return f"revoked {_date(key.revoked)}"
+    used = f"used {_date(key.used)}" if key.used is not None else "never used"
+    if key.expires is None:
+        return used
+    return f"{'valid until' if key.valid else 'expired'} {_date(key.expires)}, {used}"
+
+
+def _date(time_: datetime) -> str:
+    return time_.astimezone().strftime("%Y-%m-%d %H:%M")

@@ -1,0 +1,47 @@
+"""Alarms: what stopped a robot, or waits for a person."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+
+from httpx2 import Response
+
+from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
+from skiros_py.client.call import Call
+
+__all__ = ["acknowledge_alarm", "answer_alarm", "get_alarm", "list_alarms"]
+
+
+def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | None = None) -> Call[AlarmPage]:
+    """Lists alarms, oldest first: all, those that are active, or those that are over."""
+    query = {"active": active, "limit": limit, "cursor": cursor}
+    return Call("GET", "/alarms", lambda r: AlarmPage.model_validate_json(r.content), query)
+
+
+def get_alarm(alarm: str) -> Call[AlarmInfo]:
+    """Tells about one alarm."""
+    return Call("GET", _path(alarm), _info)
+
+
+def acknowledge_alarm(alarm: str) -> Call[AlarmInfo]:
+    """Notes that somebody has seen it."""
+    return Call("POST", f"{_path(alarm)}/acknowledge", _info)
+
+
+def answer_alarm(alarm: str, answer: str) -> Call[AlarmInfo]:
+    """Answers who waits.
+
+    Args:
+        alarm: Its id.
+        answer: One of its choices.
+    """
+    body = AlarmAnswer(answer=answer).model_dump(mode="json")
+    return Call("POST", f"{_path(alarm)}/answer", _info, json=body, repeatable=False)
+
+
+def _path(alarm: str) -> str:
+    return f"/alarms/{quote(alarm, safe='')}"
+
+
+def _info(response: Response) -> AlarmInfo:
+    return AlarmInfo.model_validate_json(response.content)

@@ -1,0 +1,163 @@
+"""Elements of the world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from urllib.parse import quote
+
+from httpx2 import Response
+
+from skiros_py.api.elements import ElementDetails, ElementPage, ElementPatch, NewElement, RelationPage
+from skiros_py.api.world import ChangePage, Written
+from skiros_py.client.call import Call
+
+__all__ = [
+    "add_element",
+    "change_element",
+    "list_elements",
+    "list_relations",
+    "read_element",
+    "read_element_history",
+    "remove_element",
+    "state_relation",
+    "take_back_relation",
+]
+
+
+def list_elements(
+    *,
+    class_: str | None = None,
+    label: str | None = None,
+    text: str | None = None,
+    place: str | None = None,
+    abstract: bool | None = None,
+    limit: int | None = None,
+    cursor: str | None = None,
+) -> Call[ElementPage]:
+    """Lists elements in the order of their ids.
+
+    Args:
+        class_: Of this class or one below.
+        label: Called exactly so.
+        text: With this text in id, label or class.
+        place: Placed directly here.
+        abstract: True for what the ontology describes and what was learned.
+        limit: How many at most.
+        cursor: ``next`` of the page before.
+    """
+    query = {"class": class_, "label": label, "text": text, "place": place}
+    paging = {"abstract": abstract, "limit": limit, "cursor": cursor}
+    return Call("GET", "/elements", lambda r: ElementPage.model_validate(r.json()), query={**query, **paging})
+
+
+def read_element(element: str, *, computed: Sequence[str] = ()) -> Call[ElementDetails]:
+    """Tells everything about an element.
+
+    Args:
+        element: Its id.
+        computed: Computed relations to work out; "all" for all.
+    """
+    return Call("GET", _path(element), _details, query={"computed": list(computed) or None})
+
+
+def list_relations(
+    element: str, *, relation: str | None = None, limit: int | None = None, cursor: str | None = None
+) -> Call[RelationPage]:
+    """Lists the relations of an element, in both directions.
+
+    Args:
+        element: Its id.
+        relation: Only of this relation or one below; also a computed one.
+        limit: How many at most.
+        cursor: ``next`` of the page before.
+    """
+    query = {"relation": relation, "limit": limit, "cursor": cursor}
+    return Call("GET", f"{_path(element)}/relations", lambda r: RelationPage.model_validate(r.json()), query=query)
+
+
+def read_element_history(
+    element: str, *, newest_first: bool = True, limit: int | None = None, cursor: str | None = None
+) -> Call[ChangePage]:
+    """Tells which changes touched an element, which may be gone.
+
+    Args:
+        element: Its id.
+        newest_first: Whether to go back in time.
+        limit: How many at most.
+        cursor: ``next`` of the page before.
+    """
+    query = {"newest_first": newest_first, "limit": limit, "cursor": cursor}
+    return Call("GET", f"{_path(element)}/history", lambda r: ChangePage.model_validate(r.json()), query=query)
+
+
+def add_element(new: NewElement) -> Call[ElementDetails]:
+    """Adds an element with its values, its place and its relations."""
+    body = new.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    return Call("POST", "/elements", _details, json=body, repeatable=False)
+
+
+def change_element(element: str, patch: ElementPatch, *, version: int | None = None) -> Call[ElementDetails]:
+    """Changes label, values and place of an element.
+
+    Args:
+        element: Its id.
+        patch: What becomes different.
+        version: The version that was seen; None for whatever it is now.
+    """
+    body = patch.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    return Call("PATCH", _path(element), _details, json=body, headers=_seen(version))
+
+
+def remove_element(element: str, *, version: int | None = None, reason: str | None = None) -> Call[Written]:
+    """Removes an element with its pieces.
+
+    Args:
+        element: Its id.
+        version: The version that was seen; None for whatever it is now.
+        reason: Why.
+    """
+    return Call("DELETE", _path(element), _written, query={"reason": reason}, headers=_seen(version), repeatable=False)
+
+
+def state_relation(
+    element: str, relation: str, other: str, *, version: int | None = None, reason: str | None = None
+) -> Call[Written]:
+    """States that the first element has the relation to the second; a placement moves its element.
+
+    Args:
+        element: The subject.
+        relation: The relation.
+        other: The object.
+        version: The version of the subject that was seen; None for whatever it is now.
+        reason: Why.
+    """
+    path = _related(element, relation, other)
+    return Call("PUT", path, _written, query={"reason": reason}, headers=_seen(version))
+
+
+def take_back_relation(
+    element: str, relation: str, other: str, *, version: int | None = None, reason: str | None = None
+) -> Call[Written]:
+    """Takes back a stated relation; arguments as for :func:`state_relation`."""
+    path = _related(element, relation, other)
+    return Call("DELETE", path, _written, query={"reason": reason}, headers=_seen(version), repeatable=False)
+
+
+def _path(element: str) -> str:
+    return f"/elements/{quote(element, safe='')}"
+
+
+def _related(element: str, relation: str, other: str) -> str:
+    return f"{_path(element)}/relations/{quote(relation, safe='')}/{quote(other, safe='')}"
+
+
+def _seen(version: int | None) -> dict[str, str]:
+    return {"If-Match": "*" if version is None else f'"{version}"'}
+
+
+def _details(response: Response) -> ElementDetails:
+    return ElementDetails.model_validate(response.json())
+
+
+def _written(response: Response) -> Written:
+    return Written.model_validate(response.json())

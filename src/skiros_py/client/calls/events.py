@@ -1,0 +1,75 @@
+"""What happens: asked for in pages, or followed; and the robots' state at this moment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from urllib.parse import quote
+
+from httpx2 import ServerSentEvent
+
+from skiros_py.api.events import EventInfo, EventKind, EventPage, ResetInfo
+from skiros_py.api.state import StationState
+from skiros_py.client.call import Call
+from skiros_py.client.streams import Stream
+
+__all__ = ["get_state", "list_events", "stream_events", "stream_job_events", "stream_state"]
+
+
+def stream_events(
+    *, kinds: Sequence[EventKind] = (), types: Sequence[str] = (), job: str = "", element: str = ""
+) -> Stream[EventInfo | ResetInfo]:
+    """Follows what happens.
+
+    Args:
+        kinds: Only events of these kinds; empty for all.
+        types: Only where this happened; empty for anything.
+        job: Only what belongs to this job.
+        element: Only what touches this element of the world.
+    """
+    return Stream("/events", _event, {"kind": list(kinds), "type": list(types), "job": job, "element": element})
+
+
+def stream_job_events(job: str) -> Stream[EventInfo | ResetInfo]:
+    """Follows a job; first comes what is kept of it already."""
+    return Stream(f"/jobs/{quote(job, safe='')}/events", _event)
+
+
+def stream_state(rate: float = 10.0) -> Stream[StationState]:
+    """Watches the robots move.
+
+    Args:
+        rate: How often at most [Hz]; up to 20.
+    """
+    return Stream("/robots/state/stream", lambda event: StationState.model_validate_json(event.data), {"rate": rate})
+
+
+def list_events(
+    *,
+    kinds: Sequence[EventKind] = (),
+    types: Sequence[str] = (),
+    job: str = "",
+    element: str = "",
+    after: str | None = None,
+    limit: int = 100,
+) -> Call[EventPage]:
+    """Lists what happened after an event, oldest first; the page says where to go on."""
+    query = {
+        "kind": list(kinds) or None,
+        "type": list(types) or None,
+        "job": job or None,
+        "element": element or None,
+        "after": after,
+        "limit": limit,
+    }
+    return Call("GET", "/events/recent", lambda r: EventPage.model_validate_json(r.content), query)
+
+
+def get_state() -> Call[StationState]:
+    """Returns the state of all robots at this moment."""
+    return Call("GET", "/state", lambda r: StationState.model_validate_json(r.content))
+
+
+def _event(event: ServerSentEvent) -> EventInfo | ResetInfo:
+    if event.event == "reset":
+        return ResetInfo.model_validate_json(event.data)
+    return EventInfo.model_validate_json(event.data)

@@ -1,0 +1,227 @@
+"""Jobs: ordering, commanding, following."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable, Sequence
+from datetime import datetime
+from typing import TypeVar
+from urllib.parse import quote
+
+from httpx2 import Response
+from pydantic import BaseModel
+
+from skiros_py.api.jobs import (
+    Job,
+    JobAnswer,
+    JobComment,
+    JobExplanation,
+    JobOrder,
+    JobPage,
+    JobPlan,
+    JobReport,
+    JobResponse,
+    JobTrace,
+    JobTransitions,
+    StateName,
+)
+from skiros_py.client.call import Call
+
+__all__ = [
+    "abort_job",
+    "answer_job",
+    "cancel_job",
+    "clear_job",
+    "get_job",
+    "get_job_explanation",
+    "get_job_plan",
+    "get_job_report",
+    "get_job_response",
+    "get_job_trace",
+    "get_job_transitions",
+    "list_jobs",
+    "order_job",
+    "pause_job",
+    "put_job",
+    "remove_job",
+    "resume_job",
+    "revoke_start_of_job",
+    "start_job",
+    "stop_job",
+]
+
+M = TypeVar("M", bound=BaseModel)
+
+
+def order_job(order: JobOrder, *, start: bool = True, key: str | None = None, wait: float | None = None) -> Call[Job]:
+    """Orders a job.
+
+    Args:
+        order: What is wanted; without an id the server makes one.
+        start: False to keep it until somebody gives leave to start.
+        key: Marks the request, so that it may be sent again; made where left out.
+        wait: How long to wait until it is over or stands [s], up to 30 s; None for not at all.
+    """
+    headers = {"Idempotency-Key": key or str(uuid.uuid4()), "Prefer": _prefer(wait)}
+    return Call("POST", "/jobs", _read(Job), query=_start(start), json=_plain(order), headers=headers)
+
+
+def put_job(
+    job: str, order: JobOrder, *, start: bool = True, seen: int | None = None, wait: float | None = None
+) -> Call[Job]:
+    """Orders a job under an id of one's own, or something else under the id of one that has not begun.
+
+    Args:
+        job: The id.
+        order: What is wanted.
+        start: False to keep it until somebody gives leave to start.
+        seen: Version of the job that is there, to change its order.
+        wait: How long to wait until it is over or stands [s], up to 30 s; None for not at all.
+    """
+    headers = {"If-Match": _seen(seen), "Prefer": _prefer(wait)}
+    return Call("PUT", _path(job), _read(Job), query=_start(start), json=_plain(order), headers=headers)
+
+
+def list_jobs(
+    *,
+    states: Sequence[StateName | str] = (),
+    since: datetime | None = None,
+    limit: int = 100,
+    cursor: str | None = None,
+) -> Call[JobPage]:
+    """Lists jobs, open or over, in the order in which they were ordered.
+
+    Args:
+        states: Those in these states only.
+        since: Those only that changed since then.
+        limit: How many at most.
+        cursor: The ``next`` of the page before.
+    """
+    query = {
+        "state": [str(state) for state in states] or None,
+        "since": None if since is None else since.isoformat(),
+        "limit": limit,
+        "cursor": cursor,
+    }
+    return Call("GET", "/jobs", _read(JobPage), query=query)
+
+
+def get_job(job: str) -> Call[Job]:
+    """Looks at a job."""
+    return Call("GET", _path(job), _read(Job))
+
+
+def get_job_response(job: str) -> Call[JobResponse]:
+    """Says what a job has come to (ISA-95 job response)."""
+    return Call("GET", f"{_path(job)}/response", _read(JobResponse))
+
+
+def get_job_plan(job: str) -> Call[JobPlan]:
+    """Shows the last plan of a job."""
+    return Call("GET", f"{_path(job)}/plan", _read(JobPlan))
+
+
+def get_job_trace(job: str, *, limit: int = 1000, cursor: str | None = None) -> Call[JobTrace]:
+    """Lists what happened for a job."""
+    return Call("GET", f"{_path(job)}/trace", _read(JobTrace), query={"limit": limit, "cursor": cursor})
+
+
+def get_job_report(job: str) -> Call[JobReport]:
+    """Reports what came of a job, as ``skiros run`` does."""
+    return Call("GET", f"{_path(job)}/report", _read(JobReport))
+
+
+def get_job_transitions(job: str) -> Call[JobTransitions]:
+    """Lists the changes of state of a job."""
+    return Call("GET", f"{_path(job)}/transitions", _read(JobTransitions))
+
+
+def get_job_explanation(job: str) -> Call[JobExplanation]:
+    """Says why there is no plan for a job, and what would help."""
+    return Call("GET", f"{_path(job)}/explanation", _read(JobExplanation))
+
+
+def start_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Gives a job leave to start."""
+    return _command(job, "start", comment, seen)
+
+
+def revoke_start_of_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Takes back the leave to start."""
+    return _command(job, "revoke-start", comment, seen)
+
+
+def pause_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Lets a job stand for a while."""
+    return _command(job, "pause", comment, seen)
+
+
+def resume_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Goes on with a job that stands."""
+    return _command(job, "resume", comment, seen)
+
+
+def stop_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Ends a job in good order."""
+    return _command(job, "stop", comment, seen)
+
+
+def abort_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Gives a job up."""
+    return _command(job, "abort", comment, seen)
+
+
+def cancel_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Removes a job that has not begun."""
+    return _command(job, "cancel", comment, seen)
+
+
+def clear_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
+    """Removes a job that is over, with all that is known of it."""
+    return _command(job, "clear", comment, seen)
+
+
+def remove_job(job: str, *, seen: int | None = None) -> Call[Job]:
+    """Removes a job that has not begun, or is over."""
+    return Call("DELETE", _path(job), _read(Job), headers={"If-Match": _seen(seen)})
+
+
+def answer_job(job: str, answer: str, *, question: int | None = None) -> Call[Job]:
+    """Answers what a job waits for.
+
+    Args:
+        job: Its id.
+        answer: One of its choices.
+        question: Number of the question that is answered; a later one is then left alone.
+    """
+    body = JobAnswer(answer=answer, question=question)
+    return Call("POST", f"{_path(job)}/answer", _read(Job), json=_plain(body), repeatable=question is not None)
+
+
+def _command(job: str, command: str, comment: str, seen: int | None) -> Call[Job]:
+    body = _plain(JobComment(comment=comment))
+    return Call("POST", f"{_path(job)}/{command}", _read(Job), json=body, headers={"If-Match": _seen(seen)})
+
+
+def _read(model: type[M]) -> Callable[[Response], M]:
+    return lambda response: model.model_validate_json(response.content)
+
+
+def _plain(model: BaseModel) -> object:
+    return model.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+
+
+def _path(job: str) -> str:
+    return f"/jobs/{quote(job, safe='')}"
+
+
+def _start(start: bool) -> dict[str, str | None]:
+    return {"start": None if start else "false"}
+
+
+def _seen(version: int | None) -> str | None:
+    return None if version is None else f'"{version}"'
+
+
+def _prefer(wait: float | None) -> str | None:
+    return None if wait is None else f"wait={max(0, round(wait))}"

@@ -1,0 +1,110 @@
+"""Modules: what the skill managers can run, and running it by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, TypeVar
+from urllib.parse import quote
+
+from httpx2 import Response
+from pydantic import BaseModel
+
+from skiros_py.api.modules import (
+    ManagerInfo,
+    ModuleDetails,
+    ModuleRunInfo,
+    ModuleRuns,
+    ModuleSummary,
+    PanelInfo,
+    SkillInfo,
+)
+from skiros_py.client.call import Call, nothing
+
+__all__ = [
+    "command_module_run",
+    "get_module",
+    "get_module_run",
+    "get_skill",
+    "list_managers",
+    "list_module_runs",
+    "list_modules",
+    "list_skills",
+    "reset_module",
+    "run_module",
+    "show_panel",
+]
+
+_Data = TypeVar("_Data", bound=BaseModel)
+
+
+def list_managers() -> Call[list[ManagerInfo]]:
+    """Lists the skill managers, with what each can do and what it runs."""
+    return Call("GET", "/managers", lambda r: _several(ManagerInfo, r))
+
+
+def list_modules() -> Call[list[ModuleSummary]]:
+    """Lists every skill and primitive with who can run it."""
+    return Call("GET", "/modules", lambda r: _several(ModuleSummary, r))
+
+
+def get_module(agent: str, module: str) -> Call[ModuleDetails]:
+    """Describes a module of a subsystem."""
+    return Call("GET", _path(agent, module), lambda r: ModuleDetails.model_validate(r.json()))
+
+
+def show_panel(agent: str, module: str, arguments: Mapping[str, Any] | None = None) -> Call[PanelInfo]:
+    """Tells what a module would be run with now, and which of its conditions hold; nothing runs."""
+    body = {"arguments": dict(arguments or {})}
+    return Call("POST", f"{_path(agent, module)}/panel", lambda r: PanelInfo.model_validate(r.json()), json=body)
+
+
+def run_module(
+    agent: str, module: str, arguments: Mapping[str, Any] | None = None, *, repeat: int = 1
+) -> Call[ModuleRunInfo]:
+    """Starts a module by itself; follow it with :func:`get_module_run`."""
+    body = {"arguments": dict(arguments or {}), "repeat": repeat}
+    return Call("POST", f"{_path(agent, module)}/runs", _run, json=body, repeatable=False)
+
+
+def reset_module(agent: str, module: str) -> Call[None]:
+    """Makes a module fit to run again after a fault."""
+    return Call("POST", f"{_path(agent, module)}/reset", nothing)
+
+
+def list_module_runs(*, active: bool | None = None, limit: int | None = None) -> Call[ModuleRuns]:
+    """Lists what was started from outside, the youngest first."""
+    query = {"active": None if active is None else str(active).lower(), "limit": limit}
+    return Call("GET", "/module-runs", lambda r: ModuleRuns.model_validate(r.json()), query=query)
+
+
+def get_module_run(run: str) -> Call[ModuleRunInfo]:
+    """Tells how far a run is, or what came of it."""
+    return Call("GET", f"/module-runs/{quote(run, safe='')}", _run)
+
+
+def command_module_run(run: str, command: Literal["pause", "resume", "step", "stop"]) -> Call[ModuleRunInfo]:
+    """Pauses a run, resumes it, lets it do one cycle, or stops it."""
+    path = f"/module-runs/{quote(run, safe='')}/{command}"
+    return Call("POST", path, _run, repeatable=command != "step")
+
+
+def list_skills() -> Call[list[SkillInfo]]:
+    """Lists the skills that somebody offers now."""
+    return Call("GET", "/skills", lambda r: _several(SkillInfo, r))
+
+
+def get_skill(name: str) -> Call[SkillInfo]:
+    """Describes a skill, apart from how it is done."""
+    return Call("GET", f"/skills/{quote(name, safe='')}", lambda r: SkillInfo.model_validate(r.json()))
+
+
+def _run(response: Response) -> ModuleRunInfo:
+    return ModuleRunInfo.model_validate(response.json())
+
+
+def _several(kind: type[_Data], response: Response) -> list[_Data]:
+    return [kind.model_validate(one) for one in response.json()]
+
+
+def _path(agent: str, module: str) -> str:
+    return f"/modules/{quote(agent, safe='')}/{quote(module, safe='')}"

@@ -1,0 +1,99 @@
+"""Scenes: those that can be loaded, and the present one."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+
+from httpx2 import Response
+
+from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, Scenes
+from skiros_py.client.call import Call, nothing
+
+__all__ = [
+    "delete_scene",
+    "get_scene",
+    "get_scene_difference",
+    "get_scene_file",
+    "get_scene_turtle",
+    "list_scenes",
+    "load_scene",
+    "save_scene",
+    "upload_scene",
+]
+
+
+def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:
+    """Lists the scenes that can be loaded, by name."""
+    return Call("GET", "/scenes", lambda r: Scenes.model_validate(r.json()), query={"limit": limit, "cursor": cursor})
+
+
+def get_scene_file(name: str) -> Call[Scene]:
+    """Tells what a scene consists of, without loading it."""
+    return Call("GET", _path(name), lambda r: Scene.model_validate(r.json()))
+
+
+def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
+    """Saves the present scene.
+
+    Args:
+        name: Under which name.
+        version: The version of the saved scene of that name that it replaces; None where it shall be a new one.
+    """
+    return Call(
+        "POST",
+        "/scenes",
+        lambda r: SceneEntry.model_validate(r.json()),
+        json={"name": name},
+        headers=_if_match(version),
+        repeatable=False,
+    )
+
+
+def delete_scene(name: str, *, version: int | None = None) -> Call[None]:
+    """Removes a saved scene; where a version is given, only that one."""
+    return Call("DELETE", _path(name), nothing, headers=_if_match(version))
+
+
+def get_scene() -> Call[PresentScene]:
+    """Tells about the present scene."""
+    return Call("GET", "/scene", _present)
+
+
+def load_scene(name: str, *, version: int | None = None) -> Call[PresentScene]:
+    """Makes the present scene another one; it is answered when the station is up in it.
+
+    Args:
+        name: Its name.
+        version: The version of the world that you have seen; None for any.
+    """
+    headers = _if_match(version) or {"If-Match": "*"}
+    return Call("PUT", "/scene", _present, json={"name": name}, headers=headers, repeatable=False)
+
+
+def upload_scene(turtle: str, *, version: int | None = None) -> Call[PresentScene]:
+    """Makes the present scene the one that a Turtle text describes; see :func:`load_scene`."""
+    headers = {**(_if_match(version) or {"If-Match": "*"}), "Content-Type": "text/turtle"}
+    return Call("PUT", "/scene", _present, content=turtle.encode(), headers=headers, repeatable=False)
+
+
+def get_scene_turtle() -> Call[str]:
+    """Returns the present scene as Turtle."""
+    return Call("GET", "/scene.ttl", lambda r: r.text)
+
+
+def get_scene_difference(name: str, *, limit: int = 100, cursor: str | None = None) -> Call[SceneDifference]:
+    """Tells what makes the present scene of another one."""
+    query = {"with": name, "limit": limit, "cursor": cursor}
+    return Call("GET", "/scene/diff", lambda r: SceneDifference.model_validate(r.json()), query=query)
+
+
+def _path(name: str) -> str:
+    return f"/scenes/{quote(name, safe='')}"
+
+
+def _if_match(version: int | None) -> dict[str, str | None]:
+    return {} if version is None else {"If-Match": f'"{version}"'}
+
+
+def _present(response: Response) -> PresentScene:
+    return PresentScene.model_validate(response.json())

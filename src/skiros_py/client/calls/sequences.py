@@ -1,0 +1,88 @@
+"""Sequences: steps that a person puts together, changes and runs."""
+
+from __future__ import annotations
+
+from typing import Any
+from urllib.parse import quote
+
+from httpx2 import Response
+
+from skiros_py.api.sequences import InsertStep, NewSequence, RunSequence, SequenceInfo, Sequences
+from skiros_py.api.tasks import TaskInfo, WantedStep
+from skiros_py.client.call import Call, nothing
+
+__all__ = [
+    "change_step",
+    "create_sequence",
+    "delete_sequence",
+    "get_sequence",
+    "insert_step",
+    "list_sequences",
+    "move_step",
+    "remove_step",
+    "run_sequence",
+]
+
+
+def list_sequences() -> Call[Sequences]:
+    """Lists the sequences, by id."""
+    return Call("GET", "/sequences", lambda r: Sequences.model_validate(r.json()))
+
+
+def create_sequence(sequence: NewSequence) -> Call[SequenceInfo]:
+    """Makes a sequence of steps, of a plan for a goal, or of the plan of a job, a task or a preview."""
+    body = sequence.model_dump(mode="json", exclude_none=True)
+    return Call("POST", "/sequences", _read, json=body, repeatable=False)
+
+
+def get_sequence(sequence: str) -> Call[SequenceInfo]:
+    """Shows a sequence with every step checked as things are now."""
+    return Call("GET", _path(sequence), _read)
+
+
+def delete_sequence(sequence: str, version: int) -> Call[None]:
+    """Throws a sequence away; the version says which one was seen."""
+    return Call("DELETE", _path(sequence), nothing, headers=_match(version), repeatable=False)
+
+
+def insert_step(sequence: str, version: int, step: InsertStep) -> Call[SequenceInfo]:
+    """Adds a step before another one, or at the end."""
+    return _edit("POST", f"{_path(sequence)}/steps", version, step.model_dump(mode="json", exclude_none=True))
+
+
+def change_step(sequence: str, version: int, number: int, step: WantedStep) -> Call[SequenceInfo]:
+    """Puts another step in the place of one, by its index from 0."""
+    return _edit("PUT", f"{_path(sequence)}/steps/{number}", version, step.model_dump(mode="json"))
+
+
+def remove_step(sequence: str, version: int, number: int) -> Call[SequenceInfo]:
+    """Takes a step out, by its index from 0."""
+    return _edit("DELETE", f"{_path(sequence)}/steps/{number}", version, None)
+
+
+def move_step(sequence: str, version: int, number: int, to: int) -> Call[SequenceInfo]:
+    """Moves a step to another index."""
+    return _edit("POST", f"{_path(sequence)}/steps/{number}/move", version, {"to": to})
+
+
+def run_sequence(sequence: str, how: RunSequence | None = None) -> Call[TaskInfo]:
+    """Runs the steps as they are, so often as wanted; what is answered is the task that does it."""
+    body = RunSequence.model_validate({} if how is None else how).model_dump(mode="json")
+    path = f"{_path(sequence)}/run"
+    return Call("POST", path, lambda r: TaskInfo.model_validate(r.json()), json=body, repeatable=False)
+
+
+def _edit(method: str, path: str, version: int, body: Any) -> Call[SequenceInfo]:
+    return Call(method, path, _read, json=body, headers=_match(version), repeatable=False)
+
+
+def _match(version: int) -> dict[str, str]:
+    return {"If-Match": f'"{version}"'}
+
+
+def _read(response: Response) -> SequenceInfo:
+    return SequenceInfo.model_validate(response.json())
+
+
+def _path(sequence: str) -> str:
+    return f"/sequences/{quote(sequence, safe='')}"

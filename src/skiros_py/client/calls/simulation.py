@@ -1,0 +1,86 @@
+"""The simulation, apart from what robots believe."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from urllib.parse import quote
+
+from skiros_py.api.simulation import Bodies, Pace, SimulationState
+from skiros_py.client.call import Call, nothing
+
+__all__ = [
+    "get_picture",
+    "get_simulation",
+    "list_bodies",
+    "move_body",
+    "remove_body",
+    "reset_simulation",
+    "set_pace",
+]
+
+_UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+
+
+def get_simulation() -> Call[SimulationState]:
+    """Tells how the simulation goes on."""
+    return Call("GET", "/simulation", lambda r: SimulationState.model_validate(r.json()))
+
+
+def list_bodies() -> Call[Bodies]:
+    """Tells where everything really is, which no robot knows."""
+    return Call("GET", "/simulation/bodies", lambda r: Bodies.model_validate(r.json()))
+
+
+def move_body(body: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT) -> Call[None]:
+    """Puts a body somewhere else, and tells no robot.
+
+    Args:
+        body: Its id.
+        position: (x, y, z) in the map [m].
+        orientation: Quaternion (x, y, z, w).
+    """
+    pose = {"position": list(position), "orientation": list(orientation)}
+    return Call("PUT", f"{_path(body)}/pose", nothing, json=pose)
+
+
+def remove_body(body: str) -> Call[None]:
+    """Takes a body away, and tells no robot."""
+    return Call("DELETE", _path(body), nothing)
+
+
+def reset_simulation(*, force: bool = False) -> Call[SimulationState]:
+    """Brings everything up anew as it is believed; with force it is stopped first where something is under way."""
+    read = lambda r: SimulationState.model_validate(r.json())  # noqa: E731
+    return Call("POST", "/simulation/reset", read, query={"force": str(force).lower()}, repeatable=False)
+
+
+def set_pace(pace: float) -> Call[Pace]:
+    """Lets simulated time go on so many times as fast as the clock on the wall."""
+    return Call("PUT", "/simulation/pace", lambda r: Pace.model_validate(r.json()), json={"pace": pace})
+
+
+def get_picture(
+    eye: Sequence[float] = (3.5, -3.5, 3.0),
+    target: Sequence[float] = (0.5, 0.0, 0.3),
+    *,
+    width: int = 640,
+    height: int = 480,
+) -> Call[bytes]:
+    """Draws the scene as it really is, as PNG.
+
+    Args:
+        eye: Where the observer is, in the map [m].
+        target: Where the observer looks [m].
+        width: [px].
+        height: [px].
+    """
+    query = {"eye": _point(eye), "target": _point(target), "width": width, "height": height}
+    return Call("GET", "/simulation/picture", lambda r: r.content, query=query)
+
+
+def _path(body: str) -> str:
+    return f"/simulation/bodies/{quote(body, safe='')}"
+
+
+def _point(values: Sequence[float]) -> str:
+    return ",".join(f"{value:.6f}" for value in values)

@@ -1,0 +1,155 @@
+"""Following what happens: streams that outlive broken connections and servers that are started anew."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import time
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+
+import httpx2
+from httpx2 import ServerSentEvent
+
+from skiros_py.client.errors import Unreachable, problem_of
+
+__all__ = ["Stream", "follow", "follow_later"]
+
+T = TypeVar("T")
+
+_FIRST, _LONGEST = 0.2, 5.0
+"""The waits between two tries to connect grow from the one to the other [s]."""
+_QUIET = 30.0
+"""A server says every ten seconds that it is still there: after this time without a word it is not [s]."""
+_LATER = (429, 502, 503, 504)
+"""Answers that mean: come again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stream(Generic[T]):
+    """Something to follow, as a value: made by :mod:`skiros_py.client.calls.events`.
+
+    Attributes:
+        path: Path below ``/api/v1``, quoted already.
+        read: Makes an item of a server-sent event.
+        query: Query parameters; None leaves one out.
+    """
+
+    path: str
+    read: Callable[[ServerSentEvent], T]
+    query: Mapping[str, Any] = field(default_factory=dict)
+
+
+def follow(http: httpx2.Client, stream: Stream[T], *, after: str | None = None, patience: float = 60.0) -> Iterator[T]:
+    """Yields what happens, one after the other, for ever; close it, or leave the loop, to end that.
+
+    When the connection breaks it is made again, and nothing is missed or comes twice; where the server cannot fill a
+    gap, there is a :class:`~skiros_py.api.events.ResetInfo` among the items.
+
+    Args:
+        http: Sends; its base address is that of the API.
+        stream: What to follow.
+        after: Id of the last event seen; None for what comes from now on (of a job: for all that is kept).
+        patience: How long nobody may answer before it is given up [s].
+
+    Raises:
+        ProblemError: The server refuses.
+        Unreachable: Nobody answers.
+    """
+    place = _Place(stream, after, patience, str(http.base_url))
+    while True:
+        try:
+            with http.sse(**place.request()) as source:
+                refused = place.refuses(source.response)
+                if refused:
+                    source.response.read()
+                place.require(source.response)
+                if not refused:
+                    for event in source:
+                        if place.takes(event):
+                            yield stream.read(event)
+        except httpx2.TransportError as error:
+            place.broke(error)
+        time.sleep(place.wait())
+
+
+async def follow_later(
+    http: httpx2.AsyncClient, stream: Stream[T], *, after: str | None = None, patience: float = 60.0
+) -> AsyncIterator[T]:
+    """Yields what happens, as :func:`follow` does, for ``async for``."""
+    place = _Place(stream, after, patience, str(http.base_url))
+    while True:
+        try:
+            async with http.sse(**place.request()) as source:
+                refused = place.refuses(source.response)
+                if refused:
+                    await source.response.aread()
+                place.require(source.response)
+                if not refused:
+                    async for event in source:
+                        if place.takes(event):
+                            yield stream.read(event)
+        except httpx2.TransportError as error:
+            place.broke(error)
+        await asyncio.sleep(place.wait())
+
+
+class _Place:
+    """Where a client stands in a stream, and how patient it is."""
+
+    def __init__(self, stream: Stream[Any], after: str | None, patience: float, url: str) -> None:
+        self._stream = stream
+        self._after = after or ""
+        self._patience = patience
+        self._heard = time.monotonic()
+        self._tries = 0
+        self._why: Exception | None = None
+        self._asked = 0.0
+        self._url = url
+
+    def request(self) -> dict[str, Any]:
+        """Returns how the stream is asked for."""
+        query = {name: value for name, value in self._stream.query.items() if value not in (None, "", (), [])}
+        headers = {"Last-Event-ID": self._after} if self._after else {}
+        return {"url": self._stream.path, "params": query, "headers": headers, "timeout": httpx2.Timeout(_QUIET)}
+
+    @staticmethod
+    def refuses(response: httpx2.Response) -> bool:
+        """Tells whether an answer is none of events."""
+        return response.status_code != httpx2.codes.OK
+
+    def require(self, response: httpx2.Response) -> None:
+        """Sees that the server serves this stream, now or later.
+
+        Raises:
+            ProblemError: It refuses.
+        """
+        if response.status_code in _LATER:
+            asked = response.headers.get("retry-after", "")
+            self._asked = min(float(asked), _LONGEST) if asked.isdecimal() and len(asked) < len("100") else 0.0
+            self._why = problem_of(response)
+        elif response.status_code != httpx2.codes.OK:
+            raise problem_of(response)
+
+    def takes(self, event: ServerSentEvent) -> bool:
+        """Notes where the stream is; returns False for what only says that."""
+        self._heard, self._tries, self._why, self._asked = time.monotonic(), 0, None, 0.0
+        self._after = event.id or self._after
+        return bool(event.data)
+
+    def broke(self, error: httpx2.TransportError) -> None:
+        """Notes that the connection broke, or was never made."""
+        self._why = error
+
+    def wait(self) -> float:
+        """Returns how long to wait before the next try [s].
+
+        Raises:
+            Unreachable: Nobody has answered for too long.
+        """
+        if time.monotonic() - self._heard > self._patience:
+            raise Unreachable(self._url, str(self._why or "it ends every connection at once"))
+        longest = min(_LONGEST, _FIRST * 2.0**self._tries)
+        self._tries = min(self._tries + 1, 10)
+        return max(self._asked, random.uniform(0.5, 1.0) * longest)  # noqa: S311 - keeps clients apart

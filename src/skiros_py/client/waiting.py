@@ -1,0 +1,111 @@
+"""Waiting until something has become of a job."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Iterator
+
+from skiros_py.api.jobs import Job
+from skiros_py.client.call import Sends, SendsLater
+from skiros_py.client.calls import jobs
+from skiros_py.client.errors import TookTooLong, Unreachable
+
+__all__ = ["JobWaiting", "JobWaitingLater", "is_over"]
+
+_FIRST, _LONGEST = 0.05, 1.0
+"""The waits between two looks grow from the one to the other [s]."""
+_OUTAGE = 60.0
+"""For how long nobody may answer, such as while the server is started anew [s]."""
+
+
+def is_over(job: Job) -> bool:
+    """Tells whether a job is over, whatever came of it."""
+    return job.outcome is not None
+
+
+class JobWaiting:
+    """Lets a blocking client wait for jobs."""
+
+    client: Sends
+
+    def wait(self, job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None) -> Job:
+        """Waits until something is true of a job, also while the server is started anew, and returns the job.
+
+        A job that waits for a person waits for long: ``until=lambda job: job.outcome or job.choices`` returns it.
+
+        Args:
+            job: Its id.
+            until: What is waited for; that it is over where left out.
+            timeout: How long to wait [s]; None for ever.
+
+        Raises:
+            TookTooLong: It did not become true in time.
+            ProblemError: There is no such job.
+            Unreachable: Nobody answers for a minute.
+        """
+        looks = _Looks(job, timeout)
+        for pause in looks:
+            try:
+                if until(found := looks.seen(self.client.send(jobs.get_job(job)))):
+                    return found
+            except Unreachable as error:
+                looks.missed(error)
+            time.sleep(pause)
+        raise looks.given_up()
+
+
+class JobWaitingLater:
+    """Lets an asynchronous client wait for jobs."""
+
+    client: SendsLater
+
+    async def wait(self, job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None) -> Job:
+        """Waits until something is true of a job, and returns the job; see :meth:`JobWaiting.wait`."""
+        looks = _Looks(job, timeout)
+        for pause in looks:
+            try:
+                if until(found := looks.seen(await self.client.send(jobs.get_job(job)))):
+                    return found
+            except Unreachable as error:
+                looks.missed(error)
+            await asyncio.sleep(pause)
+        raise looks.given_up()
+
+
+class _Looks:
+    """When to look again, and when to give up."""
+
+    def __init__(self, job: str, timeout: float | None) -> None:
+        self._job = job
+        self._timeout = timeout
+        self._end = time.monotonic() + (float("inf") if timeout is None else timeout)
+        self._heard = time.monotonic()
+        self._last = "nothing is known of it"
+
+    def __iter__(self) -> Iterator[float]:
+        """Yields, for each look, how long to wait after it [s]; there is one more at the very end."""
+        pause = _FIRST
+        while (left := self._end - time.monotonic()) > 0.0:
+            yield min(pause, left)
+            pause = min(1.5 * pause, _LONGEST)
+        yield 0.0
+
+    def seen(self, job: Job) -> Job:
+        """Notes what was seen."""
+        self._heard = time.monotonic()
+        self._last = f"it is {job.state.text}{f': {job.detail}' if job.detail else ''}"
+        return job
+
+    def missed(self, error: Unreachable) -> None:
+        """Notes that nobody answered.
+
+        Raises:
+            Unreachable: That is so for too long.
+        """
+        if time.monotonic() - self._heard > _OUTAGE:
+            raise error
+
+    def given_up(self) -> TookTooLong:
+        """Returns the fault that says how far it came."""
+        return TookTooLong(f"job '{self._job}' did not come so far within {self._timeout:g} s: {self._last}")

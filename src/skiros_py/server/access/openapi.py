@@ -1,0 +1,62 @@
+"""What the API's own description says about access: how keys are shown, and which roles may do what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.dependencies.models import Dependant
+from fastapi.routing import iter_route_contexts
+
+from skiros_py.server.access.gate import OPEN
+from skiros_py.server.access.logins import COOKIE
+from skiros_py.server.access.roles import Need, Role
+
+__all__ = ["GuardedApi", "operations"]
+
+_SCHEMES = {
+    "key": {"type": "http", "scheme": "bearer", "description": "A key: Authorization: Bearer sk_…"},
+    "keyHeader": {"type": "apiKey", "in": "header", "name": "X-API-Key", "description": "A key, for older systems."},
+    "login": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "Of web pages: POST /session."},
+}
+
+
+class GuardedApi(FastAPI):
+    """An API whose description says who may do what: ``x-roles`` of each operation."""
+
+    def openapi(self) -> dict[str, Any]:
+        """Returns the description."""
+        schema = super().openapi()
+        schema.setdefault("components", {})["securitySchemes"] = _SCHEMES
+        schema["security"] = [{name: []} for name in _SCHEMES]
+        asked = {(method, path): need for method, path, _, need in _asked(self)}
+        for path, item in schema.get("paths", {}).items():
+            for method, operation in item.items():
+                if (method.upper(), path) in OPEN:
+                    operation["security"] = []
+                operation["x-roles"] = _roles(asked.get((method.upper(), path), ()))
+        return schema
+
+
+def operations(app: FastAPI) -> Mapping[str, tuple[Need, ...]]:
+    """Returns what each operation asks of a caller, by the id that it has in the API's description."""
+    return {operation: needs for _, _, operation, needs in _asked(app)}
+
+
+def _asked(app: FastAPI) -> Iterator[tuple[str, str, str, tuple[Need, ...]]]:
+    for route in iter_route_contexts(app.routes):
+        if getattr(route, "include_in_schema", False) and hasattr(route.original_route, "dependant"):
+            needs = tuple(_needs(route.dependant))
+            for method in route.methods or ():
+                yield method, route.path_format or "", route.operation_id or route.unique_id, needs
+
+
+def _needs(dependant: Dependant) -> Iterator[Need]:
+    for dependency in dependant.dependencies:
+        if isinstance(dependency.call, Need):
+            yield dependency.call
+
+
+def _roles(needs: tuple[Need, ...]) -> list[str]:
+    return [role.value for role in Role if all(need.allows(role) for need in needs)]

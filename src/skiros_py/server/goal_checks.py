@@ -1,0 +1,126 @@
+"""Goals looked at without ordering anything: how they are understood, whether they hold, what words there are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from functools import partial
+from typing import Any
+
+from skiros_py.api.goals import CheckedCondition, CheckedGoal, ConditionWord, Role
+from skiros_py.errors import SkirosError
+from skiros_py.planning.problem.stock import believed
+from skiros_py.planning.problem.task import Capability
+from skiros_py.skills.conditions import Condition, ConditionType, Nothing
+from skiros_py.skills.conditions.effects import Assign, Relate, effects_of
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.goals import goal_as_data, goal_as_text, parse_goal
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.view import WorldView
+
+__all__ = ["checked_goal", "condition_words"]
+
+
+def checked_goal(
+    texts: Sequence[str], view: WorldView, version: int, conditions: Mapping[str, ConditionType]
+) -> CheckedGoal:
+    """Returns a goal as it is understood, and whether it holds.
+
+    Args:
+        texts: Goal texts.
+        view: One state of the world.
+        version: Its number.
+        conditions: The condition words there are.
+
+    Raises:
+        UsageError: It cannot be understood.
+    """
+    goal = parse_goal(texts, view, conditions)
+    each = tuple(_checked(condition, view) for condition in goal)
+    return CheckedGoal(text=goal_as_text(goal), conditions=each, holds=all(one.holds for one in each), world=version)
+
+
+def _checked(condition: Condition, view: WorldView) -> CheckedCondition:
+    verdict = believed(condition, view)
+    (data,) = goal_as_data((condition,))
+    return CheckedCondition(
+        text=goal_as_text((condition,)),
+        data=data,
+        holds=verdict.holds,
+        why=verdict.why,
+        lines=tuple(verdict.lines()),
+    )
+
+
+# ------------------------------------------------------------------ words
+
+_Change = tuple[str, str]
+"""What a skill changes: a relation or property, and the class of what it moves or changes."""
+
+
+def condition_words(
+    conditions: Mapping[str, ConditionType], capabilities: Sequence[Capability], ontology: Ontology
+) -> Iterator[ConditionWord]:
+    """Yields the words of the language of goals, with the skills that can make them hold.
+
+    A skill counts that brings about something of what a condition is made of, a relation or a property; whether it
+    does so for the elements of a goal is what planning finds out.
+    """
+    brought = {c.skill.name: frozenset(_brought(c.skill, ontology)) for c in capabilities}
+    for name, type_ in sorted(conditions.items()):
+        wanted = tuple(_wanted(type_.pattern, ontology))
+        skills = [skill for skill, changes in brought.items() if any(one(c) for one in wanted for c in changes)]
+        roles = tuple(Role.model_validate({"name": role.name, "class": role.class_}) for role in type_.roles)
+        yield ConditionWord(
+            name=name, help=type_.help, roles=roles, abstract=type_.abstract, skills=tuple(sorted(skills))
+        )
+
+
+def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:
+    """Yields what a skill changes."""
+    for condition in skill.post:
+        for effect in _effects(condition):
+            if isinstance(effect, Assign):
+                yield effect.property, skill.param(effect.subject).element_class
+            elif isinstance(effect, Relate):
+                ends = (effect.subject, effect.relation, effect.object)
+                moved = ontology.placed(*ends)[0] if ontology.is_placement(effect.relation) else effect.subject
+                yield effect.relation, skill.param(moved).element_class
+
+
+def _effects(condition: Condition) -> Sequence[object]:
+    try:
+        return effects_of(condition)
+    except SkirosError:  # what follows from others: nothing has to be done for it
+        return ()
+
+
+def _wanted(pattern: Any, ontology: Ontology) -> Iterator[Callable[[_Change], bool]]:
+    """Yields, for each part of a pattern, what tells whether a change may make it hold."""
+    match pattern:
+        case Nothing(relation=emptied):
+            yield partial(_takes_away, emptied, ontology)
+        case _ if isinstance(relation := getattr(pattern, "relation", None), str):
+            yield partial(_is_among, frozenset(ontology.sub_relations(relation)))
+        case _ if isinstance(property_ := getattr(pattern, "property", None), str):
+            yield partial(_is_among, frozenset({property_}))
+    if is_dataclass(pattern):
+        for one in fields(pattern):
+            inner = getattr(pattern, one.name)
+            for part in inner if isinstance(inner, tuple) else (inner,):
+                if is_dataclass(part):
+                    yield from _wanted(part, ontology)
+
+
+def _is_among(names: frozenset[str], change: _Change) -> bool:
+    return change[0] in names
+
+
+def _takes_away(relation: str, ontology: Ontology, change: _Change) -> bool:
+    """Tells whether a change puts elsewhere what may have the relation: then it has it no longer."""
+    other, class_ = change
+    if not (other in ontology.relations and ontology.is_placement(other) and ontology.is_placement(relation)):
+        return False
+    known = ontology.relation(relation)
+    thing = known.domain if known.place_end == "object" else known.range
+    return thing is None or ontology.is_a(class_, thing) or ontology.is_a(thing, class_)

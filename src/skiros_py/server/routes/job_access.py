@@ -1,0 +1,62 @@
+"""What routes about jobs have in common: where they take the id, the expected version and the queue from."""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated
+from urllib.parse import quote
+
+from fastapi import Depends, Header, Path, Request, Response
+
+from skiros_py.api.jobs import Job
+from skiros_py.server.access.roles import Caller
+from skiros_py.server.etags import etag, expected_version
+from skiros_py.server.job_views import job_view
+from skiros_py.server.services import ServicesDep
+from skiros_py.server.templates import TemplateStore
+from skiros_py.tasks.jobs import Job as Known
+from skiros_py.tasks.jobs import JobManager
+
+__all__ = ["ExpectedDep", "JobId", "JobsDep", "TemplatesDep", "job_location", "said_by", "shown"]
+
+JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
+
+
+def _jobs(services: ServicesDep) -> JobManager:
+    return services.session.jobs
+
+
+def _templates(services: ServicesDep) -> TemplateStore:
+    return TemplateStore(services.documents)
+
+
+def _expected(
+    request: Request,
+    if_match: Annotated[str | None, Header(description='Version that was seen, such as "5", or *.')] = None,
+) -> int | None:
+    del if_match  # it is read of the request, and only declared here
+    return expected_version(request)
+
+
+JobsDep = Annotated[JobManager, Depends(_jobs)]
+"""For routes: the queue."""
+TemplatesDep = Annotated[TemplateStore, Depends(_templates)]
+"""For routes: the goal templates."""
+ExpectedDep = Annotated[int | None, Depends(_expected)]
+"""For routes: the version that the caller has seen; None for any."""
+
+
+def job_location(id_: str) -> str:
+    """Returns the address of a job."""
+    return f"/api/v1/jobs/{quote(id_, safe='')}"
+
+
+def said_by(caller: Caller, comment: str) -> str:
+    """Returns a comment with who made it, for the record."""
+    return f"{caller.name}: {comment}" if comment else f"by {caller.name}"
+
+
+def shown(job: Known, response: Response) -> Job:
+    """Returns a job as it is shown, and its version in the head of the answer."""
+    response.headers["ETag"] = etag(job.version)
+    return job_view(job, time.time())

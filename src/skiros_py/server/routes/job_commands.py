@@ -1,0 +1,175 @@
+"""Routes: commands to jobs. Each may be sent again: where it has had its effect, nothing happens."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Body, Response
+
+from skiros_py.api.jobs import Job, JobAnswer, JobComment
+from skiros_py.errors import StaleVersion, WrongState
+from skiros_py.server.access.roles import CallerDep, Role, needs
+from skiros_py.server.job_faults import job_faults
+from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, said_by, shown
+from skiros_py.tasks.jobs import Job as Known
+from skiros_py.tasks.jobs import JobManager
+
+__all__ = ["router"]
+
+router = APIRouter()
+
+_NEEDS = [needs(Role.OPERATOR, mes=True)]
+CommentBody = Annotated[JobComment, Body(description="Why; may be left out.")]
+_NO_COMMENT = JobComment()
+
+
+@router.post("/jobs/{id}/start", summary="Give a job leave to start", dependencies=_NEEDS)
+def start_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Lets a job start by itself when its turn comes."""
+    with job_faults():
+        return shown(jobs.start(id, said_by(caller, body.comment), expects=expected), response)
+
+
+@router.post("/jobs/{id}/revoke-start", summary="Take back the leave to start", dependencies=_NEEDS)
+def revoke_start_of_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Keeps a job that has not begun until somebody gives leave to start again."""
+    with job_faults():
+        return shown(jobs.revoke_start(id, said_by(caller, body.comment), expects=expected), response)
+
+
+@router.post("/jobs/{id}/pause", summary="Let a job stand for a while", dependencies=_NEEDS)
+def pause_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Lets a job come to a standstill where it is."""
+    with job_faults():
+        return shown(jobs.pause(id, said_by(caller, body.comment), expects=expected), response)
+
+
+@router.post("/jobs/{id}/resume", summary="Go on with a job that stands", dependencies=_NEEDS)
+def resume_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Goes on with a job that stands; what waits for an answer goes on with that."""
+    with job_faults():
+        return shown(jobs.resume(id, said_by(caller, body.comment), expects=expected), response)
+
+
+@router.post("/jobs/{id}/stop", summary="End a job in good order", dependencies=_NEEDS)
+def stop_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Ends a job that is under way; it is over when everything that it moved stands."""
+    with job_faults():
+        return shown(jobs.stop(id, said_by(caller, body.comment), expects=expected), response)
+
+
+@router.post("/jobs/{id}/abort", summary="Give a job up", dependencies=_NEEDS)
+def abort_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Gives a job up, begun or not; it is over when everything that it moved stands."""
+    with job_faults():
+        return shown(jobs.abort(id, said_by(caller, body.comment), expects=expected), response)
+
+
+@router.post("/jobs/{id}/cancel", summary="Remove a job that has not begun", dependencies=_NEEDS)
+def cancel_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Removes a job that has not begun, and answers with what it was."""
+    del body  # with the job goes its record
+    with job_faults():
+        return shown(jobs.cancel(id, expects=expected), response)
+
+
+@router.post("/jobs/{id}/clear", summary="Remove a job that is over", dependencies=_NEEDS)
+def clear_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    expected: ExpectedDep,
+    response: Response,
+    body: CommentBody = _NO_COMMENT,
+) -> Job:
+    """Says that its result was fetched: removes a job that is over with all that is known of it."""
+    del body  # with the job goes its record
+    with job_faults():
+        return shown(jobs.clear(id, expects=expected), response)
+
+
+@router.delete("/jobs/{id}", summary="Remove a job", dependencies=_NEEDS)
+def remove_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    expected: ExpectedDep,
+    response: Response,
+) -> Job:
+    """Removes a job that has not begun, or is over: cancel or clear, whichever fits."""
+    with job_faults():
+        remove = jobs.cancel if jobs.job(id).state.is_open else jobs.clear
+        return shown(remove(id, expects=expected), response)
+
+
+@router.post("/jobs/{id}/answer", summary="Answer what a job waits for", dependencies=_NEEDS)
+def answer_job(
+    id: JobId,  # noqa: A002 - the name in the address
+    body: JobAnswer,
+    jobs: JobsDep,
+    caller: CallerDep,
+    expected: ExpectedDep,
+    response: Response,
+) -> Job:
+    """Answers what a job waits for: with one of its `choices`."""
+    with job_faults():
+        return shown(_answered(jobs, id, body, caller.name, expected), response)
+
+
+def _answered(jobs: JobManager, id_: str, body: JobAnswer, by: str, expected: int | None) -> Known:
+    """Answers, unless it asks something else by now than what was answered."""
+    now = jobs.job(id_)
+    if body.question is None or expected is not None:
+        return jobs.answer(id_, body.answer, by=by, expects=expected)
+    if now.question != body.question:
+        raise WrongState(f"job '{id_}' does not wait for the answer to question {body.question} (any more)")
+    try:
+        return jobs.answer(id_, body.answer, by=by, expects=now.version)
+    except StaleVersion:
+        raise WrongState(f"job '{id_}' has gone on meanwhile: look what it asks now") from None

@@ -1,0 +1,78 @@
+"""Routes: what a job does and has done."""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from skiros_py.api.jobs import JobExplanation, JobPlan, JobReport, JobResponse, JobTrace, JobTransitions
+from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.job_accounts import explanation_of, plan_of, planned_steps, report_of, response_of
+from skiros_py.server.job_faults import job_faults
+from skiros_py.server.job_views import transitions_view
+from skiros_py.server.routes.job_access import JobId, JobsDep
+from skiros_py.server.services import ServicesDep
+
+__all__ = ["router"]
+
+router = APIRouter()
+
+_NEEDS = [needs(Role.VIEWER, mes=True)]
+
+
+@router.get("/jobs/{id}/response", summary="What a job has come to (ISA-95 job response)", dependencies=_NEEDS)
+def get_job_response(id: JobId, jobs: JobsDep) -> JobResponse:  # noqa: A002 - the name in the address
+    """Says what was done to which part, by which skills, in which states, and why not where it was not."""
+    with job_faults():
+        return response_of(jobs, jobs.job(id), time.time())
+
+
+@router.get("/jobs/{id}/plan", summary="The last plan of a job", dependencies=_NEEDS)
+def get_job_plan(id: JobId, jobs: JobsDep, services: ServicesDep) -> JobPlan:  # noqa: A002 - the name in the address
+    """Shows the steps of the last plan, with what each waits for; empty where there is none (yet)."""
+    with job_faults():
+        job = jobs.job(id)
+        running = next((task for task in services.session.tasks.undertakings if task.name == id), None)
+        if running is not None and running.plan is not None:  # younger than what is written down
+            return JobPlan(steps=planned_steps(running.plan))
+        return plan_of(job, jobs.trace(id))
+
+
+@router.get("/jobs/{id}/trace", summary="What happened for a job", dependencies=_NEEDS)
+def get_job_trace(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    limit: Annotated[int, Query(ge=1, le=1000, description="How many at most.")] = 100,
+    cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
+) -> JobTrace:
+    """Lists what happened, in sentences and as data; of what runs, the last second may be missing."""
+    with job_faults():
+        entries = jobs.trace(id)
+    end = int(cursor) + limit
+    return JobTrace(
+        entries=tuple(dict(entry) for entry in entries[int(cursor) : end]),
+        next=str(end) if end < len(entries) else None,
+    )
+
+
+@router.get("/jobs/{id}/report", summary="The report of a job", dependencies=_NEEDS)
+def get_job_report(id: JobId, jobs: JobsDep) -> JobReport:  # noqa: A002 - the name in the address
+    """Reports what came of each condition and of each step, as `skiros run` does."""
+    with job_faults():
+        return report_of(jobs.job(id), jobs.trace(id), time.time())
+
+
+@router.get("/jobs/{id}/transitions", summary="The changes of state of a job", dependencies=_NEEDS)
+def get_job_transitions(id: JobId, jobs: JobsDep) -> JobTransitions:  # noqa: A002 - the name in the address
+    """Lists the states that a job went through: when, and who wanted it and why."""
+    with job_faults():
+        return JobTransitions(transitions=transitions_view(jobs.transitions(id)))
+
+
+@router.get("/jobs/{id}/explanation", summary="Why there is no plan", dependencies=_NEEDS)
+def get_job_explanation(id: JobId, jobs: JobsDep) -> JobExplanation:  # noqa: A002 - the name in the address
+    """Says why there is no plan for a job, and what would help; empty where there is one, or nobody has looked yet."""
+    with job_faults():
+        return explanation_of(jobs.job(id), jobs.trace(id))

@@ -1,0 +1,234 @@
+"""What only a simulated world can be asked for: where bodies really are, to move them, another pace, pictures."""
+
+from __future__ import annotations
+
+import io
+import threading
+from typing import TYPE_CHECKING
+
+from skiros_py.api.simulation import Bodies as BodiesInfo
+from skiros_py.api.simulation import SimulatedBody, SimulationState
+from skiros_py.errors import Busy, DescriptionError, DeviceError, UnknownName, UsageError, WrongState
+from skiros_py.geometry import Pose
+from skiros_py.runtime import Session
+from skiros_py.server.bodies import Bodies
+from skiros_py.server.control import ControlThread
+from skiros_py.server.problems import Problem
+from skiros_py.server.scene_loading import require_rest
+
+if TYPE_CHECKING:
+    from skiros_py.simulation.pybullet.cell import PyBulletCell
+
+__all__ = ["Simulation"]
+
+Point = tuple[float, float, float]
+
+_ASIDE = 1e-3
+"""How far an eye is moved that looks straight down [m]: else nobody could say where up is in the picture."""
+
+
+class Simulation:
+    """The simulation behind a server's sessions; for any thread.
+
+    Args:
+        control: Runs the sessions.
+        bodies: Has bodies follow beliefs.
+    """
+
+    def __init__(self, control: ControlThread, bodies: Bodies) -> None:
+        self._control = control
+        self._bodies = bodies
+        self._pace: float | None = None
+        self._drawing = threading.Lock()
+        control.on_open(self._keep_pace)
+
+    def state(self) -> SimulationState:
+        """Returns how it goes on."""
+        stuck, stale = self._control.stuck_for(), list(self._bodies.stale)
+
+        def look(session: Session) -> SimulationState:
+            cycle = session.cycle
+            snapshot = cycle.board.snapshot
+            return SimulationState(
+                driver=session.options.driver or ("fake" if session.options.fake else "pybullet"),
+                simulates=session.simulates,
+                running=not cycle.halted,
+                halted=cycle.halted,
+                resting=session.resting,
+                pace=cycle.pace,
+                time=snapshot.time,
+                cycle=snapshot.cycle,
+                period=cycle.board.period,
+                stuck=stuck,
+                stale=stale,
+            )
+
+        return self._control.call(look)
+
+    # ------------------------------------------------------------------ bodies
+
+    def bodies(self) -> BodiesInfo:
+        """Returns where everything really is."""
+        from skiros_py.judgement import true_whereabouts  # brings the physics along, which a pretending robot lacks
+
+        def look(session: Session) -> BodiesInfo:
+            cell = _cell(session)
+            poses, places = true_whereabouts(cell)
+            specs = {spec.id: spec for spec, _ in cell.scene.standing()}
+            items = [
+                SimulatedBody(
+                    id=name,
+                    type=specs[name].type,
+                    position=list(poses[name].position),
+                    orientation=list(poses[name].orientation),
+                    place=places.get(name),
+                    believed=session.world.has(name),
+                )
+                for name in sorted(specs)
+            ]
+            return BodiesInfo(time=session.cycle.board.snapshot.time, items=items)
+
+        return self._control.call(look)
+
+    def move(self, body: str, pose: Pose) -> None:
+        """Puts a body somewhere else, at rest, and tells no robot.
+
+        Raises:
+            UnknownName: There is no such body.
+            WrongState: It is bolted to a robot, or a region of another body.
+        """
+
+        def do(session: Session) -> None:
+            cell = _cell(session)
+            _require_free(cell, body)
+            cell.move_body(body, pose)
+
+        self._control.call(do)
+
+    def remove(self, body: str) -> None:
+        """Takes a body away, and tells no robot.
+
+        Raises:
+            UnknownName: There is no such body.
+            WrongState: It is bolted to a robot, or a region of another body.
+        """
+
+        def do(session: Session) -> None:
+            cell = _cell(session)
+            _require_free(cell, body)
+            cell.remove_body(body)
+
+        self._control.call(do)
+
+    # ------------------------------------------------------------------ time
+
+    def set_pace(self, pace: float) -> float:
+        """Goes on at another pace, also after the session was opened anew; returns it.
+
+        Raises:
+            WrongState: The session is in lockstep.
+        """
+
+        def do(session: Session) -> None:
+            _require_simulated_time(session)
+            try:
+                session.cycle.set_pace(pace)
+            except UsageError as error:
+                raise WrongState(str(error)) from None
+            self._pace = pace
+
+        self._control.call(do)
+        return pace
+
+    def _keep_pace(self, session: Session) -> None:
+        if self._pace is not None and session.cycle.pace is not None:
+            session.cycle.set_pace(self._pace)
+
+    def reset(self, *, force: bool) -> None:
+        """Opens the session anew: robots where the scene puts them, bodies as they are believed.
+
+        Args:
+            force: True to stop first whatever is under way; jobs then wait for a person.
+
+        Raises:
+            WrongState: Something is under way, or what is believed cannot be brought up.
+        """
+
+        def prepare(session: Session) -> None:
+            _require_simulated_time(session)
+            if not force:
+                require_rest(session)
+            try:
+                session.check_again()
+            except (DescriptionError, UsageError) as error:
+                raise WrongState(f"nothing was reset, for what is believed cannot be brought up: {error}") from None
+
+        self._control.reopen(prepare)
+
+    # ------------------------------------------------------------------ looking
+
+    def picture(self, eye: Point, target: Point, width: int, height: int) -> bytes:
+        """Makes a picture of the whole scene as it is now.
+
+        Args:
+            eye: Where the observer is, in the map [m].
+            target: Where the observer looks [m].
+            width: [px].
+            height: [px].
+
+        Returns:
+            The picture as PNG.
+
+        Raises:
+            UsageError: Both points are one.
+            Busy: Another picture is being made.
+        """
+        from PIL import Image  # only where somebody wants a picture
+
+        seen_from = _not_straight_down(eye, target)
+        if not self._drawing.acquire(blocking=False):
+            raise Busy("another picture is being made: one at a time, for robots' cameras need the same process")
+        try:
+            drawing = self._control.call(
+                lambda session: _cell(session).picture(seen_from, target, width=width, height=height)
+            )
+            file = io.BytesIO()
+            Image.fromarray(drawing.result()).save(file, "PNG")
+        except DeviceError as error:
+            raise Busy(f"no picture: {error}; perhaps the simulation is being brought up anew") from None
+        finally:
+            self._drawing.release()
+        return file.getvalue()
+
+
+def _cell(session: Session) -> PyBulletCell:
+    if not session.simulates:
+        raise Problem(
+            409, "NoSimulation", "no physics is simulated behind these robots: start without --fake or --driver"
+        )
+    return session.simulation
+
+
+def _require_simulated_time(session: Session) -> None:
+    if session.options.driver is not None:
+        raise Problem(
+            409, "NoSimulation", "these robots are real, or somebody else simulates them: their time is their own"
+        )
+
+
+def _require_free(cell: PyBulletCell, body: str) -> None:
+    if body in cell.scene.compartments:
+        raise WrongState(f"'{body}' is a region of {cell.scene.compartments[body][0].place}, and moves with it only")
+    there = cell.scene.bodies.get(body)
+    if there is None:
+        raise UnknownName("body", body, cell.scene.bodies)
+    if there.constraint is not None:
+        raise WrongState(f"'{body}' is bolted to {there.spec.carrier}, and moves with it only")
+
+
+def _not_straight_down(eye: Point, target: Point) -> Point:
+    if max(abs(a - b) for a, b in zip(eye, target, strict=True)) < _ASIDE:
+        raise UsageError("eye and target are one point: say where to look from, and where to")
+    if max(abs(eye[0] - target[0]), abs(eye[1] - target[1])) < _ASIDE:
+        return eye[0] + _ASIDE, eye[1], eye[2]
+    return eye

@@ -1,0 +1,69 @@
+"""``skiros key``."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import get_args
+
+import httpx2
+
+from skiros_py.api.keys import RoleName
+from skiros_py.cli.key import command
+from skiros_py.server.access.roles import Role
+from skiros_py.testing.serving import serving
+
+
+def _skiros(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "skiros_py.cli", "key", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_a_key_made_in_the_shell_opens_the_server_and_one_revoked_there_shuts_it(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    with serving("kitting", data) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as client:
+        made = _skiros("create", "line 1", "--role", "mes", "--expires", "90d", "--data", str(data))
+        theirs = {"X-API-Key": made.stdout.strip()}
+
+        assert client.get("/session").status_code == 401
+        assert client.get("/session", headers=theirs).json()["name"] == "line 1"
+
+        (listed,) = json.loads(_skiros("list", "--data", str(data), "--json").stdout)["keys"]
+        revoked = _skiros("revoke", listed["id"], "--data", str(data))
+
+        assert revoked.returncode == 0
+        assert client.get("/session", headers=theirs).status_code == 401
+
+
+def test_a_key_can_be_made_before_there_is_anything_else_and_is_shown_once(tmp_path: Path) -> None:
+    made = _skiros("create", "anna", "--role", "admin", "--data", str(tmp_path / "new"))
+    listed = _skiros("list", "--data", str(tmp_path / "new"))
+
+    assert made.stdout.startswith("sk_")
+    assert made.stdout.strip() not in listed.stdout
+    assert "anna: never used" in listed.stdout
+
+
+def test_what_is_wrong_is_said_in_one_line(tmp_path: Path) -> None:
+    nothing = _skiros("list", "--data", str(tmp_path))
+    _skiros("create", "anna", "--role", "admin", "--data", str(tmp_path))
+    unknown = _skiros("revoke", "nope", "--data", str(tmp_path))
+    span = _skiros("create", "anna", "--role", "admin", "--expires", "soon", "--data", str(tmp_path))
+
+    assert (nothing.returncode, unknown.returncode, span.returncode) == (2, 2, 2)
+    assert "skiros key create" in nothing.stderr
+    assert "unknown key 'nope'" in unknown.stderr
+    assert "12h, 90d or 4w" in span.stderr
+
+
+def test_the_roles_are_those_of_the_server() -> None:
+    option = next(one for one in command.commands["create"].params if one.name == "role")  # type: ignore[attr-defined]
+
+    assert set(option.type.choices) == {role.value for role in Role} == set(get_args(RoleName))

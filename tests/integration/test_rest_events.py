@@ -1,0 +1,467 @@
+"""Events over a real server: complete, in order, resumable; slow and dead readers cost nobody anything."""
+
+import asyncio
+import gc
+import json
+import socket
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager
+from itertools import islice
+from pathlib import Path
+
+import httpx2
+import pytest
+
+from skiros_py.api.events import EventInfo, ResetInfo
+from skiros_py.client.calls import events as calls
+from skiros_py.client.errors import ProblemError, Unreachable
+from skiros_py.client.streams import follow, follow_later
+from skiros_py.server.access.roles import Role
+from skiros_py.server.events.event import Kind
+from skiros_py.server.events.places import place_text
+from skiros_py.server.settings import ServerSettings
+from skiros_py.tasks.jobs import JobOrder
+from skiros_py.testing.serving import serving
+from skiros_py.world.change import Writer
+from skiros_py.world.element import Placement
+from skiros_py.world.vocabulary import IN, LABEL, TAUGHT_POSE
+
+KEPT = 5000
+STREAMS = 20
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory):
+    with serving(
+        "kitting", tmp_path_factory.mktemp("data"), settings=ServerSettings(kept_events=KEPT, streams=STREAMS)
+    ) as s:
+        yield s
+
+
+@pytest.fixture
+def http(served):
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as http:
+        yield http
+
+
+def now(http):
+    """Returns the place in the log at this moment."""
+    after = None
+    while True:
+        page = http.get("/events/recent", params={"limit": 1000} | ({"after": after} if after else {})).json()
+        after = page["next"]
+        if len(page["items"]) < 1000:
+            return after
+
+
+def rename(served, element, label):
+    with served.services.session.world.transaction("anna", "a test", writer=Writer.PERSON) as tx:
+        tx.set(element, LABEL, label)
+
+
+def run_job(served, id_, goal="InKit(Starter, kit_1)"):
+    """Orders a job, and waits for its end."""
+    jobs, over = served.services.session.jobs, threading.Event()
+    end = jobs.subscribe(lambda job: job.id == id_ and not job.state.is_open and over.set())
+    jobs.submit(JobOrder(id=id_, goal=(goal,)))
+    assert over.wait(60)
+    end()
+
+
+# ---------------------------------------------------------------------- what is told
+
+
+def test_a_change_of_the_scene_is_told_with_author_and_edits(served, http):
+    after = now(http)
+    rename(served, "kit_1", "the kit")
+    (event,) = islice(follow(http, calls.stream_events(kinds=["world"], element="kit_1"), after=after), 1)
+    assert (event.kind, event.type) == ("world", "scene")
+    assert event.data["author"] == "anna"
+    assert event.data["edits"][0]["new"] == "the kit"
+
+
+def test_what_was_learned_is_told_apart(served, http):
+    after = now(http)
+    with served.services.session.world.transaction("anna", "taught", writer=Writer.PERSON) as tx:
+        tx.add(TAUGHT_POSE, "a lesson", learned=True)
+    (event,) = islice(follow(http, calls.stream_events(kinds=["world"]), after=after), 1)
+    assert event.type == "learned"
+
+
+def test_of_a_great_change_the_first_edits_are_told_and_where_the_rest_is(served, http):
+    after = now(http)
+    with served.services.session.world.transaction("anna", "many parts", writer=Writer.PERSON) as tx:
+        parts = [tx.add("kitting:Starter", placement=Placement(IN, "pallet_a")) for _ in range(200)]
+    (event,) = islice(follow(http, calls.stream_events(kinds=["world"], element=parts[-1]), after=after), 1)
+    assert len(event.data["edits"]) == 100
+    assert event.data["all_edits"] >= 200
+    assert http.get(event.data["read"].removeprefix("/api/v1")).status_code == 200
+    with served.services.session.world.transaction("anna", "enough of them", writer=Writer.PERSON) as tx:
+        for part in parts:
+            tx.remove(part)
+
+
+def test_a_job_is_told_from_its_order_to_its_end_with_all_its_steps(served, http):
+    run_job(served, "told")
+    seen = []
+    for event in follow(http, calls.stream_job_events("told")):
+        assert event.job == "told"
+        seen.append((event.kind, event.type))
+        if event.type == "ended" and event.kind == "job":
+            break
+    states = [type_ for kind, type_ in seen if kind == "job"]
+    assert states[0] == "allowed_to_start"
+    assert states[-1] == "ended"
+    happenings = [type_ for kind, type_ in seen if kind == "task"]
+    assert [happenings[0], happenings[1], happenings[-1]] == ["begun", "planned", "finished"]
+    assert happenings.count("started") == happenings.count("ended") == 4
+
+
+def test_the_events_of_a_job_that_is_not_there_are_not_found(http):
+    response = http.get("/jobs/never/events")
+    assert (response.status_code, response.json()["code"]) == (404, "UnknownJobOrderID")
+
+
+# ---------------------------------------------------------------------- resuming
+
+
+def test_a_page_goes_on_where_the_one_before_ended(served, http):
+    after = now(http)
+    for n in range(25):
+        rename(served, "kit_1", f"kit {n}")
+    labels = []
+    for _ in range(3):
+        page = http.get("/events/recent", params={"after": after, "limit": 10, "kind": "world"}).json()
+        labels += [item["data"]["edits"][0]["new"] for item in page["items"]]
+        after = page["next"]
+    assert labels == [f"kit {n}" for n in range(25)]
+    assert page["reset"] is None
+
+
+@pytest.mark.parametrize("header", [True, False])
+def test_a_stream_is_resumed_after_the_last_event_that_was_seen(served, http, header):
+    after = now(http)
+    for n in range(3):
+        rename(served, "kit_1", f"resumed {n} {header}")
+    asked = {"headers": {"Last-Event-ID": after}} if header else {"params": {"after": after}}
+    with http.sse("/events", **asked) as source:
+        told = [event.json() for event in islice((e for e in source if e.event == "world"), 3)]
+    assert [one["data"]["edits"][0]["new"] for one in told] == [f"resumed {n} {header}" for n in range(3)]
+
+
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [("0000aaaa-3", "restarted"), ("garbage", "unknown"), ("%00%ff", "unknown"), ("{epoch}-999999", "future")],
+)
+def test_a_place_that_means_nothing_here_gets_a_reset_and_then_what_happens(served, http, given, code):
+    place = given.format(epoch=served.services.events.epoch)
+    items = follow(http, calls.stream_events(kinds=["world"]), after=place)
+    reset = next(items)
+    rename(served, "kit_1", f"after {place}"[:20])
+    assert isinstance(reset, ResetInfo)
+    assert (reset.code, next(items).data["edits"][0]["new"]) == (code, f"after {place}"[:20])
+    page = http.get("/events/recent", params={"after": place}).json()
+    assert (page["items"], page["reset"]["code"]) == ([], code)
+
+
+def test_a_place_that_is_too_long_ago_gets_a_reset(served, http):
+    after = now(http)
+    for _ in range(KEPT + 1):
+        served.services.events.append(Kind.SYSTEM, "reset")
+    (reset,) = islice(follow(http, calls.stream_events(), after=after), 1)
+    assert reset.code == "gone"
+
+
+# ---------------------------------------------------------------------- who may, and how many
+
+
+@pytest.mark.parametrize("query", ["kind=weather", "limit=0", "limit=1001", "after=" + "x" * 200, "job=" + "x" * 300])
+def test_a_wrong_wish_is_refused(http, query):
+    assert http.get(f"/events/recent?{query}").status_code == 422
+
+
+def test_more_streams_than_allowed_are_refused_and_places_come_back(served, http):
+    sockets = [_open(served, "/api/v1/events") for _ in range(STREAMS // 2)]
+    response = http.get("/events")
+    assert (response.status_code, response.json()["code"]) == (503, "Busy")
+    assert int(response.headers["retry-after"]) > 0
+    for one in sockets:
+        one.close()
+    _until(lambda: served.services.streams.open == 0)
+    with http.sse("/events") as source:
+        assert next(iter(source)).id
+
+
+def _open(served, path):
+    """Opens a stream and reads where it begins: what happens from then on is told."""
+    host, port = served.url.removeprefix("http://").split(":")
+    one = socket.create_connection((host, int(port)), timeout=20)
+    one.sendall(f"GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+    head = b""
+    while b"retry: " not in head:  # the first thing that a stream says
+        head += one.recv(4096)
+    assert head.startswith(b"HTTP/1.1 200")
+    return one
+
+
+def _until(reached, patience=30.0):
+    deadline = time.monotonic() + patience
+    while not reached():
+        assert time.monotonic() < deadline, "it was never reached"
+        time.sleep(0.005)
+
+
+def test_a_stream_ends_when_its_key_is_revoked_and_is_refused_from_then_on(tmp_path):
+    with serving("kitting", tmp_path, settings=ServerSettings(authentication="keys")) as served:
+        keys = served.services.keys
+        keys.create("chief", Role.ADMIN)
+        key, text = keys.create("panel", Role.VIEWER)
+        http = httpx2.Client(base_url=f"{served.url}/api/v1", headers={"Authorization": f"Bearer {text}"})
+        with http, ThreadPoolExecutor(1) as pool:
+            items = follow(http, calls.stream_events())
+            following = pool.submit(list, items)
+            _until(lambda: served.services.streams.open == 1)
+            keys.revoke(key.id)
+            with pytest.raises(ProblemError) as refused:
+                following.result(60)
+        assert refused.value.status == 401
+        assert served.services.streams.open == 0
+
+
+def test_a_factory_system_hears_of_jobs_and_alarms_and_of_the_rest_only_for_its_jobs(tmp_path):
+    with serving("kitting", tmp_path, settings=ServerSettings(authentication="keys")) as served:
+        _, text = served.services.keys.create("mes", Role.MES)
+        with httpx2.Client(base_url=f"{served.url}/api/v1", headers={"Authorization": f"Bearer {text}"}) as http:
+            rename(served, "kit_1", "the kit")
+            run_job(served, "a")
+            page = http.get("/events/recent", params={"limit": 1000}).json()
+            assert {one["kind"] for one in page["items"]} == {"job", "system"}
+            of_job = http.get("/events/recent", params={"limit": 1000, "job": "a"}).json()
+            assert {one["kind"] for one in of_job["items"]} == {"job", "task"}
+            assert http.get("/events/recent", params={"kind": "world"}).status_code == 403
+
+
+# ---------------------------------------------------------------------- adversarial readers
+
+
+def _resident():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+
+
+def test_a_client_that_never_reads_costs_nobody_anything(served, http):
+    """100,000 events of 1 kB pass by it; what it does not take is not kept for it."""
+    events, bursts, each = served.services.events, 50, 2000
+    text = "x" * 1000
+    with (
+        closing(_open(served, "/api/v1/events?kind=task")),
+        closing(_open(served, "/api/v1/events?kind=task")) as reader,
+    ):
+        seen = [0]
+        thread = threading.Thread(target=_count, args=(reader, seen))
+        thread.start()
+        gc.collect()
+        before = _resident()
+        for burst in range(1, bursts + 1):
+            for _ in range(each):
+                events.append(Kind.TASK, "noise", data={"text": text})
+            _until(lambda wanted=burst * each: seen[0] >= wanted)
+        grown = _resident() - before
+        assert seen[0] == bursts * each  # the reader missed nothing
+        reader.shutdown(socket.SHUT_RD)
+        thread.join()
+    assert grown < 40e6, f"{grown / 1e6:.0f} MB"  # the log keeps 6 MB of these, and the silent one would be owed 130 MB
+
+
+def _count(reader, seen):
+    """Counts events as they come."""
+    rest = b""
+    while chunk := reader.recv(1 << 20):
+        rest += chunk
+        seen[0] += rest.count(b"\ndata: ")
+        rest = rest[-6:] if not rest.endswith(b"\ndata: ") else b""
+
+
+def test_fifty_readers_get_every_event_in_order(tmp_path):
+    with serving("kitting", tmp_path, settings=ServerSettings(streams=100)) as served:
+        events = served.services.events
+        url, after = f"{served.url}/api/v1", place_text(events, events.last)
+
+        def read(_):
+            with httpx2.Client(base_url=url) as http, http.sse(f"/events?kind=task&after={after}") as source:
+                told = (event for event in source if event.data)
+                return [event.json()["data"]["n"] for event in islice(told, 100)]
+
+        with ThreadPoolExecutor(50) as pool:
+            readers = [pool.submit(read, n) for n in range(50)]
+            for n in range(100):
+                events.append(Kind.TASK, "noise", data={"n": n})
+            assert all(reader.result(60) == list(range(100)) for reader in readers)
+
+
+def test_streams_end_at_once_when_the_server_shuts_down(tmp_path):
+    ended = threading.Event()
+
+    def read(url):
+        with httpx2.Client(base_url=f"{url}/api/v1", timeout=60) as http, http.sse("/events") as source:
+            list(source)
+        ended.set()
+
+    with serving("kitting", tmp_path) as served:
+        thread = threading.Thread(target=read, args=(served.url,))
+        thread.start()
+        _until(lambda: served.services.streams.open == 1)
+        served.services.streams.end()
+        assert ended.wait(20)
+        thread.join()
+
+
+# ---------------------------------------------------------------------- the robots' state
+
+
+def test_the_state_says_what_the_robots_do(http):
+    state = http.get("/state").json()
+    assert len(state["arms"]["arm_1"]["positions"]) == 7
+    assert state["grippers"]["gripper_1"]["holds"] is None
+    assert set(state["bases"]["base_1"]["pose"]) == {"position", "orientation"}
+    assert (state["halted"], state["tasks"], state["modules"]) == ("", [], [])
+
+
+def test_the_state_stream_has_no_places_for_it_is_never_replayed(http):
+    with http.sse("/robots/state/stream?rate=20") as source:
+        first, second = islice(source, 2)
+    assert (first.event, first.id) == ("state", "")
+    assert json.loads(first.data)["cycle"] < json.loads(second.data)["cycle"]
+
+
+def test_the_state_is_built_once_for_all_who_look_on_and_never_for_nobody(served, http):
+    live = served.services.live
+    before = live.built
+    time.sleep(0.2)
+    assert live.built == before
+    with ThreadPoolExecutor(8) as pool:
+
+        def look(_):
+            with (
+                httpx2.Client(base_url=f"{served.url}/api/v1") as own,
+                own.sse("/robots/state/stream?rate=20") as source,
+            ):
+                return len(list(islice(source, 10)))
+
+        assert list(pool.map(look, range(8))) == [10] * 8
+    assert live.built - before < 40  # and not 80
+
+
+# ---------------------------------------------------------------------- the client
+
+
+def test_the_client_goes_on_over_a_restart_of_the_server_and_hears_of_the_gap(tmp_path):
+    port = [0]
+
+    def redirect(request):
+        request.url = request.url.copy_with(port=port[0])
+
+    with httpx2.Client(base_url="http://127.0.0.1/api/v1", event_hooks={"request": [redirect]}) as http:
+        box = []
+
+        def read(items):
+            for item in islice(items, 2):
+                box.append(item)  # noqa: PERF402 - one by one, for those who look
+
+        with serving("kitting", tmp_path) as served:
+            port[0] = httpx2.URL(served.url).port
+            after = place_text(served.services.events, served.services.events.last)
+            items = follow(http, calls.stream_events(kinds=["world"]), after=after, patience=60.0)
+            thread = threading.Thread(target=read, args=(items,))
+            thread.start()
+            rename(served, "kit_1", "before")
+            _until(lambda: box)
+        with serving("kitting", tmp_path) as served:
+            port[0] = httpx2.URL(served.url).port
+            thread.join(60)
+        first, second = box
+        assert isinstance(first, EventInfo)
+        assert first.data["edits"][0]["new"] == "before"
+        assert isinstance(second, ResetInfo)
+        assert second.code == "restarted"
+
+
+def test_a_broken_connection_is_made_again_and_nothing_is_missed_or_comes_twice(served, http):
+    """A go-between cuts the connection every few hundred bytes."""
+    with _cutting(served, every=900) as url, httpx2.Client(base_url=f"{url}/api/v1") as shaky:
+        items = follow(shaky, calls.stream_events(kinds=["task"]), after=now(http))
+        for n in range(40):
+            served.services.events.append(Kind.TASK, "noise", data={"n": n})
+        assert [event.data["n"] for event in islice(items, 40)] == list(range(40))
+        items.close()
+
+
+def test_the_client_gives_up_where_nobody_answers_and_says_where():
+    with (
+        httpx2.Client(base_url="http://127.0.0.1:9/api/v1") as http,
+        pytest.raises(Unreachable, match=r"127\.0\.0\.1:9"),
+    ):
+        next(follow(http, calls.stream_events(), patience=0.1))
+
+
+def test_the_client_is_told_when_the_server_refuses(http):
+    with pytest.raises(ProblemError, match="never"):
+        next(follow(http, calls.stream_job_events("never")))
+
+
+def test_the_asynchronous_client_follows_as_well(served):
+    async def run():
+        async with httpx2.AsyncClient(base_url=f"{served.url}/api/v1") as http:
+            items = follow_later(
+                http, calls.stream_events(kinds=["world"]), after=place_text(served.services.events, 0)
+            )
+            first = await anext(items)
+            asyncio.get_running_loop().call_later(0.1, rename, served, "kit_1", "for later")
+            async for event in items:
+                if isinstance(event, EventInfo) and event.data["edits"][0].get("new") == "for later":
+                    break
+            await items.aclose()
+            return first
+
+    assert asyncio.run(asyncio.wait_for(run(), 60)) is not None
+
+
+@contextmanager
+def _cutting(served, every):
+    """Passes connections on to the server, and cuts each after so many bytes of the answer."""
+    target = httpx2.URL(served.url)
+    ended = threading.Event()
+
+    def pass_on(client):
+        with closing(client), closing(socket.create_connection((target.host, target.port))) as server:
+            server.settimeout(0.5)
+            server.sendall(client.recv(65536))
+            left = every
+            while left > 0 and not ended.is_set():
+                try:
+                    chunk = server.recv(left)
+                except TimeoutError:
+                    continue
+                if not chunk:
+                    return
+                left -= len(chunk)
+                client.sendall(chunk)
+
+    def accept(listening):
+        while not ended.is_set():
+            try:
+                client, _ = listening.accept()
+            except TimeoutError:
+                continue
+            threading.Thread(target=pass_on, args=(client,), daemon=True).start()
+
+    with closing(socket.create_server(("127.0.0.1", 0))) as listening:
+        listening.settimeout(0.2)
+        thread = threading.Thread(target=accept, args=(listening,))
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{listening.getsockname()[1]}"
+        finally:
+            ended.set()
+            thread.join()

@@ -1,0 +1,268 @@
+"""Goals, templates and previews over the API of a real server."""
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import httpx2
+import pytest
+
+from skiros_py.api.goals import GoalOrder
+from skiros_py.api.jobs import order_from
+from skiros_py.api.templates import GoalTemplateContent
+from skiros_py.client.calls import goals as goal_calls
+from skiros_py.client.calls import previews as preview_calls
+from skiros_py.client.calls import templates as template_calls
+from skiros_py.client.client import Client
+from skiros_py.testing.serving import Served, serving
+
+KIT = "InKit(Starter, kit_1)"
+FILL = {
+    "parameters": [{"name": "kit", "class": "Kit"}],
+    "per_material": {"condition": "InKit", "arguments": [{"material": "class"}, {"parameter": "kit"}]},
+}
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory) -> Iterator[Served]:
+    with serving("kitting", tmp_path_factory.mktemp("data")) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def api(served) -> Iterator[httpx2.Client]:
+    with httpx2.Client(base_url=f"{served.url}/api/v1", timeout=60.0) as client:
+        yield client
+
+
+def problem(response, status):
+    assert response.status_code == status, response.text
+    return response.json()
+
+
+# ------------------------------------------------------------------ goals
+
+
+def test_a_goal_is_checked_and_nothing_is_ordered(api):
+    checked = api.post("/goals/check", json={"goal": f"not {KIT} and EmptyHanded(gripper_1)"}).json()
+    assert checked["text"] == "not InKit(kitting:Starter, kit_1) and EmptyHanded(gripper_1)"
+    assert checked["holds"] is True
+    wanted = api.post("/goals/check", json={"goal": [KIT]}).json()
+    (condition,) = wanted["conditions"]
+    assert (condition["holds"], wanted["holds"]) == (False, False)
+    assert condition["data"] == {"condition": "InKit", "arguments": ["kitting:Starter", "kit_1"]}
+    assert "no Starter" in condition["why"]
+    assert len(condition["lines"]) > 1
+    assert api.get("/jobs").json()["items"] == []
+
+
+def test_a_checked_goal_is_understood_again_as_data_and_as_text(api):
+    goal = 'for all c: Compartment (HasPart(kit_1, c) implies not ObjectAtLocation("alternator_1", c))'
+    first = api.post("/goals/check", json={"goal": goal}).json()
+    for form in (first["text"], [one["data"] for one in first["conditions"]]):
+        assert api.post("/goals/check", json={"goal": form}).json() == first
+
+
+@pytest.mark.parametrize(
+    ("goal", "code", "more"),
+    [
+        ("InKit(Starter kit_1)", "GoalSyntax", {"column": 15}),
+        ("InKit(Startr, kit_1)", "UnknownName", {"nearest": "Starter"}),
+        ({"condition": "InKt", "arguments": ["a", "b"]}, "UnknownName", {"nearest": "InKit"}),
+        ({"not": {}}, "InvalidRequest", {}),
+    ],
+)
+def test_a_goal_that_cannot_be_understood_says_what_would_be_right(api, goal, code, more):
+    refused = problem(api.post("/goals/check", json={"goal": goal}), 422)
+    assert {"code": code, "return_status": 1 << 32, **more}.items() <= refused.items()
+
+
+def test_the_words_are_those_that_present_robots_can_fulfil(api):
+    words = {word["name"]: word for word in api.get("/goals/conditions").json()["conditions"]}
+    assert words["InKit"]["skills"] == ["place"]
+    assert words["InKit"]["roles"][1] == {"name": "kit", "class": "kitting:Kit"}
+    assert (words["InKit"]["abstract"], words["EmptyHanded"]["abstract"]) == (True, False)
+    assert words["RobotAtLocation"]["skills"] == ["drive"]
+    assert "FitsIn" not in words
+    every = {word["name"] for word in api.get("/goals/conditions?all=true").json()["conditions"]}
+    assert every > set(words)
+
+
+def test_goals_of_the_scene_are_replaced_by_who_has_seen_them(api):
+    seen = api.get("/goals")
+    assert problem(api.put("/goals", json={"goals": [KIT]}), 428)["code"] == "VersionMissing"
+    head = {"If-Match": seen.headers["etag"]}
+    problem(api.put("/goals", json={"goals": ["InKit(Startr, kit_1)"]}, headers=head), 422)
+    structured = {"condition": "InKit", "arguments": ["Alternator", "kit_1"]}
+    changed = api.put("/goals", json={"goals": [KIT, structured]}, headers=head)
+    assert changed.json()["goals"] == ["InKit(Alternator, kit_1)", KIT]
+    assert problem(api.put("/goals", json={"goals": []}, headers=head), 412)["code"] == "StaleVersion"
+    assert api.get("/goals").headers["etag"] == changed.headers["etag"]
+
+
+# ------------------------------------------------------------------ templates
+
+
+def test_a_template_is_written_by_who_has_seen_it(api):
+    first = api.put("/goal-templates/fill a kit", json=FILL)
+    assert first.status_code == 201
+    problem(api.put("/goal-templates/fill a kit", json=FILL), 428)
+    head = {"If-Match": first.headers["etag"]}
+    second = api.put("/goal-templates/fill a kit", json={**FILL, "description": "for all kits"}, headers=head)
+    assert second.status_code == 200
+    problem(api.put("/goal-templates/fill a kit", json=FILL, headers=head), 412)
+    problem(api.delete("/goal-templates/fill a kit", headers=head), 412)
+    assert api.get("/goal-templates/fill a kit").json() == second.json()
+    assert [one["name"] for one in api.get("/goal-templates").json()["templates"]] == ["fill a kit"]
+    assert api.delete("/goal-templates/fill a kit", headers={"If-Match": second.headers["etag"]}).status_code == 204
+    problem(api.get("/goal-templates/fill a kit"), 404)
+
+
+def test_a_template_that_can_make_no_goal_is_refused_with_the_path(api):
+    wrong = {"goal": [{"not": {"condition": "InKit", "arguments": [{"parameter": "kt"}, "kit_1"]}}]}
+    assert (
+        "goal[0].not.arguments[0]: unknown parameter 'kt'"
+        in problem(api.put("/goal-templates/x", json=wrong), 422)["detail"]
+    )
+    wrong["goal"][0]["not"]["condition"] = "InKt"
+    wrong["parameters"] = [{"name": "kt"}]
+    assert (
+        "goal[0].not.condition: unknown condition 'InKt'"
+        in problem(api.put("/goal-templates/x", json=wrong), 422)["detail"]
+    )
+    problem(api.get("/goal-templates/x"), 404)
+
+
+def test_a_job_is_ordered_by_template_parameters_and_materials(api):
+    api.put("/goal-templates/fill", json=FILL).raise_for_status()
+    order = {
+        "work_master": "fill",
+        "parameters": {"kit": "kit_1"},
+        "materials": [{"class": "Starter", "use": "produced"}, {"class": "RelayBox"}],
+    }
+    job = api.put("/jobs/by-template", json=order, params={"start": "false"}).json()
+    assert job["order"]["goal"] == ["InKit(Starter, kit_1)", "InKit(RelayBox, kit_1)"]
+    assert job["order"]["work_master"] == "fill"
+    assert [one["class"] for one in job["order"]["materials"]] == ["Starter", "RelayBox"]
+
+    etag = api.get("/goal-templates/fill").headers["etag"]
+    api.delete("/goal-templates/fill", headers={"If-Match": etag}).raise_for_status()
+    again = api.put("/jobs/by-template", json=order, params={"start": "false"})
+    assert (again.status_code, again.json()) == (200, job)
+    problem(api.put("/jobs/by-template-2", json=order), 422)
+
+
+@pytest.mark.parametrize(
+    "name", ['kit_1") or EmptyHanded("gripper_1', "kit_1) and not InKit(Starter, kit_1", '"', "a\nb"]
+)
+def test_a_parameter_is_a_name_whatever_it_looks_like(api, name):
+    api.put("/goal-templates/inject", json=FILL, headers={"If-Match": "*"})
+    order = {"work_master": "inject", "parameters": {"kit": name}, "materials": [{"class": "Starter"}]}
+    refused = problem(api.post("/goals/check", json=order), 422)
+    assert refused["code"] == "UnknownName"
+    assert "unknown element" in refused["detail"]
+
+
+# ------------------------------------------------------------------ previews
+
+
+def planned(api, goal):
+    asked = api.post("/previews", json={"goal": goal}).raise_for_status()
+    return api.get(asked.headers["location"].removeprefix("/api/v1"), params={"wait": 30}).json()
+
+
+def test_a_preview_shows_the_plan_and_nothing_is_done(api, served):
+    before = served.services.session.world.version
+    asked = api.post("/previews", json={"goal": KIT})
+    assert asked.status_code == 202
+    preview = api.get(asked.headers["location"].removeprefix("/api/v1"), params={"wait": 30}).json()
+    assert (preview["state"], preview["conditions"]) == ("planned", [KIT])
+    assert [(step["skill"], step["after"]) for step in preview["steps"]] == [
+        ("drive", []), ("pick", [0]), ("drive", [1]), ("place", [2])
+    ]  # fmt: skip
+    assert preview["wall"] > 0.0
+    assert served.services.session.world.version == before == preview["world"]
+
+
+def test_what_holds_already_is_a_plan_without_steps(api):
+    preview = planned(api, "EmptyHanded(gripper_1)")
+    assert (preview["state"], preview["steps"]) == ("planned", [])
+
+
+def test_a_preview_without_a_plan_offers_repairs_that_make_one(api, served):
+    world = served.services.session.world
+    with world.transaction("ann", "somebody took it") as tx:
+        tx.remove("starter_1")
+    preview = planned(api, KIT)
+    assert preview["state"] == "no plan"
+    assert preview["reasons"] == [cause["text"] for cause in preview["causes"]]
+    (repair, *_) = (one for one in preview["repairs"] if one["applicable"])
+    before = world.version
+    applied = api.post(f"/previews/{preview['id']}/repairs/{repair['id']}/apply").json()
+    assert applied == {"text": repair["text"], "world": before + 1}
+    assert (world.changes[-1].author, world.version) == ("local", before + 1)
+    assert planned(api, KIT)["state"] == "planned"
+
+
+def test_a_repair_that_changes_the_goal_is_left_to_who_ordered(api, served):
+    before = served.services.session.world.version
+    preview = planned(api, f"{KIT} and not {KIT}")
+    assert preview["state"] == "no plan"
+    (repair, *_) = (one for one in preview["repairs"] if one["without"])
+    refused = problem(api.post(f"/previews/{preview['id']}/repairs/{repair['id']}/apply"), 409)
+    assert refused["code"] == "RepairNotApplicable"
+    assert served.services.session.world.version == before
+
+
+def test_a_repair_that_is_not_there_says_so(api):
+    preview = planned(api, "EmptyHanded(gripper_1)")
+    problem(api.post(f"/previews/{preview['id']}/repairs/0/apply"), 404)
+    problem(api.post("/previews/99/repairs/0/apply"), 404)
+
+
+def test_no_more_than_two_are_planned_at_once_and_the_others_are_told_when_to_come_again(api, served):
+    def ask(_):
+        return api.post("/previews", json={"goal": KIT})
+
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(ask, range(8)))
+    taken = [answer for answer in answers if answer.status_code == 202]
+    busy = [answer for answer in answers if answer.status_code == 503]
+    assert len(taken) >= 2
+    assert len(taken) + len(busy) == 8
+    assert busy
+    assert all(int(answer.headers["retry-after"]) >= 1 for answer in busy)
+    for answer in taken:
+        path = answer.headers["location"].removeprefix("/api/v1")
+        assert api.get(path, params={"wait": 30}).json()["state"] == "planned"
+
+
+def test_a_preview_that_is_not_there_says_so(api):
+    problem(api.get("/previews/4711"), 404)
+
+
+# ------------------------------------------------------------------ the client
+
+
+def test_the_client_says_the_same(served):
+    content = GoalTemplateContent.model_validate(FILL)
+    with Client(served.url) as client:
+        written = client.send(template_calls.put_goal_template("by client", content))
+        assert client.send(template_calls.get_goal_template("by client")) == written
+        order = order_from(template="by client", parameters={"kit": "kit_1"}, materials=("RelayBox",))
+        assert client.send(goal_calls.check_goal(order)).text == "InKit(kitting:RelayBox, kit_1)"
+        client.send(template_calls.remove_goal_template("by client", seen=written.version))
+        assert "by client" not in {t.name for t in client.send(template_calls.list_goal_templates()).templates}
+        goals, seen = client.send(goal_calls.get_goals())
+        assert client.send(goal_calls.put_goals(goals.goals, seen=seen)).goals == goals.goals
+        assert client.send(goal_calls.list_goal_conditions(every=True)).conditions
+        asked = client.send(preview_calls.ask_preview(GoalOrder(goal="EmptyHanded(gripper_1)")))
+        assert client.send(preview_calls.get_preview(asked.id, wait=30)).state == "planned"
+        assert asked.id in {preview.id for preview in client.send(preview_calls.list_previews()).items}
+
+
+def test_a_server_that_ends_waits_for_no_plan(tmp_path):
+    with serving("kitting", tmp_path) as served:
+        httpx2.post(f"{served.url}/api/v1/previews", json={"goal": KIT}).raise_for_status()
+        (preview,) = served.services.previews.all()
+    assert preview.ended.is_set()
+    assert preview.view is None

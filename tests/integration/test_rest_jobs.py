@@ -1,0 +1,353 @@
+"""What a factory system orders, commands and reads: jobs over the API of a real server."""
+
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from urllib.parse import quote
+
+import httpx2
+import pytest
+
+from skiros_py.api.jobs import JobOrder, JobResponse
+from skiros_py.client.calls import jobs as calls
+from skiros_py.client.client import Client
+from skiros_py.tasks.jobs import Outcome
+from skiros_py.testing.serving import Served, serving
+from skiros_py.world.element import Placement
+
+HOLDS = {"goal": "EmptyHanded(gripper_1)"}
+"""Nothing has to be done for it."""
+OTHER = {"goal": "LocationEmpty(kit_1_b)"}
+HOPELESS = {
+    "goal": "InKit(Starter, kit_1) and LocationEmpty(kit_1_a) and LocationEmpty(kit_1_b) and LocationEmpty(kit_1_c)"
+}
+LATER = {"not_before": "2100-01-01T00:00:00Z"}
+STORE = {"start": "false"}
+DONE = {"Prefer": "wait=30"}
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory) -> Iterator[Served]:
+    with serving("kitting", tmp_path_factory.mktemp("data")) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def api(served) -> Iterator[httpx2.Client]:
+    with httpx2.Client(base_url=f"{served.url}/api/v1", timeout=60.0) as client:
+        yield client
+
+
+def problem(response, status):
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    return response.json()
+
+
+def over(served, id_):
+    """Waits until a job is over, and returns it."""
+    jobs, changed = served.services.session.jobs, threading.Event()
+    end = jobs.subscribe(lambda _job: changed.set())
+    try:
+        while jobs.job(id_).outcome is None:
+            assert changed.wait(30.0)
+            changed.clear()
+        return jobs.job(id_)
+    finally:
+        end()
+
+
+def state(job):
+    return job["state"]["text"], tuple(job["state"]["substates"])
+
+
+# ------------------------------------------------------------------ ordering
+
+
+def test_an_order_is_taken_at_once_done_and_accounted_for(api):
+    taken = api.put("/jobs/kit-1", json={"goal": "InKit(Starter, kit_1)", "description": "the first"})
+    assert taken.status_code == 202
+    assert taken.headers["location"] == "/api/v1/jobs/kit-1"
+    assert taken.headers["etag"] == f'"{taken.json()["version"]}"'
+    assert taken.headers["retry-after"] == "1"
+
+    done = api.put("/jobs/kit-1-again", json={"goal": "InKit(Starter, kit_1)"}, headers=DONE)
+    assert done.status_code == 200
+    assert done.json()["outcome"] == "goal already satisfied"
+
+    job = api.get("/jobs/kit-1").json()
+    assert (state(job), job["outcome"]) == (("Ended", ("Completed", "Closed")), "succeeded")
+    assert job["commands"] == ["clear"]
+    response = JobResponse.model_validate(api.get("/jobs/kit-1/response").json())
+    assert [one.text for one in response.job_state] == ["Ended", "Completed", "Closed"]
+    (moved,) = response.material_actuals
+    assert (moved.class_, moved.origin, moved.place) == ("kitting:Starter", "pallet_a", "kit_1_a")
+    assert [step.skill for step in response.job_response_data] == ["drive", "pick", "drive", "place"]
+    assert {step.ended for step in response.job_response_data} == {"done"}
+    assert [one.state.number for one in response.transitions] == [2, 3, 5]
+
+    plan = api.get("/jobs/kit-1/plan").json()["steps"]
+    assert [(step["skill"], step["after"]) for step in plan] == [
+        ("drive", []), ("pick", [0]), ("drive", [1]), ("place", [2])
+    ]  # fmt: skip
+    assert plan[3]["arguments"]["Compartment"] == "kit_1_a"
+    report = api.get("/jobs/kit-1/report").json()
+    assert (report["reached"], len(report["steps"])) == (True, 4)
+    assert all(step["end"] > step["start"] for step in report["steps"])
+    trace = api.get("/jobs/kit-1/trace", params={"limit": 3}).json()
+    assert [entry["what"] for entry in trace["entries"]] == ["begun", "planned", "started"]
+    rest = api.get("/jobs/kit-1/trace", params={"limit": 1000, "cursor": trace["next"]}).json()
+    assert (rest["entries"][-1]["what"], rest["next"]) == ("finished", None)
+
+
+def test_the_same_order_fifty_times_at_once_is_one_job(api):
+    def put(_):
+        return api.put("/jobs/once", json={**HOLDS, **LATER})
+
+    with ThreadPoolExecutor(16) as pool:
+        answers = list(pool.map(put, range(50)))
+    assert {answer.status_code for answer in answers} <= {200, 202}
+    assert len({answer.text for answer in answers}) == 1
+    assert answers[0].json()["attempts"] == 0
+
+
+def test_one_idempotency_key_fifty_times_at_once_is_one_job(api):
+    def post(_):
+        return api.post("/jobs", json={**HOLDS, **LATER}, headers={"Idempotency-Key": '"fifty"'})
+
+    with ThreadPoolExecutor(16) as pool:
+        answers = list(pool.map(post, range(50)))
+    assert {answer.status_code for answer in answers} == {202}
+    assert len({answer.json()["id"] for answer in answers}) == 1
+
+
+def test_a_key_counts_for_one_order_only_and_also_after_the_job_is_gone(api):
+    head = {"Idempotency-Key": "key-1"}
+    first = api.post("/jobs", json=HOLDS, params=STORE, headers=head)
+    again = api.post("/jobs", json=HOLDS, params=STORE, headers={"Idempotency-Key": '"key-1"'})
+    assert again.json() == first.json()
+    assert again.headers["idempotency-replayed"] == "true"
+    reused = problem(api.post("/jobs", json=OTHER, params=STORE, headers=head), 422)
+    assert (reused["code"], reused["return_status"]) == ("IdempotencyKeyReused", 1 << 32)
+
+    api.post(f"/jobs/{first.json()['id']}/cancel").raise_for_status()
+    replayed = api.post("/jobs", json=HOLDS, params=STORE, headers=head)
+    assert replayed.json()["id"] == first.json()["id"]
+    problem(api.get(f"/jobs/{first.json()['id']}"), 404)
+
+
+@pytest.mark.parametrize("key", ["", '""', "a" * 201, "a b", 'a"b'])
+def test_what_is_no_idempotency_key_is_refused(api, key):
+    problem(api.post("/jobs", json=HOLDS, headers={"Idempotency-Key": key}), 422)
+
+
+def test_another_order_under_the_same_id_needs_the_version_that_was_seen(api):
+    first = api.put("/jobs/change", json={**HOLDS, **LATER})
+    refused = problem(api.put("/jobs/change", json={**OTHER, **LATER}), 409)
+    assert (refused["code"], refused["return_status"]) == ("UnableToAcceptJobOrder", 1 << 4)
+    assert first.headers["etag"] in refused["detail"]
+
+    changed = api.put("/jobs/change", json={**OTHER, **LATER}, headers={"If-Match": first.headers["etag"]})
+    assert (changed.status_code, changed.json()["order"]["goal"]) == (200, ["LocationEmpty(kit_1_b)"])
+    stale = api.put("/jobs/change", json={**HOLDS, **LATER}, headers={"If-Match": first.headers["etag"]})
+    assert problem(stale, 412)["code"] == "StaleVersion"
+    assert api.put("/jobs/change", json={**OTHER, **LATER}).json() == changed.json()
+
+
+def test_what_has_begun_takes_no_other_order(api):
+    done = api.put("/jobs/over", json=HOLDS, headers=DONE)
+    refused = problem(api.put("/jobs/over", json=OTHER, headers={"If-Match": done.headers["etag"]}), 409)
+    assert (refused["code"], refused["return_status"]) == ("InvalidJobOrderStatus", 1 << 3)
+    assert api.get("/jobs/over").json() == done.json()
+
+
+def test_who_has_seen_a_job_that_is_gone_orders_no_new_one(api):
+    problem(api.put("/jobs/never-was", json=HOLDS, headers={"If-Match": '"3"'}), 412)
+    problem(api.get("/jobs/never-was"), 404)
+
+
+def test_a_finished_order_is_known_again_although_the_world_has_gone_on(api, served):
+    world = served.services.session.world
+    with world.transaction("ann", "a place for a while") as tx:
+        place = tx.add("kitting:Starter", "short-lived", placement=Placement("sk:in", "pallet_a"))
+    goal = [{"not": {"condition": "Holding", "arguments": ["gripper_1", place]}}]
+    done = api.put("/jobs/gone", json={"goal": goal}, headers=DONE)
+    assert done.json()["outcome"] == "goal already satisfied"
+    with world.transaction("ann", "it is gone") as tx:
+        tx.remove(place)
+    assert api.put("/jobs/gone", json={"goal": goal}).json() == done.json()
+    assert problem(api.put("/jobs/gone-2", json={"goal": goal}), 422)["code"] == "UnknownName"
+
+
+@pytest.mark.parametrize(
+    ("order", "code", "more"),
+    [
+        ({"goal": "InKit(Starter kit_1)"}, "GoalSyntax", {"column": 15}),
+        ({"goal": "InKit(Startr, kit_1)"}, "UnknownName", {"nearest": "Starter"}),
+        ({"goal": "InKitt(Starter, kit_1)"}, "UnknownName", {"nearest": "InKit"}),
+        ({"goal": {"condition": "InKit", "arguments": ["Starter"]}}, "InvalidRequest", {}),
+        ({"goal": {"condition": "InKit"}}, "InvalidRequest", {}),
+        ({"work_master": "no such"}, "UnknownName", {}),
+        ({}, "InvalidRequest", {}),
+        ({"goal": "InKit(Starter, kit_1)", "id": "another"}, "InvalidRequest", {}),
+        ({"goal": "InKit(Starter, kit_1)", "priority": 1e308}, "InvalidRequest", {}),
+        ({"goal": "InKit(\x7f, kit_1)"}, "GoalSyntax", {}),
+    ],
+)
+def test_an_order_that_cannot_be_understood_is_refused_with_what_would_be_right(api, order, code, more):
+    refused = problem(api.put("/jobs/wrong", json=order), 422)
+    assert refused["code"] == code
+    assert more.items() <= refused.items()
+    problem(api.get("/jobs/wrong"), 404)
+
+
+def test_a_structured_goal_is_the_same_as_its_text(api):
+    goal = {"not": {"condition": "Holding", "arguments": ["gripper_1", "Starter"]}}
+    job = api.put("/jobs/structured", json={"goal": goal}, headers=DONE).json()
+    assert job["order"]["goal"] == ["not (Holding(gripper_1, Starter))"]
+    assert job["outcome"] == "goal already satisfied"
+
+
+@pytest.mark.parametrize("id_", ["line:1;kit?4711#a", "100%", "Ünïcode-漢字", "a+b&c=d", "%2F", "{x}", '"quoted"'])
+def test_any_id_survives_the_address(api, id_):
+    job = api.put(f"/jobs/{quote(id_, safe='')}", json={**HOLDS, **LATER})
+    assert job.json()["id"] == id_
+    assert httpx2.get(api.base_url.join(job.headers["location"])).json() == job.json()
+    assert api.post(f"{job.headers['location'].removeprefix('/api/v1')}/cancel").status_code == 200
+
+
+@pytest.mark.parametrize("id_", ["a b", "a\tb", "x" * 201, "%2E%2E"])
+def test_what_is_no_id_is_refused(api, id_):
+    answer = api.put(f"/jobs/{id_ if '%' in id_ else quote(id_)}", json=HOLDS)
+    assert answer.status_code in (404, 405, 422)
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_a_full_queue_takes_no_more_and_what_is_there_stands(api, served):
+    jobs = served.services.session.jobs
+    before = jobs.limit
+    api.put("/jobs/stands", json={**HOLDS, **LATER}).raise_for_status()
+    jobs.limit = 1
+    try:
+        full = api.put("/jobs/too-much", json={**HOLDS, **LATER})
+        assert problem(full, 503)["return_status"] == 1 << 4
+        assert int(full.headers["retry-after"]) >= 1
+        assert api.put("/jobs/stands", json={**HOLDS, **LATER}).status_code == 200
+    finally:
+        jobs.limit = before
+
+
+# ------------------------------------------------------------------ states and commands
+
+
+def test_a_start_gate_and_a_missing_leave_are_seen_in_the_state(api):
+    assert state(api.put("/jobs/gate", json={**HOLDS, **LATER}).json()) == ("AllowedToStart", ("Waiting",))
+    assert state(api.put("/jobs/leave", json=HOLDS, params=STORE).json()) == ("NotAllowedToStart", ("Ready",))
+
+
+def test_commands_may_be_sent_again_and_say_where_they_do_not_fit(api):
+    api.put("/jobs/commands", json={**HOLDS, **LATER}, params=STORE)
+    started = api.post("/jobs/commands/start", json={"comment": "go"})
+    assert (state(started.json())[0], api.post("/jobs/commands/start").json()) == ("AllowedToStart", started.json())
+    revoked = api.post("/jobs/commands/revoke-start")
+    assert api.post("/jobs/commands/revoke-start").json() == revoked.json()
+    for command in ("pause", "resume", "stop", "clear"):
+        refused = problem(api.post(f"/jobs/commands/{command}"), 409)
+        assert (refused["code"], refused["return_status"]) == ("InvalidJobOrderStatus", 1 << 3)
+    aborted = api.post("/jobs/commands/abort", json={"comment": "not needed"})
+    assert (aborted.json()["outcome"], api.post("/jobs/commands/abort").json()) == ("aborted", aborted.json())
+    for command in ("start", "revoke-start", "pause", "resume", "stop", "cancel"):
+        problem(api.post(f"/jobs/commands/{command}"), 409)
+    transitions = api.get("/jobs/commands/transitions").json()["transitions"]
+    assert [one["trigger"] for one in transitions] == ["store", "start", "revoke start", "abort"]
+    assert transitions[-1]["comment"] == "local: not needed"
+    assert api.post("/jobs/commands/clear").status_code == 200
+    problem(api.post("/jobs/commands/clear"), 404)
+
+
+@pytest.mark.parametrize("command", ["start", "revoke-start", "pause", "resume", "stop", "abort", "cancel", "clear"])
+def test_a_command_to_a_job_that_is_not_there_says_so(api, command):
+    refused = problem(api.post(f"/jobs/nobody/{command}", json={"comment": "x"}), 404)
+    assert (refused["code"], refused["return_status"]) == ("UnknownJobOrderID", 1 << 1)
+
+
+def test_a_command_for_a_version_that_is_no_more_is_refused(api):
+    first = api.put("/jobs/stale", json={**HOLDS, **LATER})
+    api.post("/jobs/stale/revoke-start")
+    refused = problem(api.post("/jobs/stale/start", headers={"If-Match": first.headers["etag"]}), 412)
+    assert refused["code"] == "StaleVersion"
+
+
+def test_removing_cancels_what_has_not_begun_and_clears_what_is_over(api):
+    api.put("/jobs/remove", json={**HOLDS, **LATER})
+    assert state(api.delete("/jobs/remove").json())[0] == "AllowedToStart"
+    problem(api.delete("/jobs/remove"), 404)
+    api.put("/jobs/remove", json=HOLDS, headers=DONE)
+    assert state(api.delete("/jobs/remove").json())[0] == "Ended"
+
+
+def test_a_job_that_asks_is_held_until_it_is_answered(api, served):
+    held = api.put("/jobs/asks", json={**HOPELESS, "policy": {"ask": True}}, headers=DONE).json()
+    assert state(held) == ("Interrupted", ("Held",))
+    assert "abort" in held["choices"]
+    wrong = problem(api.post("/jobs/asks/answer", json={"answer": "abrt"}), 422)
+    assert wrong["nearest"] == "abort"
+    problem(api.post("/jobs/asks/answer", json={"answer": "abort", "question": held["question"] + 7}), 409)
+    answered = api.post("/jobs/asks/answer", json={"answer": "abort", "question": held["question"]})
+    assert answered.status_code == 200
+    assert over(served, "asks").outcome is Outcome.STOPPED
+
+
+def test_where_there_is_no_plan_it_is_explained_as_data_and_in_sentences(api):
+    job = api.put("/jobs/hopeless", json=HOPELESS, headers=DONE).json()
+    assert (state(job)[0], job["outcome"]) == ("Aborted", "no plan")
+    explained = api.get("/jobs/hopeless/explanation").json()
+    assert explained["reasons"] == job["reasons"]
+    assert all(cause["kind"] and cause["conditions"] for cause in explained["causes"])
+    assert explained["repairs"]
+    assert api.get("/jobs/hopeless/plan").json() == {"steps": []}
+
+
+# ------------------------------------------------------------------ lists
+
+
+def test_jobs_are_listed_page_by_page_and_by_state(api):
+    for n in range(5):
+        api.put(f"/jobs/page-{n}", json={**HOLDS, **LATER}, params=STORE).raise_for_status()
+    found, cursor = [], "0"
+    while cursor is not None:
+        page = api.get("/jobs", params={"limit": 2, "cursor": cursor, "state": "NotAllowedToStart"}).json()
+        assert len(page["items"]) <= 2
+        found += [job["id"] for job in page["items"]]
+        cursor = page["next"]
+    assert [id_ for id_ in found if id_.startswith("page-")] == [f"page-{n}" for n in range(5)]
+    assert len(found) == len(set(found))
+    assert api.get("/jobs", params={"since": "2099-01-01T00:00:00Z"}).json() == {"items": [], "next": None}
+
+
+@pytest.mark.parametrize(
+    "query", [{"state": "Asleep"}, {"limit": 0}, {"limit": 1001}, {"cursor": "x"}, {"since": "yesterday"}]
+)
+def test_what_cannot_be_listed_is_refused(api, query):
+    problem(api.get("/jobs", params=query), 422)
+
+
+# ------------------------------------------------------------------ the client
+
+
+def test_the_client_says_the_same(served):
+    with Client(served.url) as client:
+        job = client.send(calls.order_job(JobOrder(goal="EmptyHanded(gripper_1)"), wait=30))
+        assert job.outcome == "goal already satisfied"
+        assert client.send(calls.get_job(job.id)) == job
+        assert client.send(calls.list_jobs(states=["Ended"], limit=1000)).items[-1] == job
+        assert client.send(calls.get_job_response(job.id)).outcome == job.outcome
+        assert client.send(calls.get_job_plan(job.id)).steps == ()
+        assert client.send(calls.get_job_report(job.id)).reached
+        assert client.send(calls.get_job_trace(job.id)).entries[0]["what"] == "begun"
+        assert len(client.send(calls.get_job_transitions(job.id)).transitions) == 3
+        assert client.send(calls.get_job_explanation(job.id)).reasons == ()
+        assert client.send(calls.clear_job(job.id, seen=job.version)).id == job.id
+        kept = client.send(calls.put_job("by-client", JobOrder(goal="EmptyHanded(gripper_1)"), start=False))
+        assert kept.state.number == 1
+        assert client.send(calls.start_job(kept.id, "go")).state.number in (2, 3, 5)

@@ -1,0 +1,236 @@
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import httpx2
+import pytest
+
+from skiros_py.api.modules import ModuleDetails, ModuleRunInfo
+from skiros_py.client.call import Call
+from skiros_py.client.calls import modules as calls
+from skiros_py.server.services import Services
+from skiros_py.testing.serving import Served, serving
+
+OVER = ("succeeded", "failed", "stopped")
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with serving("kitting", tmp_path_factory.mktemp("data")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def api(served: Served) -> Iterator[httpx2.Client]:
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as client:
+        yield client
+
+
+@pytest.fixture
+def services(served: Served) -> Services:
+    return served.services
+
+
+def done(api: httpx2.Client, call: Call[Any]) -> Any:
+    query = {key: value for key, value in call.query.items() if value is not None}
+    response = api.request(call.method, call.path, json=call.json, params=query)
+    assert response.is_success, response.text
+    return call.read(response)
+
+
+def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
+    deadline = time.monotonic() + 20.0
+    while run.status not in OVER and time.monotonic() < deadline:
+        time.sleep(0.01)
+        run = done(api, calls.get_module_run(run.id))
+    return run
+
+
+def test_each_subsystem_says_what_it_can_do_and_whose_it_is(api) -> None:
+    managers = {manager.agent: manager for manager in done(api, calls.list_managers())}
+
+    assert managers.keys() == {"arm_1", "base_1"}
+    assert managers["arm_1"].skills == ["pick", "place"]
+    assert "drive_base" in managers["base_1"].primitives
+    assert {manager.robot for manager in managers.values()} == {"robot_1"}
+
+
+def test_a_module_is_listed_once_with_all_who_can_run_it(api) -> None:
+    listed = {module.name: module for module in done(api, calls.list_modules())}
+
+    assert [place.agent for place in listed["confirm"].agents] == ["arm_1", "base_1"]
+    assert (listed["pick"].kind, listed["move_arm"].kind) == ("skill", "primitive")
+
+
+def test_a_module_is_described_with_what_a_form_and_a_panel_need(api) -> None:
+    pick: ModuleDetails = done(api, calls.get_module("arm_1", "pick"))
+
+    by_key = {parameter.key: parameter for parameter in pick.parameters}
+    assert by_key["Object"].json_schema["class"] == "sk:Manipulatable"
+    assert by_key["Robot"].planning
+    assert not by_key["Object"].planning
+    assert [way.driver for way in pick.implementations] == ["fake"]
+    assert any(condition.word == "EmptyHanded" for condition in pick.pre)
+    assert pick.post
+
+
+def test_a_skill_is_told_as_planners_see_it(api) -> None:
+    drive = done(api, calls.get_skill("drive"))
+
+    assert drive in done(api, calls.list_skills())
+    assert (drive.agent, drive.target, drive.agent_class) == ("Base", "Location", "sk:Base")
+    assert len(drive.needs) > len(drive.pre) or drive.needs == drive.pre
+    assert [place.agent for place in drive.agents] == ["base_1"]
+
+
+def test_what_does_not_exist_is_not_found(api) -> None:
+    answers = {
+        "/modules/nix/pick": "UnknownAgent",
+        "/modules/arm_1/nix": "UnknownModule",
+        "/skills/nix": "NotFound",
+        "/module-runs/nix": "NotFound",
+    }
+
+    for path, code in answers.items():
+        response = api.get(path)
+        assert (response.status_code, response.json()["code"]) == (404, code)
+
+
+def test_a_panel_infers_and_says_what_does_not_hold_and_runs_nothing(api) -> None:
+    before = api.get("/module-runs").json()
+
+    panel = done(api, calls.show_panel("arm_1", "pick", {"Object": "starter_1"}))
+
+    assert not panel.ready
+    assert panel.arguments["Gripper"] == "gripper_1"
+    assert any(row.holds is False and row.why for row in panel.conditions if row.kind == "pre")
+    assert api.get("/module-runs").json() == before
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"Location": "nix"},
+        {"Nowhere": "kit_1"},
+        {"Location": 17},
+        {"Location": ["kit_1"]},
+        {"Location": 10**400},
+        {"Location": "\x00"},
+        {"Location": {"a": {"b": []}}},
+    ],
+)
+def test_wrong_arguments_are_refused_before_anything_starts(api, arguments) -> None:
+    before = len(done(api, calls.list_module_runs()).items)
+
+    for what in ("panel", "runs"):
+        response = api.post(f"/modules/base_1/drive/{what}", json={"arguments": arguments})
+        assert response.status_code in (400, 422), response.text
+
+    assert len(done(api, calls.list_module_runs()).items) == before
+
+
+@pytest.mark.parametrize("value", ["NaN", "1e999", '"\\ud800"'])
+def test_what_json_cannot_carry_back_is_refused(api, value) -> None:
+    text = f'{{"arguments": {{"Location": {value}}}}}'
+    response = api.post("/modules/base_1/drive/runs", content=text, headers={"Content-Type": "application/json"})
+
+    assert response.status_code in (400, 422)
+
+
+def test_a_run_is_followed_to_its_end_with_what_was_inferred_reported_and_written(api) -> None:
+    response = api.post("/modules/base_1/drive/runs", json={"arguments": {"Location": "pallet_a"}})
+    assert response.status_code == 202
+    run = followed(api, ModuleRunInfo.model_validate(response.json()))
+
+    assert response.headers["location"] == f"/api/v1/module-runs/{run.id}"
+    assert (run.status, run.done, run.succeeded) == ("succeeded", 1, 1)
+    assert run.arguments == {"Base": "base_1", "Robot": "robot_1", "Location": "pallet_a"}
+    assert [run.progress[0].status, run.progress[-1].status] == ["started", "terminated"]
+    edits = [edit for change in run.changes for edit in change["edits"]]
+    assert {"relation": "sk:at", "place": "pallet_a"} in [edit["new"] for edit in edits]
+
+
+def test_a_run_that_fails_says_why(api) -> None:
+    with_nothing = followed(api, done(api, calls.run_module("arm_1", "place", {"Object": "alternator_1"})))
+
+    assert with_nothing.status == "failed"
+    assert with_nothing.rounds[0].text
+    assert with_nothing.changes == []
+
+
+def test_a_module_is_done_so_often_as_wanted_and_its_successes_are_counted(api) -> None:
+    run = followed(api, done(api, calls.run_module("base_1", "drive", {"Location": "kit_1"}, repeat=3)))
+
+    assert (run.status, run.repeat, run.done, run.succeeded) == ("succeeded", 3, 3, 3)
+    assert len(run.rounds) == 3
+    assert all(a.end <= b.start for a, b in zip(run.rounds, run.rounds[1:], strict=False))
+
+
+def test_a_run_can_be_paused_stepped_resumed_and_stopped_for_good(api, services) -> None:
+    run = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}, repeat=5))
+    paused = done(api, calls.command_module_run(run.id, "pause"))
+    stepped = done(api, calls.command_module_run(run.id, "step"))
+    resumed = done(api, calls.command_module_run(run.id, "resume"))
+    stopped = followed(api, done(api, calls.command_module_run(run.id, "stop")))
+
+    assert {paused.status, stepped.status, resumed.status} <= {"running", "paused"}
+    assert (stopped.status, stopped.done, stopped.succeeded) == ("stopped", 1, 0)
+    assert done(api, calls.command_module_run(run.id, "stop")) == stopped
+    for command in ("pause", "step", "resume"):
+        assert api.post(f"/module-runs/{run.id}/{command}").status_code == 409
+    assert not any(m.running for m in services.session.managers.values())
+
+
+def test_the_same_module_runs_once_at_a_time_and_is_not_reset_meanwhile(api) -> None:
+    run = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}))
+    again = api.post("/modules/arm_1/confirm/runs", json={"arguments": {"question": "Is it so?"}})
+    reset = api.post("/modules/arm_1/confirm/reset")
+    done(api, calls.command_module_run(run.id, "stop"))
+    followed(api, run)
+
+    assert (again.status_code, reset.status_code) == (409, 409)
+    assert "running already" in again.json()["detail"]
+    assert api.post("/modules/arm_1/confirm/reset").status_code == 204
+
+
+def test_runs_are_listed_youngest_first_by_whether_they_are_over(api) -> None:
+    first = followed(api, done(api, calls.run_module("base_1", "drive", {"Location": "pallet_a"})))
+    second = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}))
+
+    active = done(api, calls.list_module_runs(active=True)).items
+    over = done(api, calls.list_module_runs(active=False, limit=1)).items
+    done(api, calls.command_module_run(second.id, "stop"))
+    followed(api, second)
+
+    assert [run.id for run in active] == [second.id]
+    assert [run.id for run in over] == [first.id]
+    assert [run.id for run in done(api, calls.list_module_runs(limit=2)).items] == [second.id, first.id]
+
+
+def test_nothing_starts_while_everything_is_halted(api, services) -> None:
+    services.session.cycle.halt("somebody pressed the button")
+    try:
+        refused = api.post("/modules/base_1/drive/runs", json={"arguments": {"Location": "pallet_a"}})
+    finally:
+        services.control.call(lambda session: session.reset())
+
+    assert refused.status_code == 409
+    assert "somebody pressed the button" in refused.json()["detail"]
+
+
+def test_of_a_run_that_is_done_many_times_the_last_rounds_are_kept(api) -> None:
+    run = followed(api, done(api, calls.run_module("base_1", "drive", {"Location": "pallet_a"}, repeat=110)))
+
+    assert run.done == 110
+    assert len(run.rounds) == 100
+
+
+def test_plug_ins_are_listed_with_where_they_are_from_and_whether_they_work(api) -> None:
+    plugins = api.get("/plugins").json()
+
+    drive = next(one for one in plugins["items"] if (one["group"], one["name"]) == ("skiros.skills", "drive"))
+    assert drive["distribution"] == "skiros-skills"
+    assert drive["works"]
+    assert api.get("/plugins/faults").json() == []

@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import httpx2
+import pytest
+
+from skiros_py.api.modules import ModuleRunInfo
+from skiros_py.api.robots import Jog, JogBase, JogGripper, JogJoints, Teach
+from skiros_py.client.call import Call
+from skiros_py.client.calls import modules, robots
+from skiros_py.testing.serving import Served, serving
+
+OVER = ("succeeded", "failed", "stopped")
+STEP = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2)
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with serving("kitting", tmp_path_factory.mktemp("data")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def api(served: Served) -> Iterator[httpx2.Client]:
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as client:
+        yield client
+
+
+def sent(api: httpx2.Client, call: Call[Any]) -> httpx2.Response:
+    return api.request(call.method, call.path, json=call.json)
+
+
+def done(api: httpx2.Client, call: Call[Any]) -> Any:
+    response = sent(api, call)
+    assert response.is_success, response.text
+    return call.read(response)
+
+
+def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
+    deadline = time.monotonic() + 20.0
+    while run.status not in OVER and time.monotonic() < deadline:
+        time.sleep(0.01)
+        run = done(api, modules.get_module_run(run.id))
+    return run
+
+
+def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> None:
+    (robot,) = done(api, robots.list_robots())
+
+    assert robot == done(api, robots.get_robot("robot_1"))
+    (arm,) = robot.arms
+    assert len(arm.joints) == len(arm.home) == 7
+    limits = [(joint.lower, angle, joint.upper) for joint, angle in zip(arm.joints, arm.home, strict=True)]
+    assert all(lower < angle < upper for lower, angle, upper in limits)
+    assert (robot.base.id, robot.agents) == ("base_1", ("arm_1", "base_1"))
+
+
+def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
+    state = done(api, robots.get_robot_state("robot_1"))
+
+    assert state.base.pose.position[:2] == pytest.approx((0.0, 0.0), abs=0.5)
+    tool = state.arms["arm_1"].tool
+    assert tool is not None
+    assert tool.position[2] > 0.5
+    assert state.grippers["gripper_1"].holds is None
+
+
+def test_joints_are_jogged_and_the_arm_is_brought_home_again(api) -> None:
+    before = done(api, robots.get_robot_state("robot_1")).arms["arm_1"]
+
+    run = followed(api, done(api, robots.jog_robot("robot_1", Jog(joints=JogJoints(deltas=STEP)))))
+    after = done(api, robots.get_robot_state("robot_1")).arms["arm_1"]
+    home = followed(api, done(api, robots.home_robot("robot_1")))
+
+    assert (run.module, run.agent, run.status) == ("jog_joints", "arm_1", "succeeded")
+    assert after.positions == pytest.approx([a + b for a, b in zip(before.positions, STEP, strict=True)])
+    assert after.tool != before.tool
+    assert home.status == "succeeded"
+    assert done(api, robots.get_robot_state("robot_1")).arms["arm_1"].positions == pytest.approx(before.positions)
+
+
+def test_the_fingers_move_to_a_width(api) -> None:
+    run = followed(api, done(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.03)))))
+
+    assert run.status == "succeeded"
+    assert done(api, robots.get_robot_state("robot_1")).grippers["gripper_1"].gap == pytest.approx(0.03)
+
+
+def test_what_is_learned_where_the_robot_stands_is_among_what_is_learned(api) -> None:
+    lesson = Teach(what="driving-pose", arguments={"location": "pallet_a"})
+    run = followed(api, done(api, robots.teach_robot("robot_1", lesson)))
+
+    assert run.status == "succeeded"
+    (edit,) = run.changes[0]["edits"]
+    assert edit["new"]["type"] == "sk:TaughtDrivingPose"
+    assert edit["element"] in api.get("/learned").text
+
+
+@pytest.mark.parametrize(
+    "jog",
+    [
+        {},
+        {"base": {"dx": 0.1}, "gripper": {"width": 0.01}},
+        {"base": {"dx": 0.3}},
+        {"base": {"dx": 0.2, "dy": 0.2}},
+        {"base": {"dyaw": 1}},
+        {"joints": {"deltas": [0.1]}},
+        {"joints": {"deltas": [0.5, 0, 0, 0, 0, 0, 0]}},
+        {"joints": {"arm": "nix", "deltas": list(STEP)}},
+        {"tool": {"translation": [0.1, 0.1, 0]}},
+        {"tool": {"rotation": [0.3, 0.3, 0]}},
+        {"gripper": {"width": -1}},
+        {"gripper": {"width": 0.01, "gripper": "arm_1"}},
+    ],
+)
+def test_what_is_no_small_step_of_this_robot_is_refused(api, jog) -> None:
+    before = len(done(api, modules.list_module_runs()).items)
+
+    assert api.post("/robots/robot_1/jog", json=jog).status_code == 422
+    assert len(done(api, modules.list_module_runs()).items) == before
+
+
+def test_nobody_jogs_a_robot_that_does_something(api) -> None:
+    asks = done(api, modules.run_module("arm_1", "confirm", {"question": "Is it so?"}))
+    refused = sent(api, robots.jog_robot("robot_1", Jog(base=JogBase(dx=0.1))))
+    home = sent(api, robots.home_robot("robot_1"))
+    done(api, modules.command_module_run(asks.id, "stop"))
+    followed(api, asks)
+
+    assert (refused.status_code, home.status_code) == (409, 409)
+    assert "confirm of arm_1" in refused.json()["detail"]
+    assert followed(api, done(api, robots.jog_robot("robot_1", Jog(base=JogBase(dx=0.1))))).status == "succeeded"
+
+
+def test_nobody_jogs_a_robot_whose_task_goes_on(api) -> None:
+    steps = [{"skill": "drive", "arguments": {"Location": place}} for place in ("pallet_a", "kit_1")]
+    name = api.post("/tasks", json={"steps": steps, "iterate": None}).json()["name"]
+    refused = sent(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.02))))
+    api.post(f"/tasks/{name}/stop").raise_for_status()
+    deadline = time.monotonic() + 20.0
+    while api.get(f"/tasks/{name}").json()["status"] != "ended" and time.monotonic() < deadline:
+        time.sleep(0.01)
+
+    assert refused.status_code == 409
+    assert name in refused.json()["detail"]
+    run = followed(api, done(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.02)))))
+    assert run.status == "succeeded"
+
+
+def test_what_is_no_robot_is_not_found(api) -> None:
+    jog = Jog(gripper=JogGripper(width=0.02))
+    reads = (robots.get_robot("nix"), robots.get_robot_state("nix"))
+    calls = (*reads, robots.jog_robot("nix", jog), robots.home_robot("nix"))
+
+    assert [sent(api, call).status_code for call in calls] == [404] * 4
+
+
+def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by_surprise(served, api) -> None:
+    claims = served.services.session.managers.claims
+    held = served.services.control.call(lambda _session: claims.request("somebody", {"gripper_1"}))
+    try:
+        run = followed(api, done(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.01)))))
+    finally:
+        served.services.control.call(lambda _session: held.release())
+
+    assert run.status == "failed"
+    assert "something else uses its devices" in run.rounds[0].text
+    assert done(api, robots.get_robot_state("robot_1")).grippers["gripper_1"].gap != pytest.approx(0.01)

@@ -1,0 +1,220 @@
+"""The simulation over REST, and bodies that follow what people write while nothing runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from io import BytesIO
+from typing import Any
+
+import httpx2
+import pytest
+from PIL import Image
+
+from skiros_py.client.calls import simulation as calls
+from skiros_py.client.client import Client
+from skiros_py.geometry import Pose
+from skiros_py.runtime import Options
+from skiros_py.testing.serving import Served, serving
+from skiros_py.world.change import Writer
+from skiros_py.world.element import Placement
+from skiros_py.world.transaction import Transaction
+from skiros_py.world.undo import undo
+
+
+@pytest.fixture(scope="module")
+def pretending(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with serving("kitting", tmp_path_factory.mktemp("fake"), Options(fake=True, pace=2.0)) as server:
+        yield server
+
+
+def test_without_physics_there_are_no_bodies_and_no_pictures(pretending: Served) -> None:
+    with httpx2.Client(base_url=f"{pretending.url}/api/v1") as http:
+        answers = [
+            http.get("/simulation/bodies"),
+            http.put("/simulation/bodies/starter_1/pose", json={"position": [1, 1, 1]}),
+            http.delete("/simulation/bodies/starter_1"),
+            http.get("/simulation/picture"),
+        ]
+    assert {(answer.status_code, answer.json()["code"]) for answer in answers} == {(409, "NoSimulation")}
+
+
+def test_another_pace_holds_at_once_and_after_a_reset(pretending: Served) -> None:
+    with Client(pretending.url) as client:
+        client.send(calls.set_pace(20.0))
+        client.send(calls.set_pace(0.05))
+        client.send(calls.set_pace(20.0))
+        assert client.send(calls.get_simulation()).pace == 20.0
+        assert client.send(calls.reset_simulation()).pace == 20.0
+
+
+@pytest.mark.parametrize("pace", ["0.01", "21", "NaN", "1e308", '"fast"', "null", "-1", "Infinity"])
+def test_paces_that_make_no_sense_are_refused(pretending: Served, pace: str) -> None:
+    with httpx2.Client(base_url=f"{pretending.url}/api/v1") as http:
+        answer = http.put(
+            "/simulation/pace", content=f'{{"pace": {pace}}}', headers={"Content-Type": "application/json"}
+        )
+    assert answer.status_code in (400, 422)
+
+
+def test_a_robot_that_was_changed_is_said_to_need_a_reset(pretending: Served) -> None:
+    services = pretending.services
+    with services.session.world.transaction("ann", "elsewhere", writer=Writer.PERSON) as tx:
+        tx.set("base_1", "sk:pose", Pose.of(0.5, 0.0, 0.0))
+    services.control.call(lambda _: None)
+
+    assert "base_1 was changed" in services.simulation.state().stale[0]
+    services.simulation.reset(force=False)
+    assert services.simulation.state().stale == []
+    assert services.control.call(lambda s: s.cycle.board.snapshot.bases["base_1"].pose.position[0]) == 0.5
+
+
+# ---------------------------------------------------------------- with physics
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with serving("kitting", tmp_path_factory.mktemp("data"), Options(seed=1)) as server:
+        yield server
+
+
+@pytest.fixture
+def fresh(served: Served) -> Served:
+    """The server, with the scene as it was, and bodies as they are believed."""
+    with httpx2.Client(base_url=f"{served.url}/api/v1", timeout=120.0) as http:
+        http.put("/scene", json={"name": "kitting"}, headers={"If-Match": "*"}).raise_for_status()
+    return served
+
+
+def write(served: Served, what: Callable[[Transaction], object], writer: Writer = Writer.PERSON) -> None:
+    with served.services.session.world.transaction("ann", "builds the scene", writer=writer) as tx:
+        what(tx)
+
+
+def bodies(served: Served) -> dict[str, Any]:
+    return {body.id: body for body in served.services.simulation.bodies().items}
+
+
+@pytest.mark.physics
+def test_a_part_that_a_person_adds_comes_into_the_simulation_and_goes_when_that_is_undone(fresh: Served) -> None:
+    write(fresh, lambda tx: tx.add("kitting:Starter", id="starter_7", placement=Placement("sk:in", "pallet_b")))
+    assert bodies(fresh)["starter_7"].place == "pallet_b"
+
+    undo(fresh.services.session.world, "ann")
+    assert "starter_7" not in bodies(fresh)
+
+
+@pytest.mark.physics
+def test_a_part_that_a_person_moves_or_removes_is_moved_or_removed(fresh: Served) -> None:
+    write(fresh, lambda tx: tx.place("starter_1", "sk:in", "pallet_b"))
+    write(fresh, lambda tx: tx.remove("compressor_1"))
+
+    found = bodies(fresh)
+    assert found["starter_1"].place == "pallet_b"
+    assert "compressor_1" not in found
+    assert found["alternator_1"].place == "pallet_a"
+
+
+@pytest.mark.physics
+def test_a_label_moves_nothing_and_what_a_skill_writes_neither(fresh: Served) -> None:
+    before = bodies(fresh)["starter_1"].position
+    write(fresh, lambda tx: tx.set("starter_1", "rdfs:label", "the starter"))
+    write(fresh, lambda tx: tx.place("starter_1", "sk:in", "pallet_b"), writer=Writer.SKILL)
+
+    assert bodies(fresh)["starter_1"].position == pytest.approx(before, abs=1e-3)
+
+
+@pytest.mark.physics
+def test_furniture_that_a_person_moves_takes_its_compartments_along(fresh: Served) -> None:
+    before = bodies(fresh)
+    write(fresh, lambda tx: tx.set("kit_1", "sk:pose", Pose.of(-1.55, 0.1, 0.5)))
+
+    found = bodies(fresh)
+    assert found["kit_1"].position == pytest.approx([-1.55, 0.1, 0.5])
+    for name in ("kit_1_a", "kit_1_d"):
+        assert found[name].position != pytest.approx(before[name].position, abs=0.05)
+        offsets = [abs(a - b) for a, b in zip(found[name].position, found["kit_1"].position, strict=True)]
+        assert offsets == pytest.approx([0.073, 0.073, 0.006], abs=1e-6)
+
+
+@pytest.mark.physics
+def test_what_cannot_follow_is_said(fresh: Served) -> None:
+    write(fresh, lambda tx: tx.add("kitting:Starter", id="starter_8", placement=Placement("sk:on", "floor")))
+    fresh.services.control.call(lambda _: None)
+
+    assert "starter_8" not in bodies(fresh)
+    assert any("starter_8" in sentence for sentence in fresh.services.simulation.state().stale)
+    fresh.services.simulation.reset(force=False)
+    assert fresh.services.session.world.value("starter_8", "sk:missing") is True
+
+
+@pytest.mark.physics
+def test_a_lost_part_keeps_no_station_from_being_brought_up_anew(fresh: Served) -> None:
+    def lose(tx: Transaction) -> None:
+        tx.place("starter_1", "sk:on", "unknown_location")
+        tx.set("starter_1", "sk:missing", True)
+
+    write(fresh, lose, writer=Writer.SKILL)
+    with Client(fresh.url, timeout=120.0) as client:
+        client.send(calls.reset_simulation())
+    assert "starter_1" not in bodies(fresh)
+
+    write(fresh, lambda tx: tx.place("starter_1", "sk:in", "pallet_a"))
+    assert bodies(fresh)["starter_1"].place == "pallet_a"
+
+
+@pytest.mark.physics
+def test_a_body_that_is_moved_by_hand_changes_no_belief(fresh: Served) -> None:
+    version = fresh.services.session.world.version
+    with Client(fresh.url) as client:
+        client.send(calls.move_body("starter_1", (2.0, 2.5, 0.0)))
+        client.send(calls.remove_body("compressor_1"))
+        found = {body.id: body for body in client.send(calls.list_bodies()).items}
+
+    assert found["starter_1"].position[:2] == pytest.approx([2.0, 2.5], abs=1e-2)
+    assert "compressor_1" not in found
+    assert fresh.services.session.world.version == version
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    "pose",
+    [
+        '{"position": [NaN, 0, 0]}',
+        '{"position": [1e308, 0, 0]}',
+        '{"position": [0, 0]}',
+        '{"position": [0, 0, 0], "orientation": [0, 0, 0, 0]}',
+    ],
+)
+def test_poses_that_make_no_sense_are_refused(served: Served, pose: str) -> None:
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as http:
+        headers = {"Content-Type": "application/json"}
+        assert http.put("/simulation/bodies/starter_1/pose", content=pose, headers=headers).status_code in (400, 422)
+        assert http.put("/simulation/bodies/kit_1_a/pose", json={"position": [0, 0, 1]}).status_code == 409
+        assert http.delete("/simulation/bodies/nobody").json()["code"] == "UnknownBody"
+
+
+@pytest.mark.physics
+def test_a_picture_shows_the_scene_from_wherever_somebody_looks(served: Served) -> None:
+    with Client(served.url, timeout=60.0) as client:
+        pictures = [
+            client.send(calls.get_picture(eye, (0.0, 0.0, 0.3), width=160, height=120))
+            for eye in ((3.0, -3.0, 2.5), (0.0, 0.0, 6.0))
+        ]
+    images = [Image.open(BytesIO(picture)) for picture in pictures]
+
+    assert {image.size for image in images} == {(160, 120)}
+    assert all(len(image.convert("L").getcolors()) > 10 for image in images)
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as http:
+        for query in ({"eye": "0,0,0", "target": "0,0,0"}, {"width": "100000"}, {"eye": "1,2"}, {"eye": "nan,0,0"}):
+            assert http.get("/simulation/picture", params=query).status_code == 422
+
+
+@pytest.mark.physics
+def test_of_many_who_want_a_picture_at_once_each_gets_one_or_is_asked_to_come_again(served: Served) -> None:
+    with httpx2.Client(base_url=f"{served.url}/api/v1", timeout=60.0) as http, ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(lambda _: http.get("/simulation/picture?width=320&height=240"), range(8)))
+
+    assert {answer.status_code for answer in answers} <= {200, 503}
+    assert 200 in {answer.status_code for answer in answers}
+    assert all("Retry-After" in answer.headers for answer in answers if answer.status_code == 503)

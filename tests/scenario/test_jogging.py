@@ -1,0 +1,75 @@
+"""A person moves the robot by hand through the door for machines, and shows it what nobody wrote down."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx2
+import pytest
+
+from skiros_py.runtime import Options
+from skiros_py.testing.serving import serving
+
+pytestmark = pytest.mark.physics
+
+SCENES = Path(__file__).parents[2] / "scenes"
+START = 'scene:base_1 sk:pose "0 0 0 0 0 0"'
+
+
+def test_an_arm_is_jogged_until_it_would_touch_something_and_where_the_robot_stands_is_taught(tmp_path) -> None:
+    scene = tmp_path / "docked.ttl"
+    text = (SCENES / "kitting.ttl").read_text(encoding="utf-8")
+    scene.write_text(text.replace(START, 'scene:base_1 sk:pose "4.22 1.6 0 0 0 0"'), encoding="utf-8")
+    with (
+        serving(str(scene), tmp_path / "data", Options()) as served,
+        httpx2.Client(base_url=f"{served.url}/api/v1") as api,
+    ):
+
+        def state() -> dict[str, Any]:
+            found: dict[str, Any] = api.get("/robots/robot_1/state").json()
+            return found
+
+        def follow(response: httpx2.Response) -> dict[str, Any]:
+            assert response.status_code == 202, response.text
+            path = response.headers["location"].removeprefix("/api/v1")
+            deadline = time.monotonic() + 120.0
+            while (run := api.get(path).json())["status"] in ("running", "stopping") and time.monotonic() < deadline:
+                time.sleep(0.02)
+            found: dict[str, Any] = run
+            return found
+
+        def jog(**what: Any) -> dict[str, Any]:
+            return follow(api.post("/robots/robot_1/jog", json=what))
+
+        joints = state()["arms"]["arm_1"]["positions"]
+        turned = jog(joints={"deltas": [0.1, 0, 0, 0, 0, 0, -0.2]})
+        after_turn = state()["arms"]["arm_1"]["positions"]
+        tool = state()["arms"]["arm_1"]["tool"]["position"]
+        lowered = jog(tool={"frame": "map", "translation": [0.0, 0.0, -0.05]})
+        after = state()["arms"]["arm_1"]["tool"]["position"]
+        held_back = jog(base={"dx": 0.1})
+        home = follow(api.post("/robots/robot_1/home"))
+        down = [jog(tool={"frame": "map", "translation": [0.0, 0.0, -0.1]}) for _ in range(5)]
+        follow(api.post("/robots/robot_1/home"))
+        before = state()["base"]["pose"]["position"]
+        into_it = jog(base={"dx": 0.2})
+        driven = jog(base={"dx": -0.1})
+        base = state()["base"]["pose"]["position"]
+        taught = follow(
+            api.post("/robots/robot_1/teach", json={"what": "driving-pose", "arguments": {"location": "pallet_a"}})
+        )
+        learned = api.get("/learned").text
+
+    assert [run["status"] for run in (turned, lowered, home, driven, taught)] == ["succeeded"] * 5
+    assert after_turn[0] - joints[0] == pytest.approx(0.1, abs=0.02)
+    assert after_turn[6] - joints[6] == pytest.approx(-0.2, abs=0.02)
+    assert [b - a for a, b in zip(tool, after, strict=True)] == pytest.approx([0.0, 0.0, -0.05], abs=0.005)
+    assert held_back["status"] == "failed"
+    assert "stretched out" in held_back["rounds"][0]["text"]
+    assert "would touch pallet_a" in down[-1]["rounds"][0]["text"]
+    assert into_it["rounds"][0]["text"] == "base_1 would touch pallet_a"
+    assert base[0] - before[0] == pytest.approx(-0.1, abs=0.03)
+    (edit,) = taught["changes"][0]["edits"]
+    assert edit["element"] in learned

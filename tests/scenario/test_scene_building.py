@@ -1,0 +1,38 @@
+"""A person builds the scene while nothing runs, then orders a goal with it: the robot finds things as they were put."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from skiros_py.judgement import judge
+from skiros_py.runtime import Options, Session
+from skiros_py.tasks.jobs import JobOrder
+from skiros_py.testing.serving import serving
+from skiros_py.world.change import Writer
+from skiros_py.world.element import Placement
+
+pytestmark = pytest.mark.physics
+
+GOAL = "ObjectAtLocation(starter_9, kit_1_a)"
+
+
+def test_a_part_that_was_added_by_hand_is_put_where_it_is_wanted(tmp_path: Path) -> None:
+    def truth(session: Session) -> tuple[bool | None, ...]:
+        return judge(session.simulation, session.spec, session.world, session.parse([GOAL]))
+
+    with serving("kitting", tmp_path / "data", Options(seed=1)) as served:
+        services = served.services
+        with services.session.world.transaction("ann", "one more", writer=Writer.PERSON) as tx:
+            tx.add("kitting:Starter", id="starter_9", placement=Placement("sk:in", "pallet_b"))
+            tx.remove("starter_1")
+        before = services.control.call(truth)
+        services.session.jobs.submit(JobOrder(id="job", goal=(GOAL,)))
+        while services.session.jobs.job("job").state.is_open:
+            time.sleep(0.1)
+
+        assert before == (False,)
+        assert services.control.call(truth) == (True,)
+        assert services.session.jobs.job("job").outcome == "succeeded"

@@ -1,0 +1,62 @@
+"""The audit log."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from skiros_py.server.access import audit as audit_module
+from skiros_py.server.access.audit import AuditEntry, AuditLog
+from skiros_py.server.access.file import open_access
+
+
+def _entry(number: int) -> AuditEntry:
+    return AuditEntry(1e9 + number, "anna", "admin", "k", "127.0.0.1", "POST", f"/{number}", "x", 200, "r")
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Iterator[AuditLog]:
+    with closing(AuditLog(open_access(tmp_path))) as opened:
+        yield opened
+
+
+def test_entries_are_read_page_by_page_the_youngest_first(log: AuditLog) -> None:
+    for number in range(5):
+        log.append(_entry(number))
+
+    first = log.page(limit=3)
+    rest = log.page(before=first[-1][0], limit=3)
+
+    assert [entry for _, entry in (*first, *rest)] == [_entry(number) for number in (4, 3, 2, 1, 0)]
+
+
+def test_what_was_done_is_there_after_the_end(tmp_path: Path) -> None:
+    log = AuditLog(open_access(tmp_path))
+    log.start()
+    log.append(_entry(1))
+    log.close()
+
+    with closing(AuditLog(open_access(tmp_path))) as again:
+        ((_, entry),) = again.page()
+
+    assert entry == _entry(1)
+
+
+def test_it_does_not_grow_without_end(log: AuditLog, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audit_module, "_KEPT", 10)
+    for number in range(2500):
+        log.append(_entry(number))
+
+    kept = log.page(limit=1000)
+
+    assert [entry.path for _, entry in kept] == [f"/{number}" for number in range(2499, 2489, -1)]
+
+
+def test_what_is_done_besides_is_done_at_the_end_too(tmp_path: Path) -> None:
+    done = []
+    AuditLog(open_access(tmp_path), besides=lambda _database: done.append(True)).close()
+
+    assert done

@@ -1,0 +1,148 @@
+"""Who makes a request."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from starlette.datastructures import Headers
+
+from skiros_py.errors import UsageError
+from skiros_py.server.access.doorkeeper import Doorkeeper, check_access
+from skiros_py.server.access.file import open_access
+from skiros_py.server.access.keys import KeyStore
+from skiros_py.server.access.logins import COOKIE
+from skiros_py.server.access.roles import Caller, Role
+from skiros_py.server.problems import Problem
+from skiros_py.server.settings import ServerSettings
+
+
+@pytest.fixture
+def keys(tmp_path: Path) -> Iterator[KeyStore]:
+    with closing(open_access(tmp_path)) as database:
+        yield KeyStore(database)
+
+
+def _caller(doorkeeper: Doorkeeper, address: str = "127.0.0.1", **headers: str) -> Caller:
+    return doorkeeper.caller(Headers({name.replace("_", "-"): text for name, text in headers.items()}), address)
+
+
+def _refused(doorkeeper: Doorkeeper, address: str = "127.0.0.1", **headers: str) -> Problem:
+    with pytest.raises(Problem) as caught:
+        _caller(doorkeeper, address, **headers)
+    return caught.value
+
+
+def test_without_keys_this_machine_comes_in_as_it_calls_itself(keys: KeyStore) -> None:
+    doorkeeper = Doorkeeper(ServerSettings(), keys)
+
+    assert _caller(doorkeeper) == Caller("local", Role.ADMIN)
+    assert _caller(doorkeeper, x_skiros_user="anna\x07" + "a" * 500).name == "anna" + "a" * 96
+    assert _caller(doorkeeper, x_skiros_user="Jürgen".encode().decode("latin-1")).name == "Jürgen"
+
+
+def test_with_the_first_key_everybody_needs_one(keys: KeyStore) -> None:
+    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    key, text = keys.create("anna", Role.VIEWER)
+
+    assert _refused(doorkeeper).status == 401
+    assert _caller(doorkeeper, authorization=f"Bearer {text}") == Caller("anna", Role.VIEWER, key.id)
+    assert _caller(doorkeeper, x_api_key=text, x_skiros_user="bert") == Caller("anna", Role.VIEWER, key.id)
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [
+        {"authorization": "Bearer nonsense"},
+        {"authorization": "Bearer eyJhbGciOiJub25lIn0.eyJyb2xlIjoiYWRtaW4ifQ."},
+        {"authorization": "Basic YWRtaW46YWRtaW4="},
+        {"authorization": ""},
+        {"x_api_key": ""},
+        {"x_api_key": "sk_local_" + "A" * 43},
+    ],
+)
+def test_a_wrong_key_is_refused_even_where_none_is_needed(keys: KeyStore, shown: dict[str, str]) -> None:
+    problem = _refused(Doorkeeper(ServerSettings(), keys), **shown)
+
+    assert problem.status == 401
+    assert problem.headers["WWW-Authenticate"].startswith("Bearer")
+
+
+def test_who_guesses_has_to_wait_and_who_has_a_key_has_not(keys: KeyStore) -> None:
+    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    _, text = keys.create("anna", Role.VIEWER)
+
+    answers = [_refused(doorkeeper, "192.0.2.1", x_api_key="wrong").status for _ in range(12)]
+
+    assert answers == [401] * 10 + [429] * 2
+    assert _refused(doorkeeper, "192.0.2.2", x_api_key="wrong").status == 401
+    assert _caller(doorkeeper, "192.0.2.1", x_api_key=text).name == "anna"
+
+
+def test_a_network_of_addresses_guesses_as_one(keys: KeyStore) -> None:
+    doorkeeper = Doorkeeper(ServerSettings(), keys)
+
+    answers = [_refused(doorkeeper, f"2001:db8::{number:x}", x_api_key="wrong").status for number in range(11)]
+
+    assert answers[-1] == 429
+
+
+def test_a_login_stands_for_its_key_until_either_ends(keys: KeyStore) -> None:
+    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    key, text = keys.create("anna", Role.VIEWER)
+    (_, one), (_, other) = doorkeeper.login(text, ""), doorkeeper.login(text, "")
+
+    assert _caller(doorkeeper, cookie=f"a=b; {COOKIE}={one}").key == key.id
+    doorkeeper.logout(Headers({"cookie": f"{COOKIE}={one}"}))
+    assert _refused(doorkeeper, cookie=f"{COOKIE}={one}").status == 401
+    assert _caller(doorkeeper, cookie=f"{COOKIE}={other}").key == key.id
+    keys.create("bert", Role.VIEWER)
+    keys.revoke(key.id)
+    assert _refused(doorkeeper, cookie=f"{COOKIE}={other}").status == 401
+
+
+def test_who_came_in_may_stay_until_their_key_is_revoked(keys: KeyStore) -> None:
+    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    stranger = _caller(doorkeeper)
+    assert doorkeeper.still(stranger)
+
+    key, text = keys.create("anna", Role.VIEWER)
+    anna = _caller(doorkeeper, x_api_key=text)
+
+    assert not doorkeeper.still(stranger)
+    assert doorkeeper.still(anna)
+    assert doorkeeper.still(_caller(doorkeeper, x_api_key=keys.local_token))
+    keys.revoke(key.id)
+    assert not doorkeeper.still(anna)
+
+
+def test_programs_that_may_read_the_data_directory_are_administrators(keys: KeyStore) -> None:
+    keys.create("anna", Role.VIEWER)
+
+    caller = _caller(Doorkeeper(ServerSettings(), keys), x_api_key=keys.local_token, x_skiros_user="bert")
+
+    assert (caller.name, caller.role) == ("bert", Role.ADMIN)
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "robot.example"])
+def test_no_server_that_others_reach_starts_without_a_key(keys: KeyStore, host: str) -> None:
+    settings = ServerSettings(host=host)
+    with pytest.raises(UsageError, match="skiros key create"):
+        check_access(settings, keys)
+
+    keys.create("anna", Role.ADMIN)
+
+    check_access(settings, keys)
+    assert _refused(Doorkeeper(settings, keys)).status == 401
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "::1"])
+def test_a_server_for_this_machine_starts_without_a_key(keys: KeyStore, host: str) -> None:
+    check_access(ServerSettings(host=host), keys)
+
+
+def test_nobody_serves_others_without_keys_on_purpose() -> None:
+    with pytest.raises(UsageError, match="could move the robots"):
+        ServerSettings(host="0.0.0.0", authentication="none")

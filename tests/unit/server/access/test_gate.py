@@ -1,0 +1,350 @@
+"""The gate, in front of a small application."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+from collections.abc import AsyncIterator, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fastapi import FastAPI, Request
+from fastapi.responses import StreamingResponse
+from pydantic import BaseModel, Field
+from starlette.testclient import TestClient
+
+from skiros_py.errors import FileError
+from skiros_py.server.access.audit import AuditLog, note
+from skiros_py.server.access.doorkeeper import Doorkeeper
+from skiros_py.server.access.gate import Gate
+from skiros_py.server.access.keys import KeyStore
+from skiros_py.server.access.roles import CallerDep, Role, needs
+from skiros_py.server.access.setup import set_up_access
+from skiros_py.server.problems import Problem, add_problem_handlers
+from skiros_py.server.settings import ServerSettings
+
+
+class _Thing(BaseModel):
+    name: str = Field(max_length=10)
+
+
+@dataclass(frozen=True)
+class _Guarded:
+    settings: ServerSettings
+    keys: KeyStore
+    doorkeeper: Doorkeeper
+    audit: AuditLog
+
+
+@dataclass(frozen=True)
+class _Door:
+    client: TestClient
+    guarded: _Guarded
+
+    def key(self, role: Role = Role.ADMIN) -> dict[str, str]:
+        """Makes a key, and returns the header that shows it."""
+        return {"X-API-Key": self.guarded.keys.create(f"the {role}", role)[1]}
+
+
+class _Doors:
+    def __init__(self, data: Path, stack: ExitStack) -> None:
+        self._data, self._stack = data, stack
+
+    def __call__(self, **settings: Any) -> _Door:
+        """Opens a door."""
+        chosen = replace(ServerSettings(), **settings)
+        guarded = _Guarded(chosen, *set_up_access(chosen, self._data, self._stack))
+        app = _application()
+        app.add_middleware(Gate, guarded)
+        return _Door(TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False), guarded)
+
+
+@pytest.fixture
+def door(tmp_path: Path) -> Iterator[_Doors]:
+    with ExitStack() as stack:
+        yield _Doors(tmp_path, stack)
+
+
+def _application() -> FastAPI:
+    app = FastAPI()
+    add_problem_handlers(app)
+
+    @app.get("/caller", dependencies=[needs(Role.VIEWER)])
+    def caller(caller: CallerDep) -> dict[str, str]:
+        return {"name": caller.name, "role": caller.role}
+
+    @app.post("/things", dependencies=[needs(Role.OPERATOR)])
+    def things(thing: _Thing, request: Request) -> _Thing:
+        note(request, job="kit-1", comment="because")
+        return thing
+
+    @app.post("/api/v1/stop", dependencies=[needs(Role.OPERATOR, mes=True)])
+    async def stop() -> dict[str, bool]:
+        return {"stopped": True}
+
+    @app.get("/broken", dependencies=[needs(Role.VIEWER)])
+    def broken() -> None:
+        raise RuntimeError("the secret recipe")
+
+    @app.get("/faulty", dependencies=[needs(Role.VIEWER)])
+    def faulty() -> None:
+        raise FileError(Path("jobs.db"), "the disk is full")
+
+    @app.get("/jobs/{job_id}", dependencies=[needs(Role.VIEWER)])
+    def job(job_id: str) -> None:
+        raise Problem(404, "UnknownJobOrderID", "there is no such job")
+
+    @app.get("/stream", dependencies=[needs(Role.VIEWER)])
+    async def stream() -> StreamingResponse:
+        return StreamingResponse(_beats(), media_type="text/event-stream")
+
+    return app
+
+
+async def _beats() -> AsyncIterator[bytes]:
+    while True:
+        yield b": beat\n\n"
+        await asyncio.sleep(0.01)
+
+
+def test_every_answer_has_an_id_and_says_little_to_browsers(door: _Doors) -> None:
+    client = door().client
+
+    ours, theirs = client.get("/caller"), client.get("/caller", headers={"X-Request-Id": "mes-17"})
+
+    assert len(ours.headers["X-Request-Id"]) == 16
+    assert theirs.headers["X-Request-Id"] == "mes-17"
+    assert ours.headers["Cache-Control"] == "no-store"
+    assert ours.headers["X-Content-Type-Options"] == "nosniff"
+
+
+@pytest.mark.parametrize("text", ["a\x7fb", "x" * 65, "../x", "sk_12345678_" + "a" * 43])
+def test_a_request_id_that_could_spoil_a_log_is_not_taken(door: _Doors, text: str) -> None:
+    assert door().client.get("/caller", headers={"X-Request-Id": text}).headers["X-Request-Id"] != text
+
+
+def test_a_name_of_somebody_else_leads_nowhere(door: _Doors) -> None:
+    answer = door().client.get("/caller", headers={"Host": "evil.example"})
+
+    assert (answer.status_code, answer.json()["code"]) == (403, "HostRefused")
+
+
+@pytest.mark.parametrize(
+    "kind", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x", ""]
+)
+def test_a_form_of_any_page_is_not_taken_for_a_request(door: _Doors, kind: str) -> None:
+    headers = {"Content-Type": kind} if kind else {}
+
+    answer = door().client.post("/things", content=b'{"name": "a"}', headers=headers)
+
+    assert (answer.status_code, answer.json()["code"]) == (415, "UnsupportedMediaType")
+
+
+def test_a_page_of_somebody_else_changes_nothing(door: _Doors) -> None:
+    at = door()
+
+    answer = at.client.post("/things", json={"name": "a"}, headers={"Origin": "https://evil.example"})
+
+    assert (answer.status_code, answer.json()["code"]) == (403, "OriginRefused")
+    assert "access-control-allow-origin" not in answer.headers
+
+
+def test_a_page_that_is_allowed_is_answered_and_asked_for_its_key(door: _Doors) -> None:
+    at = door(allowed_origins=("https://mes.example",))
+    page = {"Origin": "https://mes.example"}
+    key = at.key(Role.OPERATOR)
+
+    asked = at.client.options("/things", headers={**page, "Access-Control-Request-Method": "POST"})
+    without = at.client.post("/things", json={"name": "a"}, headers=page)
+    answered = at.client.post("/things", json={"name": "a"}, headers={**page, **key})
+
+    assert (asked.status_code, without.status_code, answered.status_code) == (204, 401, 200)
+    assert answered.headers["Access-Control-Allow-Origin"] == "https://mes.example"
+    assert "access-control-allow-credentials" not in asked.headers
+
+
+def test_a_page_that_is_not_allowed_learns_nothing_by_asking(door: _Doors) -> None:
+    asked = {"Origin": "https://evil.example", "Access-Control-Request-Method": "POST"}
+
+    answer = door().client.options("/things", headers=asked)
+
+    assert answer.status_code == 403
+    assert not [name for name in answer.headers if name.startswith("access-control")]
+
+
+@pytest.mark.parametrize(
+    "place", ["/caller?api_key={}", "/caller?access_token=x", "/caller?q={}", "/x/{}", "/caller?X-API-Key=a"]
+)
+def test_a_key_in_an_address_is_refused_and_written_down_nowhere(
+    door: _Doors, place: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    at = door()
+    key = at.key()["X-API-Key"]
+
+    with caplog.at_level(logging.DEBUG):
+        answer = at.client.get(place.format(key))
+
+    told = answer.text + json.dumps([str(entry) for entry in at.guarded.audit.page()])
+    assert (answer.status_code, answer.json()["code"]) == (400, "KeyInAddress")
+    assert key[12:] not in told
+    assert not [record for record in caplog.records if key[12:] in record.getMessage() and "skiros" in record.name]
+
+
+def test_addresses_and_headers_have_an_end(door: _Doors) -> None:
+    client = door().client
+
+    assert client.get("/caller?q=" + "x" * 9000).status_code == 414
+    assert client.get("/caller", headers={"X-Long": "x" * 40_000}).status_code == 431
+    assert client.get("/caller?q=%00").status_code == 400
+
+
+@pytest.mark.parametrize("announced", [True, False])
+def test_a_body_that_is_too_long_is_a_problem_document(door: _Doors, announced: bool) -> None:
+    body: Any = b"x" * 2000
+    client = door(body=1000).client
+
+    answer = client.post(
+        "/things",
+        content=body if announced else (body[i : i + 100] for i in range(0, 2000, 100)),
+        headers={"Content-Type": "application/json"},
+    )
+
+    assert (answer.status_code, answer.json()["code"]) == (413, "BodyTooLong")
+    assert answer.headers["Content-Type"] == "application/problem+json"
+
+
+@pytest.mark.parametrize(
+    "body", [b"[" * 1_000_000, rb'{"name": "\ud800"}', b'{"name": NaN}', rb'{"\udfff": "\u0000"}', b"{", b"\xff"]
+)
+def test_a_body_that_is_not_sound_is_a_problem_document(door: _Doors, body: bytes) -> None:
+    answer = door().client.post("/things", content=body, headers={"Content-Type": "application/json"})
+
+    assert answer.status_code in {400, 422}
+    assert answer.json()["code"] == "InvalidRequest"
+
+
+def test_what_is_wrong_with_a_field_is_told_with_its_place(door: _Doors) -> None:
+    problem = door().client.post("/things", json={"name": "x" * 11}).json()
+
+    assert problem["errors"][0]["field"] == "body.name"
+    assert "at most 10" in problem["detail"]
+
+
+def test_who_asks_too_often_waits_and_may_stop_everything_all_the_same(door: _Doors) -> None:
+    at = door(rate=5)
+    operator, other = at.key(Role.OPERATOR), at.key(Role.VIEWER)
+
+    answers = [at.client.get("/caller", headers=operator) for _ in range(20)]
+
+    assert 429 in {answer.status_code for answer in answers}
+    assert answers[-1].headers["Retry-After"] == "1"
+    assert at.client.post("/api/v1/stop", headers=operator).status_code == 200
+    assert at.client.get("/caller", headers=other).status_code == 200
+
+
+def test_too_much_at_once_is_put_off_but_not_a_stop(door: _Doors) -> None:
+    at = door(requests=0)
+
+    busy = at.client.get("/caller")
+
+    assert (busy.status_code, busy.json()["code"], busy.headers["Retry-After"]) == (503, "Busy", "1")
+    assert at.client.post("/api/v1/stop").status_code == 200
+
+
+def test_what_breaks_inside_is_told_without_how_and_logged_with_the_request(
+    door: _Doors, caplog: pytest.LogCaptureFixture
+) -> None:
+    answer = door().client.get("/broken", headers={"X-Request-Id": "mes-17"})
+
+    assert (answer.status_code, answer.json()["instance"]) == (500, "mes-17")
+    assert "recipe" not in answer.text
+    assert "Traceback" not in answer.text
+    assert any("mes-17" in record.getMessage() and record.exc_info for record in caplog.records)
+
+
+def test_a_fault_of_the_platform_is_told_in_its_words_and_logged(
+    door: _Doors, caplog: pytest.LogCaptureFixture
+) -> None:
+    answer = door().client.get("/faulty")
+
+    assert (answer.status_code, answer.json()["detail"]) == (500, "jobs.db: the disk is full")
+    assert any("the disk is full" in record.getMessage() for record in caplog.records)
+
+
+def test_problems_of_jobs_have_a_return_status_and_others_have_none(door: _Doors) -> None:
+    client = door().client
+
+    assert client.get("/jobs/x").json()["return_status"] == 2
+    assert "return_status" not in client.get("/nothing").json()
+
+
+def test_a_stream_ends_when_the_key_of_its_reader_is_revoked(door: _Doors) -> None:
+    """Read by hand: the client for tests would wait for the end of the stream before it gives anything."""
+    at = door()
+    key, text = at.guarded.keys.create("anna", Role.VIEWER)
+    sent: list[bytes] = []
+
+    async def send(message: Any) -> None:
+        sent.append(message.get("body", b""))
+        if len(sent) == 5:
+            at.guarded.keys.revoke(key.id)
+
+    asyncio.run(_read_stream(at.client.app, text, send))
+
+    assert len(sent) == 6
+    assert sent[-1] == b""
+
+
+async def _read_stream(app: Any, key: str, send: Any) -> None:
+    headers = [(b"host", b"127.0.0.1"), (b"x-api-key", key.encode())]
+    scope = {
+        "type": "http", "method": "GET", "path": "/stream", "raw_path": b"/stream", "query_string": b"",
+        "scheme": "http", "headers": headers, "client": ("127.0.0.1", 1), "server": ("127.0.0.1", 8000),
+        "http_version": "1.1",
+    }  # fmt: skip
+
+    async def receive() -> Any:
+        await asyncio.sleep(60)
+
+    await asyncio.wait_for(app(scope, receive, send), 20)
+
+
+def test_who_changed_something_and_who_was_refused_is_written_down(door: _Doors) -> None:
+    at = door()
+    operator, viewer = at.key(Role.OPERATOR), at.key(Role.VIEWER)
+    at.client.get("/caller", headers=viewer)
+    at.client.post("/things", json={"name": "secret"}, headers=operator)
+    at.client.post("/things", json={"name": "a"}, headers=viewer)
+    at.client.get("/caller", headers={"X-API-Key": "wrong"})
+
+    refused, forbidden, done = [entry for _, entry in at.guarded.audit.page()]
+
+    assert (done.caller, done.operation, done.status, done.job, done.comment) == (
+        "the operator", "things", 200, "kit-1", "because",
+    )  # fmt: skip
+    assert (forbidden.caller, forbidden.role, forbidden.status) == ("the viewer", "viewer", 403)
+    assert (refused.caller, refused.role, refused.status) == ("", "", 401)
+    assert "secret" not in str(done)
+
+
+def test_nobody_pushes_out_the_audit_log_by_being_refused(door: _Doors) -> None:
+    at = door()
+    for _ in range(100):
+        at.client.get("/caller", headers={"X-API-Key": "wrong"})
+
+    assert len(at.guarded.audit.page(limit=1000)) <= 31
+
+
+def test_a_websocket_is_closed_before_it_is_open(door: _Doors) -> None:
+    sent: list[Any] = []
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    asyncio.run(door().client.app({"type": "websocket", "path": "/", "headers": []}, None, send))  # type: ignore[arg-type]
+
+    assert [message["type"] for message in sent] == ["websocket.close"]

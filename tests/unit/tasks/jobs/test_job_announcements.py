@@ -1,0 +1,68 @@
+"""Each new state of a job is announced once, with a number of its own, until somebody says that it was told."""
+
+from pathlib import Path
+
+import pytest
+
+from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger, announcements
+
+
+@pytest.fixture
+def store(tmp_path: Path):
+    store = JobStore(tmp_path / "jobs.db")
+    yield store
+    store.close()
+
+
+def job(id_: str = "a", state: JobState = JobState.ALLOWED_TO_START, **more: object) -> Job:
+    return Job(order=JobOrder(id=id_, goal=("InKit(Starter, kit_1)",)), number=1, state=state, **more)
+
+
+def told(store: JobStore, after: int = 0) -> list[tuple[int, str, str]]:
+    return [(each.number, each.job.id, each.trigger) for each in store.announcements(after, 100)]
+
+
+def test_new_states_are_announced_and_new_details_are_not(store):
+    first = store.add(job(), Trigger.START)
+    store.keep(first.but(detail="queued"))
+    store.keep(first.but(state=JobState.RUNNING), Trigger.DISPATCH)
+    assert told(store) == [(1, "a", "start"), (2, "a", "dispatch")]
+    assert [each.job.state for each in store.announcements(0, 9)] == [JobState.ALLOWED_TO_START, JobState.RUNNING]
+
+
+def test_that_a_job_was_removed_is_announced_with_what_it_was_last(store):
+    over = store.add(job(state=JobState.ENDED, detail="last"), Trigger.START)
+    store.forget(over, "cleared")
+    assert told(store)[-1] == (2, "a", "cleared")
+    assert store.announcements(1, 9)[0].job == over
+
+
+def test_they_are_read_from_where_somebody_left_off_and_so_many_at_most(store):
+    for name in "abcd":
+        store.add(job(name), Trigger.START)
+    assert [number for number, *_ in told(store, after=2)] == [3, 4]
+    assert [each.number for each in store.announcements(0, 2)] == [1, 2]
+
+
+def test_numbers_go_on_without_gap_after_all_were_told_and_the_program_began_anew(tmp_path, store):
+    for name in "ab":
+        store.add(job(name), Trigger.START)
+    store.forget_announcements(2)
+    store.close()
+    again = JobStore(tmp_path / "jobs.db")
+    assert again.last_announcement == 2
+    again.add(job("c"), Trigger.START)
+    assert told(again) == [(3, "c", "start")]
+    again.close()
+
+
+def test_where_nobody_reads_them_the_oldest_go(store, monkeypatch):
+    monkeypatch.setattr(announcements, "MOST_ANNOUNCEMENTS", 3)
+    for number in range(10):
+        store.add(job(f"j{number}"), Trigger.START)
+    assert [number for number, *_ in told(store)] == [8, 9, 10]
+
+
+def test_before_the_first_one_the_last_number_is_none_at_all(store):
+    assert store.last_announcement == 0
+    assert told(store) == []

@@ -1,0 +1,262 @@
+"""Orders that come twice, at once, too many, too late or as something else; on the tiny domain."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from skiros_py.errors import Busy, StaleVersion, UnknownName, WrongState
+from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, KeyReused, Outcome, Receipt
+from skiros_py.testing import Bench, tiny_world
+
+GOAL = "In(ball_1, slot_1)"
+HOLDS = "In(ball_1, box_a)"
+MES = Receipt("mes", "request-1", "digest")
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    with Bench(tiny_world()) as bench:
+        yield bench
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[JobStore]:
+    with closing(JobStore(tmp_path / "jobs.db")) as store:
+        yield store
+
+
+@pytest.fixture
+def jobs(bench: Bench, store: JobStore) -> JobManager:
+    return JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts))
+
+
+def order(id_: str = "a", goal: str = GOAL, **more: object) -> JobOrder:
+    return JobOrder(id=id_, goal=(goal,), **more)
+
+
+def done(jobs: JobManager, bench: Bench, id_: str = "a") -> Job:
+    """Orders something that holds already, and returns it when it is over."""
+    jobs.submit(order(id_, HOLDS))
+    bench.until(lambda: not jobs.job(id_).state.is_open)
+    return jobs.job(id_)
+
+
+# ---------------------------------------------------------------------- the same again
+
+
+def test_the_same_order_from_fifty_threads_at_once_is_one_job_and_one_answer(jobs, store):
+    together = threading.Barrier(50)
+
+    def submit(_number: int) -> Job:
+        together.wait()
+        return jobs.submit(order(), receipt=MES)
+
+    with ThreadPoolExecutor(50) as pool:
+        answers = list(pool.map(submit, range(50)))
+    assert len(set(map(Job.model_dump_json, answers))) == 1
+    assert (len(store), store.last_announcement, answers[0].number) == (1, 1, 1)
+
+
+def test_different_orders_from_many_threads_are_all_taken_and_numbered_without_gap(jobs, store):
+    with ThreadPoolExecutor(8) as pool:
+        numbers = [job.number for job in pool.map(lambda n: jobs.submit(order(f"j{n}")), range(80))]
+    assert sorted(numbers) == list(range(1, 81))
+    assert [job.number for job in store.open()] == list(range(1, 81))
+
+
+def test_the_same_order_again_is_answered_when_its_goal_could_not_be_stated_any_more(jobs, bench):
+    first = jobs.submit(order())
+    with bench.world.transaction("test", "it is gone") as tx:
+        tx.remove("ball_1")
+    assert jobs.submit(order()) == first
+
+
+def test_the_same_order_again_is_answered_when_the_job_is_over(jobs, bench):
+    over = done(jobs, bench)
+    assert jobs.submit(order(goal=HOLDS)) == over
+
+
+def test_another_order_under_the_id_is_refused_and_leaves_the_job_as_it_is(jobs):
+    first = jobs.submit(order())
+    with pytest.raises(WrongState, match="'a' is there already"):
+        jobs.submit(order(goal="In(ball_1, slot_2)"))
+    assert jobs.job("a") == first
+
+
+def test_an_order_keeps_what_was_sent_with_it(bench, store):
+    sent = order(
+        work_master="kit", parameters={"Kit": "kit_1"}, materials=({"class": "tiny:Ball", "quantity": 2, "use": "x"},)
+    )
+    JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts)).submit(sent)
+    (kept,) = store.open()
+    assert kept.order == sent
+    assert (kept.order.materials[0].class_, kept.order.materials[0].quantity) == ("tiny:Ball", 2)
+
+
+# ---------------------------------------------------------------------- receipts
+
+
+def test_the_same_request_again_is_the_same_job_whatever_id_was_made_for_it(jobs):
+    first = jobs.submit(order("made-1"), receipt=MES)
+    assert jobs.submit(order("made-2"), receipt=MES) == first
+    assert list(jobs.open) == ["made-1"]
+    assert jobs.known(MES) == first
+
+
+def test_a_key_that_is_used_for_another_request_is_refused(jobs):
+    jobs.submit(order("a"), receipt=MES)
+    with pytest.raises(KeyReused, match="'request-1' was used for another order"):
+        jobs.submit(order("b"), receipt=Receipt("mes", "request-1", "another digest"))
+    assert list(jobs.open) == ["a"]
+
+
+def test_keys_of_different_callers_have_nothing_to_do_with_each_other(jobs):
+    jobs.submit(order("a"), receipt=MES)
+    jobs.submit(order("b"), receipt=Receipt("ann", "request-1", "another digest"))
+    assert list(jobs.open) == ["a", "b"]
+
+
+def test_a_request_that_was_refused_leaves_its_key_free(jobs):
+    with pytest.raises(UnknownName):
+        jobs.submit(order(goal="In(ball_77, slot_1)"), receipt=MES)
+    assert jobs.known(MES) is None
+    assert jobs.submit(order(), receipt=MES).id == "a"
+
+
+def test_a_request_that_meets_a_job_that_is_there_is_known_from_then_on(jobs):
+    first = jobs.submit(order())
+    assert jobs.submit(order(), receipt=MES) == first
+    assert jobs.known(MES) == first
+
+
+def test_a_late_repeat_of_a_request_does_not_do_again_what_was_cleared(jobs, bench):
+    jobs.submit(order(goal=HOLDS), receipt=MES)
+    bench.until(lambda: not jobs.job("a").state.is_open)
+    last = jobs.clear("a")
+    assert jobs.submit(order(goal=HOLDS), receipt=MES) == last
+    assert not jobs.jobs
+
+
+def test_receipts_go_after_a_day_and_not_before(bench, store):
+    now = [0.0]
+    jobs = JobManager(bench.tasks, bench.station, store, lambda t: bench.goal(*t), clock=lambda: now[0])
+    jobs.submit(order("a"), receipt=MES)
+    now[0] = 24 * 3600.0
+    jobs.submit(order("b"), receipt=Receipt("mes", "request-2", "digest"))
+    assert jobs.known(MES) is not None
+    now[0] += 1.0
+    jobs.submit(order("c"), receipt=Receipt("mes", "request-3", "digest"))
+    assert jobs.known(MES) is None
+
+
+# ---------------------------------------------------------------------- too many
+
+
+def test_more_open_jobs_than_the_limit_are_refused_and_earlier_ones_stand(jobs, bench):
+    jobs.limit = 2
+    first, second = (jobs.submit(order(name, HOLDS)) for name in "ab")
+    with pytest.raises(Busy, match="2 jobs are open"):
+        jobs.submit(order("c", HOLDS))
+    assert jobs.submit(order("a", HOLDS)) == first
+    assert list(jobs.open.values()) == [first, second]
+    bench.until(lambda: not jobs.open)
+    assert jobs.submit(order("c", HOLDS)).number == 3
+
+
+# ---------------------------------------------------------------------- updates and versions
+
+
+def test_an_order_is_updated_by_whoever_has_seen_its_latest_version(jobs):
+    first = jobs.submit(order())
+    second = jobs.update(order(priority=1), "urgent", expects=first.version)
+    assert (second.order.priority, second.version) == (1, first.version + 1)
+    with pytest.raises(StaleVersion, match=r"'a' has changed: version 2, not 1 any more"):
+        jobs.update(order(priority=2), expects=first.version)
+    assert jobs.job("a") == second
+
+
+def test_an_update_to_what_is_ordered_already_changes_nothing(jobs):
+    first = jobs.submit(order())
+    assert jobs.update(order()) == first
+
+
+def test_what_has_begun_takes_no_other_order(jobs, bench):
+    over = done(jobs, bench)
+    with pytest.raises(WrongState, match="takes no update"):
+        jobs.update(order(priority=3))
+    assert jobs.job("a") == over
+
+
+@pytest.mark.parametrize("command", ["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear"])
+def test_every_command_is_refused_to_whoever_has_not_seen_the_latest_version(jobs, command):
+    first = jobs.submit(order())
+    with pytest.raises(StaleVersion, match="look again, then decide"):
+        getattr(jobs, command)("a", expects=first.version + 7)
+    assert jobs.job("a") == first
+
+
+# ---------------------------------------------------------------------- removing
+
+
+def test_what_waits_is_cancelled_and_not_cleared(jobs, store):
+    jobs.submit(order())
+    with pytest.raises(WrongState, match="'a' is not over"):
+        jobs.clear("a")
+    assert jobs.cancel("a").id == "a"
+    assert "a" not in jobs.jobs
+    assert store.announcements(0, 9)[-1].trigger == "cancelled"
+
+
+def test_what_is_over_is_cleared_and_not_cancelled(jobs, bench, store):
+    assert done(jobs, bench).outcome is Outcome.ALREADY_SATISFIED
+    with pytest.raises(WrongState, match="is over: clear it"):
+        jobs.cancel("a")
+    assert jobs.clear("a").state is JobState.ENDED
+    assert store.announcements(0, 9)[-1].trigger == "cleared"
+    with pytest.raises(UnknownName, match="job 'a'"):
+        jobs.job("a")
+
+
+def test_the_id_of_a_cancelled_job_is_free_for_another_order(jobs, bench):
+    first = jobs.submit(order(goal="In(ball_1, slot_2)", priority=5))
+    jobs.cancel("a")
+    second = jobs.submit(order(goal=HOLDS))
+    assert second.number == first.number + 1
+    bench.until(lambda: not jobs.open)
+    assert jobs.job("a").outcome is Outcome.ALREADY_SATISFIED
+
+
+# ---------------------------------------------------------------------- what is over
+
+
+def test_what_is_over_is_found_and_not_kept_in_memory(jobs, bench):
+    over = done(jobs, bench)
+    assert not jobs.open
+    assert (jobs.job("a"), list(jobs.jobs.values()), jobs.page().jobs) == (over, [over], (over,))
+
+
+def test_whoever_goes_through_the_open_jobs_is_not_disturbed_by_new_ones(jobs):
+    for name in "abc":
+        jobs.submit(order(name))
+    seen = []
+    for id_, job in jobs.open.items():
+        jobs.cancel(id_)
+        jobs.submit(order(f"{id_}{id_}"))
+        seen.append(job.id)
+    assert seen == ["a", "b", "c"]
+    assert list(jobs.open) == ["aa", "bb", "cc"]
+
+
+def test_what_was_ordered_without_leave_to_start_is_stored_first_and_started_later(jobs):
+    jobs.submit(order(), start=False, comment="for tomorrow")
+    jobs.start("a", "go")
+    assert [(each.trigger, each.comment) for each in jobs.transitions("a")] == [
+        ("store", "for tomorrow"),
+        ("start", "go"),
+    ]

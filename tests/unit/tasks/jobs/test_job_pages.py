@@ -1,0 +1,70 @@
+"""Jobs are read in pages, open or over; what is over is in the file only."""
+
+from pathlib import Path
+
+import pytest
+
+from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger
+
+S = JobState
+
+
+@pytest.fixture
+def store(tmp_path: Path):
+    store = JobStore(tmp_path / "jobs.db")
+    yield store
+    store.close()
+
+
+def add(store: JobStore, id_: str, state: JobState, changed: float = 0.0) -> Job:
+    order = JobOrder(id=id_, goal=("InKit(Starter, kit_1)",))
+    return store.add(Job(order=order, number=0, state=state, changed=changed), Trigger.START)
+
+
+def test_pages_follow_each_other_without_gap_or_repeat(store):
+    for number in range(25):
+        add(store, f"j{number}", S.ENDED if number % 2 else S.RUNNING)
+    seen, after = [], 0
+    while after is not None:
+        page = store.page(after=after, limit=10)
+        seen += [job.id for job in page.jobs]
+        after = page.next
+    assert seen == [f"j{number}" for number in range(25)]
+
+
+def test_a_page_that_is_just_full_and_the_last_one_has_no_next(store):
+    for name in "abc":
+        add(store, name, S.ENDED)
+    assert store.page(limit=3).next is None
+    assert store.page(limit=2).next == 2
+
+
+def test_a_page_has_the_jobs_in_the_wanted_states_only(store):
+    for name, state in zip("abcd", (S.RUNNING, S.ENDED, S.ABORTED, S.ENDED), strict=True):
+        add(store, name, state)
+    assert [job.id for job in store.page(states={S.ENDED}).jobs] == ["b", "d"]
+    assert [job.id for job in store.page(states=(S.ABORTED, S.RUNNING)).jobs] == ["a", "c"]
+    assert store.page(states=()).jobs == ()
+
+
+def test_a_page_has_what_changed_since_then(store):
+    first = add(store, "a", S.RUNNING, changed=10.0)
+    add(store, "b", S.RUNNING, changed=20.0)
+    store.keep(first.but(state=S.ENDED, changed=30.0))
+    assert [job.id for job in store.page(since=20.0).jobs] == ["a", "b"]
+    assert [job.id for job in store.page(since=25.0).jobs] == ["a"]
+
+
+@pytest.mark.parametrize("after", [2**63, 10**30])
+def test_a_page_after_a_number_that_no_job_can_have_is_empty(store, after):
+    add(store, "a", S.ENDED)
+    assert store.page(after=after).jobs == ()
+
+
+def test_what_is_over_is_not_among_the_open_ones(store):
+    add(store, "a", S.ENDED)
+    add(store, "b", S.INTERRUPTED)
+    assert [job.id for job in store.open()] == ["b"]
+    assert store.job("a").state is S.ENDED
+    assert store.job("z") is None
+    assert len(store) == 2

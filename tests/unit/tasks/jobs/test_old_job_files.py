@@ -1,0 +1,96 @@
+"""Files of jobs that an earlier version of the program wrote are brought up to date, and lose nothing."""
+
+import json
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from skiros_py.errors import FileError
+from skiros_py.tasks.jobs import JobState, JobStore, Trigger
+from skiros_py.tasks.jobs.tables import SCHEMA
+
+TABLES = """
+CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE transitions (job TEXT NOT NULL, data TEXT NOT NULL);
+CREATE INDEX transitions_by_job ON transitions (job);
+CREATE TABLE intents (job TEXT NOT NULL, number INTEGER NOT NULL, data TEXT NOT NULL, PRIMARY KEY (job, number))
+    WITHOUT ROWID;
+CREATE TABLE trace (job TEXT NOT NULL, data TEXT NOT NULL);
+CREATE INDEX trace_by_job ON trace (job);
+CREATE TABLE numbers (last INTEGER NOT NULL);
+INSERT INTO numbers VALUES (0);
+PRAGMA application_id = 1936419439;
+PRAGMA user_version = 1;
+"""
+"""As they were in version 1."""
+
+ORDER = (
+    '{"id":"%s","goal":["InKit(Starter, kit_1)"],"description":"","priority":0,"not_before":null,"deadline":null,'
+    '"expires":false,"policy":{"rest":true,"ask":false,"attempts":3,"partial":false}}'
+)
+JOB = (
+    '{"order":%s,"number":%d,"state":%d,"detail":"queued","choices":[],"question":null,"outcome":%s,"actuals":[],'
+    '"reasons":[],"plan":["drive(pallet_a)"],"attempts":1,"version":4,"ordered":10.5,"started":11.25,"ended":%s}'
+)
+
+
+def write(path: Path) -> None:
+    """Writes a file as version 1 left it: one job over, one cut off, one that waits; two were cleared."""
+    jobs = (("over", 3, 5, '"succeeded"', "20.75"), ("cut", 4, 3, "null", "null"), ("waits", 5, 2, "null", "null"))
+    with closing(sqlite3.connect(path)) as connection:
+        connection.executescript(TABLES)
+        for id_, number, state, outcome, ended in jobs:
+            data = JOB % (ORDER % id_, number, state, outcome, ended)
+            connection.execute("INSERT INTO jobs VALUES (?, ?, ?)", (id_, number, data))
+        connection.execute("UPDATE numbers SET last = 5")
+        intent = json.dumps({"number": 1, "skill": "pick", "arguments": {"Object": "starter_1"}, "ended": None})
+        connection.execute("INSERT INTO intents VALUES ('cut', 1, ?)", (intent,))
+        moved = json.dumps({"wall": 11.25, "trigger": "dispatch", "state": 3, "comment": "its turn"})
+        connection.execute("INSERT INTO transitions VALUES ('cut', ?)", (moved,))
+        connection.commit()
+
+
+@pytest.fixture
+def store(tmp_path):
+    write(tmp_path / "jobs.db")
+    store = JobStore(tmp_path / "jobs.db")
+    yield store
+    store.close()
+
+
+def test_the_mark_of_such_files_is_still_the_same():
+    assert f"application_id = {SCHEMA.application};" in TABLES
+
+
+def test_all_jobs_are_there_and_known_by_their_state(store):
+    assert [job.id for job in store.open()] == ["cut", "waits"]
+    assert [job.id for job in store.page(states={JobState.ENDED}).jobs] == ["over"]
+    assert store.job("over").ended == 20.75
+    assert store.job("waits").order.materials == ()
+
+
+def test_what_happened_for_them_is_there(store):
+    assert [(intent.skill, intent.ended) for intent in store.intents("cut")] == [("pick", None)]
+    assert [each.comment for each in store.transitions("cut")] == ["its turn"]
+
+
+def test_when_they_changed_is_known(store):
+    assert [job.id for job in store.page(since=20.0).jobs] == ["over"]
+
+
+def test_the_next_job_has_the_next_number_and_the_first_announcement(store):
+    waiting = store.job("waits")
+    order = waiting.order.model_copy(update={"id": "new"})
+    assert store.add(waiting.model_copy(update={"order": order}), Trigger.START).number == 6
+    assert store.last_announcement == 1
+
+
+def test_a_job_that_cannot_be_made_out_is_said_when_the_jobs_are_read(tmp_path):
+    write(tmp_path / "jobs.db")
+    with closing(sqlite3.connect(tmp_path / "jobs.db")) as connection:
+        connection.execute("UPDATE jobs SET data = '{' WHERE id = 'waits'")
+        connection.commit()
+    with closing(JobStore(tmp_path / "jobs.db")) as store, pytest.raises(FileError, match="a job in it cannot be read"):
+        store.open()
