@@ -34,7 +34,7 @@ class Server:
     def order(self, job: str) -> None:
         """Orders the goal of its scene."""
         goals = httpx2.get(f"{self.url}/goals", timeout=30.0).raise_for_status().json()
-        body = {"goal": " and ".join(one["text"] for one in goals["goals"])}
+        body = {"goal": " and ".join(goals["goals"])}
         httpx2.put(f"{self.url}/jobs/{job}", json=body, timeout=30.0).raise_for_status()
 
     def job(self, job: str) -> dict[str, Any]:

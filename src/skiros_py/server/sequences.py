@@ -29,8 +29,11 @@ __all__ = [
     "begin_goal",
     "begin_steps",
     "create",
+    "data_of",
+    "index",
     "require_works",
     "sequence_info",
+    "steps_in",
     "steps_of",
     "summary",
 ]
@@ -223,7 +226,7 @@ def begin_steps(
         UsageError: One names what does not exist.
         WrongState: Everything was halted.
     """
-    if not steps:  # done for ever without a single step, nothing would hold the control cycle for ever
+    if not steps:  # rounds without steps take no time: the control cycle would never come out of them
         raise Problem(409, "CannotWork", "the sequence has no steps: add one")
     if not anyway:
         require_works(services.session, steps)

@@ -25,9 +25,9 @@ from skiros_py.server.events.sources import EventSources
 from skiros_py.server.events.streams import Streams
 from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.metrics import Metrics
-from skiros_py.server.queries import Queries
-from skiros_py.server.previews import Previews
 from skiros_py.server.module_runs import ModuleRuns
+from skiros_py.server.previews import Previews
+from skiros_py.server.queries import Queries
 from skiros_py.server.scene_stage import SceneStage
 from skiros_py.server.scenes import SceneShelf
 from skiros_py.server.settings import ServerSettings
