@@ -6,29 +6,15 @@ import shutil
 
 from fastapi import APIRouter, Response
 from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
-from pydantic import BaseModel, Field
 
+from skiros_py.api.health import Health, Readiness
 from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.problems import PROBLEMS
 from skiros_py.server.services import Services, ServicesDep
 
 __all__ = ["router"]
 
 router = APIRouter(tags=["operation"])
-
-
-class Health(BaseModel):
-    """Whether the server is alive."""
-
-    alive: bool = Field(description="True while the control cycle goes round.", examples=[True])
-    why: str = Field(default="", description="What is wrong; empty in good times.")
-
-
-class Readiness(BaseModel):
-    """Whether orders can be fulfilled."""
-
-    ready: bool = Field(description="True while the station is open and what is ordered can be kept.", examples=[True])
-    halted: bool = Field(default=False, description="True while everything is halted: orders are kept and wait.")
-    why: str = Field(default="", description="What is wrong; empty in good times.")
 
 
 @router.get("/healthz", summary="Is the server alive?", responses={503: {"model": Health}})
@@ -71,7 +57,13 @@ def _not_ready(services: Services) -> str:
     return "" if shutil.disk_usage(services.data).free > _LEAST_ROOM else "the disk is full: no order could be kept"
 
 
-@router.get("/metrics", summary="Figures for Prometheus", dependencies=[needs(Role.VIEWER)], response_class=Response)
+@router.get(
+    "/metrics",
+    summary="Figures for Prometheus",
+    dependencies=[needs(Role.VIEWER)],
+    response_class=Response,
+    responses=PROBLEMS,
+)
 def get_metrics(services: ServicesDep) -> Response:
     """Gives the server's figures in Prometheus' text format."""
     return Response(generate_latest(services.metrics.registry), media_type=CONTENT_TYPE_LATEST)

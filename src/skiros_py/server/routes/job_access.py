@@ -7,6 +7,7 @@ from typing import Annotated
 from urllib.parse import quote
 
 from fastapi import Depends, Header, Path, Request, Response
+from fastapi.concurrency import run_in_threadpool
 
 from skiros_py.api.jobs import Job
 from skiros_py.server.access.roles import Caller
@@ -22,15 +23,20 @@ __all__ = ["ExpectedDep", "JobId", "JobsDep", "TemplatesDep", "job_location", "s
 JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
 
 
-def _jobs(services: ServicesDep) -> JobManager:
+# These are asynchronous to spare each request a turn in the thread pool.
+
+
+async def _jobs(services: ServicesDep) -> JobManager:
+    if not services.control.alive:  # the session may be opened just now, and is waited for
+        return (await run_in_threadpool(lambda: services.session)).jobs
     return services.session.jobs
 
 
-def _templates(services: ServicesDep) -> TemplateStore:
+async def _templates(services: ServicesDep) -> TemplateStore:
     return TemplateStore(services.documents)
 
 
-def _expected(
+async def _expected(
     request: Request,
     if_match: Annotated[str | None, Header(description='Version that was seen, such as "5", or *.')] = None,
 ) -> int | None:

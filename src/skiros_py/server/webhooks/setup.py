@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.server.job_views import job_view
-from skiros_py.server.webhooks.office import Patience, WebhookOffice
+from skiros_py.server.webhooks.office import WebhookOffice
 from skiros_py.server.webhooks.store import Post, WebhookStore
 from skiros_py.tasks.jobs.announcements import Announcement
 
@@ -18,15 +18,12 @@ if TYPE_CHECKING:
 __all__ = ["open_office"]
 
 
-def open_office(
-    services: Services, stack: ExitStack, patience: Patience = Patience()
-) -> tuple[WebhookStore, WebhookOffice]:
+def open_office(services: Services, stack: ExitStack) -> tuple[WebhookStore, WebhookOffice]:
     """Opens the file of webhooks and begins to send.
 
     Args:
         services: Whose jobs are told of.
         stack: Ends it.
-        patience: How long and how often something is tried.
     """
     source = f"urn:skiros:{socket.gethostname()}:{services.data.name}"
     store = stack.enter_context(closing(WebhookStore(services.data / "webhooks.db", source)))
@@ -42,7 +39,6 @@ def open_office(
         _data,
         services.settings.webhook_hosts,
         on_dead=on_dead,
-        patience=patience,
     )
     stack.enter_context(closing(office))
     office.start()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -40,8 +40,9 @@ _WORDS: Mapping[str, str] = {
 }
 
 
+@lru_cache(maxsize=128)
 def read(text: str) -> Said:
-    """Reads a goal written as text or, in parentheses, as PDDL.
+    """Reads a goal written as text or, in parentheses, as PDDL; a factory orders the same few again and again.
 
     Raises:
         GoalSyntaxError: It is neither; the text tells where the form stops that fits further.
