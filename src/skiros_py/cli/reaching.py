@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from skiros_py.cli.options import data_option
+from skiros_py.cli.options import data_option, open_existing
 from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
+    from skiros_py.cli.world_open import PresentWorld
     from skiros_py.client import Client
 
-__all__ = ["reach", "server_options"]
+__all__ = ["present_world", "reach", "server_options"]
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
@@ -56,6 +58,31 @@ def reach(data: Path | None, url: str | None, key_file: Path | None, **options: 
             raise UsageError("--key-file is for --url: the server of a data directory of yours needs no key")
         return Client.of_data(data, **options)  # whatever SKIROS_URL says
     return Client(url or "http://127.0.0.1:8000", _key(key_file), **options)
+
+
+@contextmanager
+def present_world(data: Path, **options: Any) -> Iterator[PresentWorld]:
+    """Reaches the world of a data directory: that of the server that owns it, or else one that is opened here.
+
+    Args:
+        data: The data directory.
+        **options: Those of :class:`~skiros_py.client.Client`, where there is a server.
+
+    Raises:
+        FileError: It is not there, another process uses it, it cannot be read or written, or a file is broken.
+    """
+    from skiros_py.client.discovery import find_server
+
+    if find_server(data) is None:
+        from skiros_py.cli.world_open import OpenWorld
+
+        with open_existing(data) as directory:
+            yield OpenWorld(directory.world, directory.journal)
+    else:
+        from skiros_py.cli.world_server import ServedWorld
+
+        with reach(data, None, None, **options) as client:
+            yield ServedWorld(client)
 
 
 def _key(file: Path | None) -> str | None:

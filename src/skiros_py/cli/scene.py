@@ -16,7 +16,6 @@ from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
     from skiros_py.world.branches import Branch
-    from skiros_py.world.index import Index
 
 __all__ = ["command"]
 
@@ -129,28 +128,28 @@ def diff(old: str, new: str, as_json: bool) -> int:
 def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
     """Writes SCENE with all that it imports as one Turtle file FILE, in an order that depends on the content alone."""
     from skiros_py.world.scene.atomic import write_atomically
-    from skiros_py.world.scene.writer import scene_turtle
 
     *scenes, file = scene_and_file
     if len(scenes) != (0 if data else 1):
         raise UsageError("with --data give the FILE only" if data else "give SCENE and FILE, or --data DIR and FILE")
     if not file.endswith(".ttl"):
         raise UsageError(f"'{file[:80]}' must end in .ttl: scenes are written as Turtle")
-    write_atomically(Path(file), scene_turtle(_present(data) if data else _loaded(scenes[0])))
+    write_atomically(Path(file), _present(data) if data else _loaded(scenes[0]))
     return REACHED
 
 
-def _loaded(scene: str) -> Index:
+def _loaded(scene: str) -> str:
     from skiros_py.runtime import open_world
+    from skiros_py.world.scene.writer import scene_turtle
 
-    return open_world(scene).snapshot()
+    return scene_turtle(open_world(scene).snapshot())
 
 
-def _present(folder: Path) -> Index:
-    from skiros_py.runtime import open_data
+def _present(data: Path) -> str:
+    from skiros_py.cli.reaching import present_world
 
-    with open_data(folder, create=False) as data:
-        return data.world.snapshot()
+    with present_world(data) as world:
+        return world.scene_turtle()
 
 
 def _told(node: Branch) -> str:

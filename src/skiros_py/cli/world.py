@@ -12,13 +12,15 @@ import click
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
 from skiros_py.cli.output import answer
+from skiros_py.cli.reaching import present_world
 from skiros_py.cli.text import escaped
-from skiros_py.errors import FileError, UnknownName
+from skiros_py.errors import FileError
 from skiros_py.world.vocabulary import ELEMENT
 
 if TYPE_CHECKING:
+    from skiros_py.cli.world_open import History, Shown
     from skiros_py.world.journal import Entry
-    from skiros_py.world.world import World
+    from skiros_py.world.ontology import Ontology
 
 __all__ = ["command"]
 
@@ -50,7 +52,10 @@ class _WorldGroup(click.Group):
 
 @click.group("world", cls=_WorldGroup)
 def command() -> None:
-    """Looks at a world that lives in a data directory, and takes back what was done to it."""
+    """Looks at a world that lives in a data directory, and takes back what was done to it.
+
+    Where a server runs on the directory, its world is meant, as it is now.
+    """
 
 
 # ---------------------------------------------------------------- beginning
@@ -64,10 +69,13 @@ def create(scene: str, data: Path) -> int:
 
     A learned.ttl that lies in it already comes along.
     """
+    from skiros_py.client.discovery import find_server
     from skiros_py.runtime import open_data
 
     if (data / "journal.db").exists():
-        raise FileError(data, "a world lives here already; 'skiros world show ELEMENT --data …' looks at it")
+        server = find_server(data)
+        served = "" if server is None else f", and is served at {server.url}"
+        raise FileError(data, f"a world lives here already{served}; 'skiros world show ELEMENT --data …' looks at it")
     with open_data(data, scene) as directory:
         world = directory.world
         click.echo(f"{data}: {len(world.instances(ELEMENT))} elements, {len(world.abstracts(ELEMENT))} abstract ones")
@@ -84,27 +92,28 @@ def create(scene: str, data: Path) -> int:
 @JSON
 def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> int:
     """Shows what is believed of ELEMENT: class, properties, relations, and the last change."""
+    from skiros_py.cli.world_open import OpenWorld
     from skiros_py.runtime import open_world
 
     if (data is None) == (scene is None):
         raise click.UsageError("say where to look: either --data DIR or --scene SCENE")
     if data is None:
         assert scene is not None
-        _show(open_world(scene), element, as_json=as_json)
+        shown = OpenWorld(open_world(scene)).show(element)
     else:
-        with open_existing(data) as directory:
-            _show(directory.world, element, as_json=as_json)
+        with present_world(data) as world:
+            shown = world.show(element)
+    _show(shown, as_json=as_json)
     return REACHED
 
 
-def _show(world: World, name: str, *, as_json: bool) -> None:
+def _show(shown: Shown, *, as_json: bool) -> None:
     from skiros_py.world.change import ElementEdit
     from skiros_py.world.literals import ANY_LITERAL, format_value
 
-    state = world.snapshot()
-    element, stamp, statements = state.element(name), state.stamp(name), state.statements_about(name)
+    element, stamp, statements = shown.element, shown.stamp, shown.statements
     if as_json:
-        own = ElementEdit(name, None, element).as_json()["new"]
+        own = ElementEdit(element.id, None, element).as_json()["new"]
         relations = [{"subject": s, "relation": r, "object": o} for s, r, o in statements]
         answer({**own, "relations": relations, "changed": {"change": stamp.change, "time": stamp.time}})
         return
@@ -127,30 +136,31 @@ def history(element: str | None, everything: bool, last: int | None, data: Path,
     """Shows what changed ELEMENT, when, by whom and why, the oldest change first; the element may be gone."""
     if (element is None) != everything:
         raise click.UsageError("say of what: either ELEMENT or --all")
-    with open_existing(data) as directory:
-        entries = directory.journal.history(element, last=last)
-        if element is not None and not entries and not directory.journal.was_given(element):
-            raise UnknownName("element", element, directory.world.snapshot().ids())
-        first = directory.journal.first
-        if as_json:
-            changes = [{**entry.change.as_json(), "written": _written(entry)} for entry in entries]
-            answer({"remembered_from": first, "changes": changes})
+    with present_world(data) as world:
+        found = world.history(element, last)
+        if not as_json:
+            _print_history(found, element, world.ontology())
             return REACHED
-        if first > 1:
-            click.echo(f"changes are remembered from number {first} on")
-        for entry in entries:
-            _print_change(directory.world, entry, element)
+    changes = [{**entry.change.as_json(), "written": _written(entry)} for entry in found.entries]
+    answer({"remembered_from": found.first, "changes": changes})
     return REACHED
 
 
-def _print_change(world: World, entry: Entry, element: str | None) -> None:
+def _print_history(found: History, element: str | None, ontology: Ontology) -> None:
+    if found.first > 1:
+        click.echo(f"changes are remembered from number {found.first} on")
+    for entry in found.entries:
+        _print_change(ontology, entry, element)
+
+
+def _print_change(ontology: Ontology, entry: Entry, element: str | None) -> None:
     """One line for the change, and one for each of its edits that is about the element."""
     from skiros_py.world.scene.diff import describe
 
     change = entry.change
     click.echo(escaped(f"{change.number:6}  {_written(entry)}  {change.author} ({change.writer}): {change.reason}"))
     edits = [edit for edit in change.edits if element is None or element in edit.concerns()]
-    for line in list(describe(world.ontology, edits[:_MOST_LINES])):
+    for line in list(describe(ontology, edits[:_MOST_LINES])):
         click.echo(escaped(f"        {line}"))
     if len(edits) > _MOST_LINES:
         click.echo(f"        and {len(edits) - _MOST_LINES} more")
@@ -169,10 +179,8 @@ def _written(entry: Entry) -> str:
 @JSON
 def undo(data: Path, author: str, as_json: bool) -> int:
     """Takes back the last edit that a person made; refused where something was built on it since."""
-    from skiros_py.world.undo import undo as take_back
-
-    with open_existing(data) as directory:
-        change = take_back(directory.world, author)
+    with present_world(data) as world:
+        change = world.undo(author)
     if as_json:
         answer(change.as_json())
     else:

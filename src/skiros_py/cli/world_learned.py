@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from skiros_py.cli.exit_status import REACHED
-from skiros_py.cli.options import AUTHOR, DATA, JSON, open_existing
+from skiros_py.cli.options import AUTHOR, DATA, JSON
 from skiros_py.cli.output import answer
+from skiros_py.cli.reaching import present_world
 from skiros_py.cli.text import escaped
-from skiros_py.errors import UnknownName
-from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
-
-if TYPE_CHECKING:
-    from skiros_py.world.world import World
+from skiros_py.world.vocabulary import APPLIES_TO
 
 __all__ = ["command"]
 
@@ -32,8 +28,8 @@ def list_learned(data: Path, as_json: bool) -> int:
     """Lists what was learned."""
     from skiros_py.world.change import ElementEdit
 
-    with open_existing(data) as directory:
-        elements = [directory.world.element(name) for name in _learned(directory.world)]
+    with present_world(data) as world:
+        elements = world.learned()
     if as_json:
         answer({"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]})
         return REACHED
@@ -50,16 +46,8 @@ def list_learned(data: Path, as_json: bool) -> int:
 @JSON
 def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
     """Forgets CONCEPT with its pieces; skiros world undo brings it back."""
-    from skiros_py.world.change import Writer
-
-    with open_existing(data) as directory:
-        world = directory.world
-        known = _learned(world)
-        if concept not in known:
-            raise UnknownName("learned concept", concept, known)
-        with world.transaction(author, f"forgets {concept}", writer=Writer.PERSON) as tx:
-            tx.remove(concept)
-        (change,) = world.changes_since(world.version - 1)
+    with present_world(data) as world:
+        change = world.forget(concept, author)
     if as_json:
         answer(change.as_json())
     else:
@@ -76,18 +64,11 @@ def export(file: Path | None, data: Path) -> int:
     Another robot knows it from the start when the file lies in its new data directory as learned.ttl.
     """
     from skiros_py.world.scene.atomic import write_atomically
-    from skiros_py.world.scene.learned import learned_turtle
 
-    with open_existing(data) as directory:
-        text = learned_turtle(directory.world.snapshot())
+    with present_world(data) as world:
+        text = world.learned_turtle()
     if file is None:
         click.echo(text, nl=False)
     else:
         write_atomically(file, text)
     return REACHED
-
-
-def _learned(world: World) -> list[str]:
-    from skiros_py.world.element import is_learned
-
-    return [name for name in world.abstracts(ELEMENT) if is_learned(name)]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,18 +16,20 @@ import click
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import Seconds
 from skiros_py.cli.output import answer
+from skiros_py.cli.reaching import present_world
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
 
 if TYPE_CHECKING:
+    from skiros_py.cli.world_open import PresentWorld
     from skiros_py.world.element import Value
     from skiros_py.world.queries import Binding, Result, Table
-    from skiros_py.world.world import World
 
 __all__ = ["command"]
 
-_MOST_ROWS = 100_000
+_ON_THE_WAY = 30.0
+"""What an answer of a server may take beside the question itself [s]."""
 _NUMBERS: Mapping[Callable[[str], Binding], re.Pattern[str]] = {  # as SPARQL tells them apart
     int: re.compile(r"[+-]?[0-9]{1,4000}"),
     Decimal: re.compile(r"[+-]?[0-9]*\.[0-9]+"),
@@ -75,15 +77,14 @@ def command(
     "-" is read from stdin. In --bind a value is a number, true or false, a text in double quotes, or else a name
     (pallet_a, kitting:Starter).
     """
-    from skiros_py.world.queries.outside import Limits, OutsideQueries
+    from skiros_py.world.queries.outside import Limits
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv are two ways to show one answer: give one of them")
-    limits = Limits(rows=_MOST_ROWS)
-    scene, sparql = _scene_and_query(words, data, file, limits.text)
+    scene, sparql = _scene_and_query(words, data, file, Limits().text)
     bound = _bound(bindings)
-    with _world(scene, data) as world, OutsideQueries(world, limits) as queries:
-        result = queries.query(sparql, entailed=entailed, time_limit=time_limit, **bound)
+    with _world(scene, data, time_limit) as world:
+        result = world.query(sparql, bound, entailed=entailed, time_limit=time_limit)
     if as_json:
         answer(_as_json(result))
     else:
@@ -124,16 +125,14 @@ def _read(source: str, longest: int) -> str:
     return text
 
 
-@contextmanager
-def _world(scene: str | None, data: Path | None) -> Iterator[World]:
-    from skiros_py.runtime import open_data, open_world
+def _world(scene: str | None, data: Path | None, time_limit: float) -> AbstractContextManager[PresentWorld]:
+    from skiros_py.cli.world_open import OpenWorld
+    from skiros_py.runtime import open_world
 
     if data is not None:
-        with open_data(data, create=False) as directory:
-            yield directory.world
-    else:
-        assert scene is not None
-        yield open_world(scene)
+        return present_world(data, timeout=time_limit + _ON_THE_WAY)
+    assert scene is not None
+    return nullcontext(OpenWorld(open_world(scene)))
 
 
 def _bound(bindings: Sequence[str]) -> dict[str, Binding]:

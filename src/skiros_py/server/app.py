@@ -8,6 +8,7 @@ from fastapi import APIRouter, FastAPI
 
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
+from skiros_py.server.documentation import add_documentation
 from skiros_py.server.metrics import RequestMetrics
 from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
@@ -60,7 +61,7 @@ def create_app(services: Services) -> FastAPI:
         version=version("skiros-py"),
         summary="Order goals, follow and command the robots that pursue them.",
         openapi_url=f"{PREFIX}/openapi.json",
-        docs_url=f"{PREFIX}/docs",
+        docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
         generate_unique_id_function=lambda route: route.name,
@@ -71,6 +72,7 @@ def create_app(services: Services) -> FastAPI:
         api.include_router(topic.router)
     app.include_router(api)
     app.include_router(health.router)
+    add_documentation(app, PREFIX)
     add_problem_handlers(app)
     app.add_middleware(Gate, services)  # which reads and limits bodies, too
     app.add_middleware(RequestMetrics, services.metrics)

@@ -26,6 +26,8 @@ __all__ = ["Foresight"]
 
 _PLANNING_LIMIT = 30.0
 """How long what is worked out around the planner may hold the control cycle: a large world takes seconds [s]."""
+_AGAIN = 4
+"""How often it is looked into again that there is no plan, where others changed the world meanwhile."""
 
 
 class Foresight:
@@ -48,7 +50,10 @@ class Foresight:
         running: Sequence[Step] = (),
         skills: Mapping[str, SkillDescription] | None = None,
     ) -> Execution[Planned]:
-        """Plans from what is believed now.
+        """Plans from what is believed now; others may go on changing it, a plan is of one state of the world.
+
+        A plan may so be outdated when it is there: whoever follows it sees that before its first step. That there is no
+        plan, or that planners broke, is looked into again where something has changed meanwhile.
 
         A planner that breaks while a goal is under way is an answer too: what was done so far has to be reported.
 
@@ -61,11 +66,28 @@ class Foresight:
             PlanningError: The planner broke before anything was done.
         """
         try:
-            return (yield from self._unhurried(self._plan(goal, running, skills or {})))
+            return (yield from self._up_to_date(goal, running, skills or {}))
         except PlanningError as error:
             if not self._history.steps:
                 raise
             return Planned(NoPlan((str(error),)), None, 0.0)
+
+    def _up_to_date(
+        self, goal: Sequence[Condition], running: Sequence[Step], skills: Mapping[str, SkillDescription]
+    ) -> Execution[Planned]:
+        """Plans until there is a plan, or an answer about the world as it is by now; a bounded number of times."""
+        world = self._setting.world
+        for _ in range(_AGAIN):
+            before = world.version
+            try:
+                planned = yield from self._unhurried(self._plan(goal, running, skills))
+            except PlanningError:
+                if world.version == before:
+                    raise
+            else:
+                if isinstance(planned.outcome, Plan) or world.version == before:
+                    return planned
+        return (yield from self._unhurried(self._plan(goal, running, skills)))
 
     def _plan(
         self, goal: Sequence[Condition], running: Sequence[Step], skills: Mapping[str, SkillDescription]
@@ -86,7 +108,8 @@ class Foresight:
         self, without: frozenset[str], running: Sequence[Step], skills: Mapping[str, SkillDescription]
     ) -> tuple[WorldView, Mapping[str, int]]:
         """Returns what to plan with, and the sequence numbers that robots have reached there."""
-        view: WorldView = Without(self._setting.world, without) if without else self._setting.world
+        now = self._setting.world.snapshot()
+        view: WorldView = Without(now, without) if without else now
         reached = self._history.reached
         return supposing(view, running, skills, reached) if running else (view, reached)
 

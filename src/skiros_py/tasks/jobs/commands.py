@@ -6,7 +6,7 @@ from skiros_py.errors import StaleVersion, UnknownName, WrongState
 from skiros_py.execution.station import Station
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.conductor import Conductor
-from skiros_py.tasks.jobs.cut_off import ABORT, BY_HAND
+from skiros_py.tasks.jobs.cut_off import ABORT, BY_HAND, WAITS
 from skiros_py.tasks.jobs.guard import Guard
 from skiros_py.tasks.jobs.job import Job, Outcome
 from skiros_py.tasks.jobs.lookups import JobLookups
@@ -78,7 +78,7 @@ class JobCommands(JobLookups):
             return now
 
     def resume(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Goes on with a job that stands; one that was cut off is planned anew from what is believed now.
+        """Goes on with a job that stands; one that was cut off is planned anew, when its turn comes.
 
         Raises:
             WrongState: It waits for an answer, or everything is halted, or it does not stand.
@@ -91,7 +91,8 @@ class JobCommands(JobLookups):
             if run is not None and run.asks:
                 raise WrongState(f"job '{job}' waits for an answer: {', '.join(now.choices)}")
             self._require_ready(now)
-            changed = self._book.move(now, Trigger.RESUME, comment, detail="goes on", choices=(), question=None)
+            detail = WAITS if run is None else "goes on"
+            changed = self._book.move(now, Trigger.RESUME, comment, detail=detail, choices=(), question=None)
             self._conductor.go_on(job)
             return changed
 

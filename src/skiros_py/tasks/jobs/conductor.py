@@ -11,13 +11,14 @@ from skiros_py.execution.station import Station
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.by_hand import done_by_hand
-from skiros_py.tasks.jobs.cut_off import BY_HAND, CUT_OFF, hold_what_was_halted
+from skiros_py.tasks.jobs.cut_off import BY_HAND, CUT_OFF, WAITS, hold_what_was_halted
 from skiros_py.tasks.jobs.guard import Guard
 from skiros_py.tasks.jobs.job import Intent, Job, Outcome
 from skiros_py.tasks.jobs.moves import moved
 from skiros_py.tasks.jobs.run import JobRun
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.store import JobStore
+from skiros_py.tasks.jobs.turns import Turns
 from skiros_py.tasks.task_manager import TaskManager
 
 __all__ = ["Conductor", "ReadGoal"]
@@ -61,6 +62,7 @@ class Conductor:
         self._guard = guard
         self._at_once = at_once
         self._clock = clock
+        self._turns = Turns(book, clock)
         self._runs: dict[str, JobRun] = {}
         self._wishes: deque[Callable[[], None]] = deque()
 
@@ -69,7 +71,7 @@ class Conductor:
     @property
     def idle(self) -> bool:
         """True when nothing is under way, and nothing would start by itself now."""
-        return not (self._runs or self._wishes) and self._book.queue.next(self._clock()) is None
+        return not (self._runs or self._wishes) and self._turns.next() is None
 
     def run(self, job: str) -> JobRun | None:
         """Returns what runs for a job; None where nothing does."""
@@ -85,7 +87,7 @@ class Conductor:
         self._wishes.append(fulfil)
 
     def go_on(self, job: str) -> None:
-        """Has a job go on that stands; where nothing runs for it, it is planned anew."""
+        """Has a job go on that stands; where nothing runs for it, it is planned anew when its turn comes."""
         self._wishes.append(partial(self._go_on, job))
 
     def note_done(self, job: str, by: str) -> None:
@@ -100,10 +102,10 @@ class Conductor:
             self._wishes.popleft()()
         for job, run in tuple(self._runs.items()):
             self._follow(job, run)
-        if len(self._runs) < self._at_once and not self._station.cycle.halted:
-            coming = self._book.queue.next(self._clock())
-            if coming is not None:
-                self._dispatch(coming)
+        if self._station.cycle.halted:
+            self._hold_what_comes_back()
+        elif len(self._runs) < self._at_once and (coming := self._turns.next()) is not None:
+            self._dispatch(coming)
 
     def _follow(self, job: str, run: JobRun) -> None:
         run.write_trace()
@@ -115,25 +117,32 @@ class Conductor:
     def _dispatch(self, id_: str) -> None:
         with self._guard.control():
             job = self._book.open.get(id_)
-            if job is None or self._book.queue.next(self._clock()) != id_:  # somebody was quicker
+            if job is None or self._turns.next() != id_:  # somebody was quicker
                 return
-            if job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._clock():
+            if job.state is JobState.RUNNING:
+                self._turns.leave(id_)
+                self._begin(job)
+            elif job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._clock():
                 self._book.move(job, Trigger.FAIL, "its deadline has passed", outcome=Outcome.EXPIRED, detail="")
-                return
-            self._begin(self._book.move(job, Trigger.DISPATCH, detail="planning", started=self._clock()))
+            else:
+                self._begin(self._book.move(job, Trigger.DISPATCH, detail="planning", started=self._clock()))
 
     def _go_on(self, id_: str) -> None:
         with self._guard.control():
-            job = self._book.open.get(id_)
             if id_ in self._runs:
                 self._runs[id_].resume()
-            elif job is not None and job.state is JobState.RUNNING:
-                self._begin(job)
+            else:
+                self._turns.come_back(id_)
+
+    def _hold_what_comes_back(self) -> None:
+        for id_ in self._turns.coming_back:
+            with self._guard.control():
+                self._turns.leave(id_)
+                job = self._book.open.get(id_)
+                if job is not None and job.state is JobState.RUNNING:
+                    hold_what_was_halted(self._book, job, self._station.cycle.halted)
 
     def _begin(self, job: Job) -> None:
-        if self._station.cycle.halted:
-            hold_what_was_halted(self._book, job, self._station.cycle.halted)
-            return
         for intent in self._cut_off(job.id):
             self._store.settle(job.id, intent.number, CUT_OFF)
         try:
@@ -142,7 +151,7 @@ class Conductor:
         except SkirosError as error:
             self._book.move(job, Trigger.FAIL, outcome=Outcome.FAILED, reasons=(str(error),), detail="")
             return
-        self._book.change(job.but(attempts=job.attempts + 1, seen=self._station.world.version))
+        self._book.change(job.but(detail="planning", attempts=job.attempts + 1, seen=self._station.world.version))
         self._runs[job.id] = JobRun(undertaking, self._station, self._book, self._store)
 
     def _note_done(self, id_: str, by: str) -> None:
@@ -158,8 +167,9 @@ class Conductor:
                 self._book.change(job.but(detail=detail))
                 return
             materials = moved(self._station.world, job.but(seen=before), self._store.intents(id_))
-            goes_on = {"detail": "goes on", "choices": (), "question": None, "materials": materials}
-            self._begin(self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on))
+            goes_on = {"detail": WAITS, "choices": (), "question": None, "materials": materials}
+            self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on)
+            self._turns.come_back(id_)
 
     def _believe(self, job: str, by: str) -> None:
         for intent in self._cut_off(job):

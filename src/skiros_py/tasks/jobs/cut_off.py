@@ -11,13 +11,16 @@ from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.world.world import World
 
-__all__ = ["ABORT", "BY_HAND", "CUT_OFF", "RETRY", "hold_what_was_cut_off", "hold_what_was_halted"]
+__all__ = ["ABORT", "BY_HAND", "CUT_OFF", "RETRY", "WAITS", "hold_what_was_cut_off", "hold_what_was_halted"]
 
 RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
 """What a person may answer: go on from what is believed now; a person has done the step; give the job up."""
 
 CUT_OFF = "nobody knows: it was cut off, and planned anew"
 """How a step ended that was cut off, when a person has looked and wants the job to go on."""
+
+WAITS = "waits for its turn"
+"""What a job says that shall go on, while others are under way."""
 
 
 def hold_what_was_cut_off(book: JobBook, store: JobStore, world: World) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.states import JobState
 
-__all__ = ["JobQueue"]
+__all__ = ["JobQueue", "rank"]
 
 _Rank = tuple[int, float, int]
 _Mark = tuple[int, int]
@@ -47,7 +47,7 @@ class JobQueue:
                 self._marks.pop(job.id, None)
                 return
             mark = self._marks[job.id] = (job.number, job.version)
-            heapq.heappush(self._gated, (_opening(job), _rank(job), job.id, mark))
+            heapq.heappush(self._gated, (_opening(job), rank(job), job.id, mark))
             self._tidy()
 
     def remove(self, job: str) -> None:
@@ -91,6 +91,7 @@ def _opening(job: Job) -> float:
     return -math.inf if gate is None else gate.timestamp()
 
 
-def _rank(job: Job) -> _Rank:
+def rank(job: Job) -> _Rank:
+    """Returns what jobs are ordered by: the less comes first."""
     deadline = job.order.deadline
     return -job.order.priority, math.inf if deadline is None else deadline.timestamp(), job.number

@@ -1,0 +1,199 @@
+"""A world that this process has open, as commands look at it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from skiros_py.errors import UnknownName
+from skiros_py.world.vocabulary import ELEMENT
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from skiros_py.world.change import Change
+    from skiros_py.world.element import Element, Stamp
+    from skiros_py.world.journal import Entry, Journal
+    from skiros_py.world.ontology import Ontology
+    from skiros_py.world.queries import Binding, Result
+    from skiros_py.world.world import World
+
+__all__ = ["MOST_ROWS", "History", "OpenWorld", "PresentWorld", "Shown"]
+
+MOST_ROWS = 100_000
+"""Rows of the answer to a query in this process."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What is believed of an element.
+
+    Attributes:
+        element: With its own values.
+        statements: Every stated (subject, relation, object) with the element at either end, sorted.
+        stamp: The last change that touched it.
+    """
+
+    element: Element
+    statements: Sequence[tuple[str, str, str]]
+    stamp: Stamp
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """What changed, in order.
+
+    Attributes:
+        first: Number of the oldest change that is remembered.
+        entries: The changes.
+    """
+
+    first: int
+    entries: Sequence[Entry]
+
+
+class PresentWorld(Protocol):
+    """The world of a data directory as it is now, whoever has it open."""
+
+    def show(self, element: str) -> Shown:
+        """Tells what is believed of an element.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        ...
+
+    def history(self, element: str | None, last: int | None) -> History:
+        """Tells which changes touched an element, which may be gone, or all.
+
+        Args:
+            element: Its id; None for all changes.
+            last: How many of the latest ones; None for all.
+
+        Raises:
+            UnknownName: There never was an element of that id.
+        """
+        ...
+
+    def ontology(self) -> Ontology:
+        """Returns what there can be."""
+        ...
+
+    def undo(self, author: str) -> Change:
+        """Takes back the last edit that a person made.
+
+        Raises:
+            WorldError: There is nothing to take back, or something was built on it since.
+        """
+        ...
+
+    def learned(self) -> Sequence[Element]:
+        """Returns what robots were taught."""
+        ...
+
+    def forget(self, concept: str, author: str) -> Change:
+        """Forgets something that was learned, with its pieces.
+
+        Raises:
+            UnknownName: Nothing of that id was learned.
+        """
+        ...
+
+    def learned_turtle(self) -> str:
+        """Returns what was learned as the text of a Turtle file."""
+        ...
+
+    def scene_turtle(self) -> str:
+        """Returns the scene as the text of a Turtle file."""
+        ...
+
+    def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
+        """Answers a question in SPARQL.
+
+        Args:
+            sparql: The question.
+            bindings: What its parameters stand for.
+            entailed: Whether what OWL entails counts too.
+            time_limit: How long it may take [s].
+
+        Raises:
+            UsageError: It cannot be answered, or not in time.
+        """
+        ...
+
+
+class OpenWorld:
+    """A world that this process has open.
+
+    Args:
+        world: The world.
+        journal: Its changes; None where it is kept nowhere, and has no history.
+    """
+
+    def __init__(self, world: World, journal: Journal | None = None) -> None:
+        self._world = world
+        self._journal = journal
+
+    def show(self, element: str) -> Shown:
+        """Tells what is believed of an element."""
+        state = self._world.snapshot()
+        return Shown(state.element(element), state.statements_about(element), state.stamp(element))
+
+    def history(self, element: str | None, last: int | None) -> History:
+        """Tells which changes touched an element, or all."""
+        assert self._journal is not None
+        entries = self._journal.history(element, last=last)
+        if element is not None and not entries and not self._journal.was_given(element):
+            raise UnknownName("element", element, self._world.snapshot().ids())
+        return History(self._journal.first, entries)
+
+    def ontology(self) -> Ontology:
+        """Returns what there can be."""
+        return self._world.ontology
+
+    def undo(self, author: str) -> Change:
+        """Takes back the last edit that a person made."""
+        from skiros_py.world.undo import undo
+
+        return undo(self._world, author)
+
+    def learned(self) -> Sequence[Element]:
+        """Returns what robots were taught."""
+        return [self._world.element(name) for name in self._learned()]
+
+    def forget(self, concept: str, author: str) -> Change:
+        """Forgets something that was learned, with its pieces."""
+        from skiros_py.world.change import Writer
+
+        known = self._learned()
+        if concept not in known:
+            raise UnknownName("learned concept", concept, known)
+        with self._world.transaction(author, f"forgets {concept}", writer=Writer.PERSON) as tx:
+            tx.remove(concept)
+        (change,) = self._world.changes_since(self._world.version - 1)
+        return change
+
+    def learned_turtle(self) -> str:
+        """Returns what was learned as the text of a Turtle file."""
+        from skiros_py.world.scene.learned import learned_turtle
+
+        return learned_turtle(self._world.snapshot())
+
+    def scene_turtle(self) -> str:
+        """Returns the scene as the text of a Turtle file."""
+        from skiros_py.server.scene_content import scene_only
+        from skiros_py.world.scene.writer import scene_turtle
+
+        return scene_turtle(scene_only(self._world.snapshot()))
+
+    def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
+        """Answers a question in SPARQL."""
+        from skiros_py.world.queries.outside import Limits, OutsideQueries
+
+        with OutsideQueries(self._world, Limits(rows=MOST_ROWS)) as queries:
+            return queries.query(sparql, entailed=entailed, time_limit=time_limit, **bindings)
+
+    def _learned(self) -> list[str]:
+        from skiros_py.world.element import is_learned
+
+        return [name for name in self._world.abstracts(ELEMENT) if is_learned(name)]

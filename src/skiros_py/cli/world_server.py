@@ -1,0 +1,214 @@
+"""The world of a server, as commands look at it: what it tells becomes what a world in this process would tell."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from decimal import Decimal
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+from skiros_py.cli.world_open import History, Shown
+from skiros_py.errors import UsageError
+
+if TYPE_CHECKING:
+    from skiros_py.api.elements import ElementDetails, Relation
+    from skiros_py.api.learned import Learned
+    from skiros_py.api.queries import Query
+    from skiros_py.api.world import Change as Told
+    from skiros_py.api.world import ChangePage
+    from skiros_py.client import Client
+    from skiros_py.world.change import Change
+    from skiros_py.world.element import Element, Value
+    from skiros_py.world.journal import Entry
+    from skiros_py.world.ontology import Ontology
+    from skiros_py.world.queries import Binding, Result
+
+__all__ = ["ServedWorld"]
+
+_PAGE = 1000
+_CHANGES = 200
+"""Changes of one page."""
+_LONGEST_AUTHOR = 100
+_Item = TypeVar("_Item", covariant=True)
+
+
+class ServedWorld:
+    """The world of a server.
+
+    Args:
+        client: Reaches the server.
+    """
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+
+    def show(self, element: str) -> Shown:
+        """Tells what is believed of an element."""
+        from skiros_py.world.element import Stamp
+
+        told = self._client.elements.get(element)
+        statements = [(r.subject, r.relation, r.object) for r in self._relations(told)]
+        return Shown(_element(told), statements, Stamp(told.version, told.changed_at))
+
+    def _relations(self, told: ElementDetails) -> Iterator[Relation]:
+        if told.relations_total == len(told.relations):
+            return iter(told.relations)
+        return _all(lambda cursor: self._client.elements.relations(told.id, limit=_PAGE, cursor=cursor))
+
+    def history(self, element: str | None, last: int | None) -> History:
+        """Tells which changes touched an element, or all."""
+        from skiros_py.world.journal import Entry
+
+        limit = _CHANGES if last is None else min(last, _CHANGES)
+        page = self._changes(element, limit, None)
+        told = [*islice(_all(lambda cursor: self._changes(element, limit, cursor), page), last)]
+        entries: list[Entry] = []
+        for one in reversed(told):
+            assert one.written is not None
+            entries.append(Entry(self._whole(one), one.written.timestamp()))
+        return History(page.remembered_from, entries)
+
+    def _changes(self, element: str | None, limit: int, cursor: str | None) -> ChangePage:
+        if element is None:
+            return self._client.world.changes(newest_first=True, limit=limit, cursor=cursor)
+        return self._client.elements.history(element, newest_first=True, limit=limit, cursor=cursor)
+
+    def ontology(self) -> Ontology:
+        """Returns what there can be: of this installation, which is the server's."""
+        from skiros_py.config import ontology_paths
+        from skiros_py.world.ontology import load_installed
+
+        return load_installed(ontology_paths())[0]
+
+    def undo(self, author: str) -> Change:
+        """Takes back the last edit that a person made."""
+        self._write_as(author)
+        return self._whole(self._client.world.undo())
+
+    def learned(self) -> Sequence[Element]:
+        """Returns what robots were taught."""
+        told = _all(lambda cursor: self._client.learned.list(limit=_PAGE, cursor=cursor))
+        return [_learned(one) for one in told]
+
+    def forget(self, concept: str, author: str) -> Change:
+        """Forgets something that was learned, with its pieces."""
+        self._write_as(author)
+        change = self._client.learned.forget(concept).change
+        assert change is not None
+        return self._whole(change)
+
+    def learned_turtle(self) -> str:
+        """Returns what was learned as the text of a Turtle file."""
+        return self._client.learned.export()
+
+    def scene_turtle(self) -> str:
+        """Returns the scene as the text of a Turtle file."""
+        return self._client.scenes.turtle()
+
+    def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
+        """Answers a question in SPARQL; a server takes less time for one, and answers fewer rows."""
+        answer = self._client.queries.ask(_question(sparql, bindings, entailed=entailed, time_limit=time_limit))
+        return _result(answer.model_dump())
+
+    def _write_as(self, author: str) -> None:
+        name = "".join(c for c in author if c.isprintable())[:_LONGEST_AUTHOR].strip()
+        self._client.http.headers.update([(b"X-Skiros-User", name.encode())])
+
+    def _whole(self, told: Told) -> Change:
+        """Returns a change with all its edits."""
+        from skiros_py.world.journal.codec import decode_change
+
+        data, following = told.model_dump(), told.next
+        while following is not None:
+            more = self._client.world.change(told.number, limit=_PAGE, cursor=following)
+            data["edits"] += more.edits
+            following = more.next
+        del data["written"]
+        return decode_change(json.dumps(data))
+
+
+class _Page(Protocol[_Item]):
+    """Some of a list."""
+
+    @property
+    def items(self) -> Sequence[_Item]:
+        """What is on it."""
+        ...
+
+    @property
+    def next(self) -> str | None:
+        """Cursor of the next one."""
+        ...
+
+
+def _all(read: Callable[[str | None], _Page[_Item]], first: _Page[_Item] | None = None) -> Iterator[_Item]:
+    """Yields what is on all pages; those after the first are read when they are wanted."""
+    page = read(None) if first is None else first
+    while True:
+        yield from page.items
+        if page.next is None:
+            return
+        page = read(page.next)
+
+
+def _element(told: ElementDetails) -> Element:
+    from skiros_py.world.element import Element
+
+    own = {name: _value(said.value) for name, said in told.properties.items() if said.origin == "own"}
+    return Element(told.id, told.class_, told.label, own)
+
+
+def _learned(told: Learned) -> Element:
+    from skiros_py.world.element import Element
+
+    return Element(told.id, told.class_, told.label, {name: _value(value) for name, value in told.properties.items()})
+
+
+def _value(told: Any) -> Value:
+    """Returns a value that was told as plain data."""
+    from skiros_py.geometry import Pose
+
+    if isinstance(told, dict):
+        return Pose(tuple(told["position"]), tuple(told["orientation"]))
+    value: Value = tuple(told) if isinstance(told, list) else told
+    return value
+
+
+# ---------------------------------------------------------------- queries
+
+
+def _question(sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Query:
+    from pydantic import ValidationError
+
+    from skiros_py.api.queries import Query
+
+    bound = {name: _bound(value) for name, value in bindings.items()}
+    try:
+        return Query.model_validate(
+            {"query": sparql, "bindings": bound, "entailed": entailed, "time_limit": time_limit}
+        )
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = first["loc"][0]
+        raise UsageError(f"{where}: {first['msg']} (a server owns the data directory, and takes no more)") from None
+
+
+def _bound(value: Binding) -> object:
+    from skiros_py.world.queries import Text
+
+    if isinstance(value, Text):
+        return {"text": str(value)}
+    return {"decimal": f"{value:f}"} if isinstance(value, Decimal) else value
+
+
+def _result(answer: Mapping[str, Any]) -> Result:
+    from skiros_py.world.queries import Constructed, Table
+
+    if answer["form"] == "ASK":
+        return bool(answer["answer"])
+    if answer["form"] == "SELECT":
+        rows = [{name: None if v is None else _value(v) for name, v in row.items()} for row in answer["rows"]]
+        return Table(tuple(answer["variables"]), rows)
+    statements = tuple((subject, predicate, _value(value)) for subject, predicate, value in answer["statements"])
+    return Constructed(statements, answer["turtle"])

@@ -1,0 +1,163 @@
+"""The commands that look at a world say the same whether or not a server owns its data directory."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from skiros_py.cli.main import cli, main
+from skiros_py.runtime import open_data
+from skiros_py.testing.server_process import ServerProcess
+from skiros_py.world.change import Writer
+from skiros_py.world.drafts import learn
+
+PLACES = "SELECT ?part ?place { ?part sk:in ?place } ORDER BY ?part ?place"
+
+
+@dataclass(frozen=True)
+class Twins:
+    """Two data directories with one content, of which one has a server."""
+
+    served: Path
+    free: Path
+    server: ServerProcess
+
+    def both(self, *arguments: str) -> tuple[str, str]:
+        """Returns what a command prints about either."""
+        served, free = (told(*arguments, "--data", str(data)) for data in (self.served, self.free))
+        return served, free
+
+
+@pytest.fixture(scope="module")
+def twins(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Twins]:
+    served, free = (tmp_path_factory.mktemp("twins") / name for name in ("served", "free"))
+    with open_data(served, "kitting") as data:
+        with data.world.transaction("teach", "shown by hand") as tx:
+            learn(tx, "kit_1")
+        with data.world.transaction("Änne", "by hand", writer=Writer.PERSON) as tx:
+            tx.place("starter_1", "sk:in", "pallet_b")
+            tx.set("starter_1", "sk:mass", 0.25)
+    shutil.copytree(served, free)
+    with ServerProcess("--fake", data=served) as server:
+        yield Twins(served, free, server)
+
+
+def told(*arguments: str) -> str:
+    result = CliRunner().invoke(cli, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def refused(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], *arguments: str
+) -> tuple[object, str, str]:
+    monkeypatch.setattr("sys.argv", ["skiros", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    out, err = capfd.readouterr()
+    return ended.value.code, out, err
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["world", "show", "starter_1"],
+        ["world", "show", "starter_1", "--json"],
+        ["world", "show", "pallet_a", "--json"],
+        ["world", "history", "starter_1"],
+        ["world", "history", "starter_1", "--json"],
+        ["world", "history", "starter_1", "--last", "1"],
+        ["world", "learned", "list"],
+        ["world", "learned", "list", "--json"],
+        ["world", "learned", "export"],
+        ["world", "query", PLACES],
+        ["world", "query", PLACES, "--csv"],
+        ["world", "query", PLACES, "--json"],
+        ["world", "query", "SELECT ?pose { scene:starter_1 sk:pose ?pose }", "--json"],
+        ["world", "query", "ASK { scene:starter_1 sk:in $place }", "--bind", "place=pallet_b"],
+        ["world", "query", "ASK { ?x sk:mass $mass }", "--bind", "mass=0.25e0", "--json"],
+        ["world", "query", "CONSTRUCT { ?a sk:in ?b } { ?a sk:in ?b } ORDER BY ?a", "--json"],
+        ["world", "query", "ASK { scene:starter_1 sk:placement scene:pallet_b }", "--entailed"],
+    ],
+    ids=lambda command: " ".join(command)[6:60],
+)
+def test_it_is_the_same_with_and_without_a_server(twins: Twins, command: list[str]) -> None:
+    served, free = twins.both(*command)
+
+    assert served == free
+    assert served.strip()
+
+
+def test_the_history_of_everything_begins_the_same_and_is_whole(twins: Twins) -> None:
+    served, free = (json.loads(text) for text in twins.both("world", "history", "--all", "--json"))
+
+    assert served["remembered_from"] == free["remembered_from"] == 1
+    assert served["changes"][: len(free["changes"])] == free["changes"]
+    assert len(free["changes"][0]["edits"]) > 100
+
+
+def test_the_saved_scene_is_the_same_with_and_without_a_server(twins: Twins, tmp_path: Path) -> None:
+    files = [tmp_path / "served.ttl", tmp_path / "free.ttl"]
+    for data, file in zip((twins.served, twins.free), files, strict=True):
+        told("scene", "save", "--data", str(data), str(file))
+
+    assert files[0].read_text(encoding="utf-8") == files[1].read_text(encoding="utf-8")
+
+
+def test_what_is_taken_back_and_forgotten_is_told_the_same_and_is_by_who_did_it(twins: Twins) -> None:
+    for command in (["undo"], ["learned", "forget", "learned:standard_kit_1"], ["undo"]):
+        changes = [json.loads(text) for text in twins.both("world", *command, "--author", "Ægir", "--json")]
+        assert [change.pop("author") for change in changes] == ["Ægir", "Ægir"]
+        for change in changes:
+            for differs in ("number", "time", "undoes", "reason"):  # a server has written changes of its own before
+                change.pop(differs)
+        assert changes[0] == changes[1]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["world", "show", "starter_99"],
+        ["world", "history", "starter_99"],
+        ["world", "learned", "forget", "learned:nothing"],
+        ["world", "query", "SELECT ?x { ?x"],
+        ["world", "query", "ASK { ?x a $what }", "--bind", "what=kitting:Nothing"],
+        ["world", "query", "ASK { ?x a sk:Robot }", "--csv"],
+        ["world", "show", "starter_99", "--json"],
+    ],
+    ids=lambda command: " ".join(command)[6:60],
+)
+def test_it_is_refused_the_same_with_and_without_a_server(
+    twins: Twins, command: list[str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    served, free = (refused(monkeypatch, capfd, *command, "--data", str(d)) for d in (twins.served, twins.free))
+
+    assert served == free
+    assert served[0] == 2
+    assert "Traceback" not in served[2]
+
+
+@pytest.mark.parametrize("command", [["compact"], ["create", "kitting"]], ids=lambda command: command[0])
+def test_what_only_the_owner_can_do_says_who_that_is(
+    twins: Twins, command: list[str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    code, _, err = refused(monkeypatch, capfd, "world", *command, "--data", str(twins.served))
+
+    assert code == 2
+    assert twins.server.url in err
+
+
+def test_a_server_takes_less_time_for_a_query_and_says_so(
+    twins: Twins, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    query = ("world", "query", PLACES, "--time-limit", "600")
+    code, _, err = refused(monkeypatch, capfd, *query, "--data", str(twins.served))
+
+    assert code == 2
+    assert "time_limit: Input should be less than or equal to 60" in err

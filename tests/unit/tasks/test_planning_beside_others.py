@@ -1,0 +1,95 @@
+"""Tasks that are planned while others go on and change the world."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.planner import Answer
+from skiros_py.planning.service import PlanningService
+from skiros_py.robot.pending import Pending
+from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.tasks.report import Outcome
+from skiros_py.tasks.task_manager import TaskManager
+from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+
+SLOW = tuple(pretend(skill, Sequence.of(Wait(1.0), AssertEffects(0.0))) for skill in (DRIVE, PICK, PLACE))
+
+GIANT_IN_HAND = "scene:giant_1 a tiny:Giant ; sk:heldBy scene:gripper_1 ."
+"""It fits into no slot, so the hand never gets free."""
+
+
+class Withheld:
+    """An answer that is there when something has happened, and before that not."""
+
+    def __init__(self, answer: Pending[Answer], shown: Callable[[], bool]) -> None:
+        self._answer = answer
+        self._shown = shown
+
+    @property
+    def latency(self) -> float:
+        return self._answer.latency
+
+    def done(self) -> bool:
+        while self._shown() and not self._answer.done():
+            time.sleep(0.001)  # time of the run stands still
+        return self._answer.done() and self._shown()
+
+    def result(self) -> Answer:
+        return self._answer.result()
+
+    def cancel(self) -> None:
+        self._answer.cancel()
+
+
+class Withholding(FastDownward):
+    """Plans, and shows plans when somebody allows it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.shown: Callable[[], bool] = lambda: True
+    def solve(self, domain: str, problem: str) -> Pending[Answer]:
+        able = "(:action" in domain  # where others have all robots, it is asked first what there is without these
+        return Withheld(super().solve(domain, problem), self.shown if able else lambda: True)
+
+
+def not_in_lockstep(bench: Bench, planner: Withholding) -> TaskManager:
+    """Returns a task manager for which time goes on while a planner works."""
+    return TaskManager(bench.world, bench.managers, PlanningService(planner, lockstep=False), bench.cycle)
+
+
+def outcome(task: Undertaking) -> Outcome | None:
+    return task.report.outcome if task.report else None
+
+
+def test_a_plan_that_another_task_has_outdated_meanwhile_is_made_anew() -> None:
+    planner = Withholding()
+    with Bench(tiny_world(), SLOW, planner=planner) as bench:
+        tasks = not_in_lockstep(bench, planner)
+        one = tasks.begin(bench.goal("In(ball_1, slot_1)"), name="one")
+        bench.until(lambda: bench.world.related("ball_1", "sk:heldBy", "gripper_1"))
+        planner.shown = lambda: one.done
+        two = tasks.begin(bench.goal("In(red_ball_1, slot_2)"), name="two")
+        bench.until(lambda: one.done and two.done)
+
+    assert (outcome(one), outcome(two)) == (Outcome.REACHED, Outcome.REACHED)
+
+
+def test_that_there_is_no_plan_is_looked_into_again_where_the_world_has_changed_meanwhile() -> None:
+    planner = Withholding()
+    with Bench(tiny_world(GIANT_IN_HAND), SLOW, planner=planner) as bench:
+        freed: list[float] = []
+        planner.shown = lambda: bool(freed)
+        task = not_in_lockstep(bench, planner).begin(bench.goal("In(ball_1, slot_1)"), name="one")
+        bench.advance(0.5)
+        with bench.world.transaction("somebody", "it was in the way") as tx:
+            tx.place("giant_1", "sk:in", "box_a")
+        freed.append(bench.time)
+        bench.until(lambda: task.done)
+
+    assert outcome(task) is Outcome.REACHED
+    assert not [entry for entry in task.trace.entries if entry.what is Happening.NO_PLAN]
