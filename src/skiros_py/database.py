@@ -114,6 +114,7 @@ class Database:
         """
         self.path = path
         self._schema = schema
+        self._durable = durable
         self._guard = threading.RLock()
         self._connection: sqlite3.Connection | None = None
         with self._faults():
@@ -135,8 +136,12 @@ class Database:
                 raise
 
     @contextmanager
-    def transaction(self) -> Iterator[sqlite3.Connection]:
+    def transaction(self, *, waits: bool = True) -> Iterator[sqlite3.Connection]:
         """Gives the connection for writes that are all kept when the block ends, or none if anything raises.
+
+        Args:
+            waits: False to wait for no disk, though the file be durable: a power cut may take these writes, until the
+                next ones that wait.
 
         Raises:
             FileError: They cannot be kept.
@@ -144,14 +149,15 @@ class Database:
         """
         with self._guard, self._faults():
             connection = self._open()
-            connection.execute("BEGIN IMMEDIATE")
+            hurries = self._durable and not waits
+            if hurries:
+                _run(connection, "synchronous = NORMAL")
             try:
-                yield connection
-                connection.execute("COMMIT")
-            except BaseException:
-                if connection.in_transaction:
-                    connection.execute("ROLLBACK")
-                raise
+                with _committing(connection):
+                    yield connection
+            finally:
+                if hurries:
+                    _run(connection, "synchronous = FULL")
 
     @contextmanager
     def reading(self) -> Iterator[None]:
@@ -218,6 +224,19 @@ def _make(path: Path, schema: Schema) -> None:
 def _connect(path: Path) -> sqlite3.Connection:
     # No transaction but those that are begun in so many words; threads take turns by our own lock.
     return sqlite3.connect(path, timeout=1.0, isolation_level=None, check_same_thread=False)
+
+
+@contextmanager
+def _committing(connection: sqlite3.Connection) -> Iterator[None]:
+    """Keeps what is written while the block lasts, or nothing of it if anything raises."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+        connection.execute("COMMIT")
+    except BaseException:
+        if connection.in_transaction:
+            connection.execute("ROLLBACK")
+        raise
 
 
 def _run(connection: sqlite3.Connection, pragma: str) -> None:

@@ -6,6 +6,7 @@
     ├── UsageError            somebody asked for something that does not exist or does not parse
     │   ├── UnknownName       ... and here are the names that do exist
     │   ├── GoalSyntaxError   ... at this column of the goal
+    │   ├── KeyReused         ... with the key of an earlier request, which was another one
     │   └── WrongState        ... that cannot be done now, in the state things are in
     ├── FileError             a file cannot be read or understood: path, line, reason
     ├── WorldError            a write to the world model was refused
@@ -38,6 +39,7 @@ __all__ = [
     "DeviceError",
     "FileError",
     "GoalSyntaxError",
+    "KeyReused",
     "Locked",
     "MissingSystemLibrary",
     "ModuleError",
@@ -152,6 +154,10 @@ class GoalSyntaxError(UsageError):
         start = max(0, column - 60)  # a window, should the goal be very long
         shown = text[start : start + 100]
         super().__init__(f"goal, column {column}: {reason}\n  {shown}\n  {' ' * (column - 1 - start)}^")
+
+
+class KeyReused(UsageError):
+    """Somebody uses the key of an earlier request for another one."""
 
 
 class WrongState(UsageError):

@@ -23,6 +23,7 @@ from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
+from skiros_py.robot.cell import CellSpec
 from skiros_py.robot.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
@@ -123,6 +124,7 @@ class Session:
         managers: The skill managers by the id of their subsystem.
         questions: What the robots ask a person.
         stopped: True when somebody asked for a stop.
+        left_out: Bodies that it was opened without, each with the reason: what people have written of them does not do.
     """
 
     def __init__(self, scene: str, options: Options = Options(), *, catalogue: Catalogue | None = None) -> None:
@@ -130,6 +132,7 @@ class Session:
         self._stop_wanted = False
         self._closed = False
         self.stopped = False
+        self.left_out: dict[str, str] = {}
         self._digest = RunDigest()
         self._on_plan: list[Callable[[Planned], None]] = []
         self.options = options
@@ -149,7 +152,7 @@ class Session:
         self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners, fake=fake)
         _warn(self.catalogue.faults)
         self.goal = self._own_goal()
-        self.spec = read_cell(self.world, self._robots(self.world), simulated=self.simulates)
+        self.spec = self._read_cell()
         libraries = Libraries() if self.options.fake else self._start_libraries()
         self.cell = self._start_cell()
         self.world.subscribe(self._digest.add_change)
@@ -167,6 +170,22 @@ class Session:
         )
         if not self.options.fake:
             learn_durations(self.tasks, self.station)
+
+    def _read_cell(self) -> CellSpec:
+        """Reads the cell; of a world that people have changed since it began, without what they have left unfinished.
+
+        In a scene that has just been read that is its author's mistake.
+        """
+        lived = self.options.data is not None and self.world.log.version > 1
+        spec = read_cell(
+            self.world,
+            self._robots(self.world),
+            simulated=self.simulates,
+            left_out=self.left_out if lived else None,
+        )
+        for element, why in self.left_out.items():
+            _log.warning("the station is brought up without %s: %s", element, why)
+        return spec
 
     def _open_world(self, scene: str) -> tuple[World, tuple[PluginFault, ...]]:
         if self.options.data is None:

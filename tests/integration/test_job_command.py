@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py.client import Client
+from skiros_py.errors import FileError
 from skiros_py.testing.server_process import ServerProcess
 
 STARTER = "InKit(Starter, kit_1)"
@@ -101,6 +103,9 @@ def test_jobs_can_be_looked_at_when_the_server_is_gone_and_go_on_when_it_is_back
     with ServerProcess("kitting", "--fake", data=tmp_path) as server:
         assert job(server, "submit", STARTER, "--id", "kept", "--hold").returncode == 0
         server.kill()
+    assert (tmp_path / "server.json").exists()
+    with pytest.raises(FileError, match="no server runs on this data directory"):
+        Client.of_data(tmp_path)
     shown = job(server, "show", "kept")
     assert shown.returncode == 0
     assert "kept: NotAllowedToStart" in shown.stdout

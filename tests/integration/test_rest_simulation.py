@@ -11,10 +11,13 @@ import httpx2
 import pytest
 from PIL import Image
 
+from skiros_py.api.alarms import AlarmKind
 from skiros_py.client.calls import simulation as calls
 from skiros_py.client.client import Client
 from skiros_py.geometry import Pose
+from skiros_py.errors import WrongState
 from skiros_py.runtime import Options
+from skiros_py.server.alarms import Alarm
 from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
@@ -57,6 +60,10 @@ def test_paces_that_make_no_sense_are_refused(pretending: Served, pace: str) -> 
     assert answer.status_code in (400, 422)
 
 
+def stale_alarms(served: Served) -> list[Alarm]:
+    return [alarm for alarm in served.services.alarms.active if alarm.kind is AlarmKind.STALE]
+
+
 def test_a_robot_that_was_changed_is_said_to_need_a_reset(pretending: Served) -> None:
     services = pretending.services
     with services.session.world.transaction("ann", "elsewhere", writer=Writer.PERSON) as tx:
@@ -64,8 +71,12 @@ def test_a_robot_that_was_changed_is_said_to_need_a_reset(pretending: Served) ->
     services.control.call(lambda _: None)
 
     assert "base_1 was changed" in services.simulation.state().stale[0]
+    (alarm,) = stale_alarms(pretending)
+    assert (alarm.source, alarm.severity) == ("base_1", "low")
+    assert "base_1 was changed" in alarm.text
     services.simulation.reset(force=False)
     assert services.simulation.state().stale == []
+    assert stale_alarms(pretending) == []
     assert services.control.call(lambda s: s.cycle.board.snapshot.bases["base_1"].pose.position[0]) == 0.5
 
 
@@ -146,6 +157,27 @@ def test_what_cannot_follow_is_said(fresh: Served) -> None:
     assert any("starter_8" in sentence for sentence in fresh.services.simulation.state().stale)
     fresh.services.simulation.reset(force=False)
     assert fresh.services.session.world.value("starter_8", "sk:missing") is True
+
+
+@pytest.mark.physics
+def test_what_somebody_has_left_unfinished_keeps_no_station_from_being_started_and_is_an_alarm(fresh: Served) -> None:
+    pose = fresh.services.session.world.value("pallet_a", "sk:pose")
+    write(fresh, lambda tx: tx.set("pallet_a", "sk:pose", None))
+    with pytest.raises(WrongState, match="pallet_a has neither a pose nor a place"):
+        fresh.services.simulation.reset(force=False)
+    fresh.services.control.reopen()  # as a server does that is started anew
+
+    assert "pallet_a" not in bodies(fresh)
+    said = {alarm.source: alarm.text for alarm in stale_alarms(fresh)}
+    assert "pallet_a has neither a pose nor a place" in said["pallet_a"]
+    assert said["starter_1"].endswith("it lies in pallet_a, which is not there")
+
+    write(fresh, lambda tx: tx.set("pallet_a", "sk:pose", pose))
+    assert "pallet_a" in bodies(fresh)
+    assert "pallet_a" not in {alarm.source for alarm in stale_alarms(fresh)}
+    fresh.services.simulation.reset(force=False)
+    assert stale_alarms(fresh) == []
+    assert bodies(fresh)["starter_1"].place == "pallet_a"
 
 
 @pytest.mark.physics

@@ -189,6 +189,40 @@ def test_a_stop_while_the_station_is_being_opened_anew_holds_for_the_new_one(ser
     assert http.get("/stop").json()["why"] == "not now"
 
 
+def test_a_stop_while_the_station_is_braked_to_be_opened_anew_holds_until_somebody_resets(served, http):
+    """A job that is queued must not start in the new session as if nobody had pressed anything."""
+    session, control = served.services.session, served.services.control
+    braking, go_on = threading.Event(), threading.Event()
+
+    def brake():
+        if session.cycle.halted:
+            braking.set()
+            go_on.wait(20)
+
+    control.call(lambda _: session.cycle.observe(brake))
+    with ThreadPoolExecutor(1) as pool:
+        reopened = pool.submit(control.reopen)
+        assert braking.wait(20)
+        session.jobs.submit(JobOrder(id="kit", goal=(STARTER,)))
+        stopped = http.post("/stop", json={"reason": "a person is in the cell"}).json()
+        assert (stopped["halted"], stopped["why"], stopped["by"]) == (True, "a person is in the cell", "local")
+        go_on.set()
+        reopened.result(60)
+    beat = control.beat
+    until(lambda: control.beat > beat + 20)
+    assert served.services.session.jobs.job("kit").state is JobState.ALLOWED_TO_START
+    assert http.get("/stop").json() | {"standing": None, "obeyed": None} == stopped | {"standing": None, "obeyed": None}
+    assert http.post("/reset").status_code == 200
+    until(lambda: served.services.session.jobs.job("kit").state is JobState.ENDED)
+
+
+def test_a_station_that_is_opened_anew_was_halted_by_nobody(served, http):
+    served.services.control.reopen()
+    assert http.get("/stop").json()["halted"] is False
+    assert [one["type"] for one in http.get("/events/recent").json()["items"] if one["kind"] == "alarm"] == []
+    assert "halted" not in [one["type"] for one in http.get("/events/recent").json()["items"]]
+
+
 # ---------------------------------------------------------------------- reset
 
 
@@ -333,3 +367,26 @@ def test_arms_and_base_that_move_stand_after_a_stop_and_stay_where_they_are(tmp_
 
         with pytest.raises(WrongState, match="not yet"):
             served.services.control.call(reset_at_once)
+
+
+@pytest.mark.physics
+def test_a_stop_while_robots_and_bodies_are_being_brought_up_holds_until_somebody_resets(tmp_path):
+    with serving("kitting", tmp_path, Options()) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as http:
+        control = served.services.control
+        http.get("/stop")
+        with ThreadPoolExecutor(1) as pool:
+            reopened = pool.submit(control.reopen)
+            until(lambda: control.opening)
+            stopped = http.post("/stop", json={"reason": "not now"}).json()
+            assert control.opening  # it takes seconds to start libraries and physics
+            assert (stopped["halted"], stopped["obeyed"], stopped["why"]) == (True, True, "not now")
+            reopened.result(120)
+        said = http.get("/stop").json()
+        assert (said["halted"], said["why"], said["by"]) == (True, "not now", "local")
+        assert served.services.session.cycle.halted == "not now"
+        served.services.session.jobs.submit(JobOrder(id="kit", goal=(STARTER,)))
+        beat = control.beat
+        until(lambda: control.beat > beat + 20)
+        assert served.services.session.jobs.job("kit").state is JobState.ALLOWED_TO_START
+        assert http.post("/reset").json()["halted"] is False
+        until(lambda: served.services.session.jobs.job("kit").state is JobState.RUNNING)

@@ -6,94 +6,187 @@ import json
 import os
 import signal
 import socket
-import subprocess
 import sys
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import httpx2
 import pytest
 
-from skiros_py.client import Client
-from skiros_py.errors import FileError
+from skiros_py.api.jobs import JobOrder
+from skiros_py.cli.job_files import JobFiles
+from skiros_py.cli.main import main
 from skiros_py.testing.server_process import ServerProcess
 
-
-def skiros(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "skiros_py.cli", *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, check=False, timeout=60, env={**os.environ, **environment}
-    )
+STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+PATIENCE = 60.0
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_a_polite_kill_ends_it_in_good_order(number: int, tmp_path: Path) -> None:
-    with ServerProcess("kitting", "--fake", data=tmp_path) as server:
-        assert httpx2.get(f"{server.url}/healthz").status_code == 200
-        assert server.end(number) == 0
-    assert not (tmp_path / "server.json").exists()
-    assert "Traceback" not in server.said
+@pytest.fixture(autouse=True)
+def _process() -> Iterator[None]:
+    """The commands are for processes of their own: what they change of this one is put back."""
+    handlers, switching = {number: signal.getsignal(number) for number in STOPS}, sys.getswitchinterval()
+    yield
+    sys.setswitchinterval(switching)
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
-def test_a_second_server_of_a_directory_is_told_where_the_first_one_is(tmp_path: Path) -> None:
-    with ServerProcess("kitting", "--fake", data=tmp_path) as server:
-        second = skiros("serve", "--data", str(tmp_path), "--fake", "--port", "0", "--json")
-    assert second.returncode == json.loads(second.stdout)["status"] == 2
-    assert f"process {server.pid}" in second.stderr
-    assert server.url in second.stderr
-    assert "Traceback" not in second.stderr
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+    data = tmp_path_factory.mktemp("station")
+    with ServerProcess("kitting", "--fake", "--auth", "keys", "--log", "json", data=data) as server:
+        yield server
 
 
-def test_a_run_on_its_directory_is_told_where_the_server_is(tmp_path: Path) -> None:
-    with ServerProcess("kitting", "--fake", data=tmp_path) as server:
-        run = skiros("run", "kitting", "--fake", "--data", str(tmp_path))
-    assert run.returncode == 2
-    assert f"which serves it at {server.url}" in run.stderr
+class Refusals:
+    """Runs commands that are refused."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+        self._monkeypatch, self._capfd = monkeypatch, capfd
+
+    def told(self, *arguments: str) -> tuple[str, str]:
+        """Returns what a command says on stdout and stderr; it ends with status 2."""
+        self._monkeypatch.setattr("sys.argv", ["skiros", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        out, err = self._capfd.readouterr()
+        assert ended.value.code == 2
+        assert "Traceback" not in err
+        return out, err
 
 
-def test_a_port_that_somebody_has_is_refused_before_anything_is_opened(tmp_path: Path) -> None:
+@pytest.fixture
+def refusals(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Refusals:
+    return Refusals(monkeypatch, capfd)
+
+
+def until(reached: Callable[[], object]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not reached():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def children(pid: int) -> set[int]:
+    """Returns the processes that a process has started, and those that they have."""
+    found: set[int] = set()
+    for file in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in map(int, file.read_text(encoding="ascii").split()):
+            found |= {child, *children(child)}
+    return found
+
+
+def lives(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+# ---------------------------------------------------------------- while it runs
+
+
+def test_a_second_server_of_a_directory_is_told_where_the_first_one_is(
+    server: ServerProcess, refusals: Refusals
+) -> None:
+    out, err = refusals.told("serve", "--data", str(server.data), "--fake", "--port", "0", "--json")
+
+    assert json.loads(out)["status"] == 2
+    assert f"process {server.pid}" in err
+    assert server.url in err
+
+
+def test_a_run_on_its_directory_is_told_where_the_server_is(server: ServerProcess, refusals: Refusals) -> None:
+    _, err = refusals.told("run", "kitting", "--fake", "--data", str(server.data))
+
+    assert f"which serves it at {server.url}" in err
+
+
+def test_its_user_needs_no_key(server: ServerProcess) -> None:
+    assert httpx2.get(f"{server.url}/api/v1/session").status_code == 401
+    with server.client() as client:
+        assert client.http.get("/session").status_code == 200
+
+
+def test_logs_are_one_object_a_line_where_that_is_asked_for(server: ServerProcess) -> None:
+    with server.client() as client:
+        client.station.stop("a test")
+    until(lambda: "a test" in server.said)
+
+    lines = [line for line in server.said.splitlines() if line.startswith("{")]
+    assert lines
+    assert all(isinstance(json.loads(line), dict) for line in lines)
+
+
+# ---------------------------------------------------------------- refused before anything is opened
+
+
+def test_a_port_that_somebody_has_is_refused_before_anything_is_opened(tmp_path: Path, refusals: Refusals) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
-        refused = skiros("serve", "kitting", "--fake", "--data", str(tmp_path / "data"), "--port", port)
-    assert refused.returncode == 2
-    assert f"cannot listen at 127.0.0.1:{port}" in refused.stderr
+        _, err = refusals.told("serve", "kitting", "--fake", "--data", str(tmp_path / "data"), "--port", port)
+
+    assert f"cannot listen at 127.0.0.1:{port}" in err
     assert not (tmp_path / "data").exists()
 
 
-def test_without_keys_only_this_machine_is_served(tmp_path: Path) -> None:
-    refused = skiros("serve", "kitting", "--fake", "--data", str(tmp_path), "--host", "0.0.0.0", "--port", "0")
-    assert refused.returncode == 2
-    assert "skiros key create" in refused.stderr
+def test_without_keys_only_this_machine_is_served(tmp_path: Path, refusals: Refusals) -> None:
+    everywhere = ("--host", "0.0.0.0", "--port", "0")
+    _, err = refusals.told("serve", "kitting", "--fake", "--data", str(tmp_path), *everywhere)
+
+    assert "skiros key create" in err
 
 
-def test_a_new_directory_needs_a_scene(tmp_path: Path) -> None:
-    refused = skiros("serve", "--data", str(tmp_path / "data"), "--fake", "--port", "0")
-    assert refused.returncode == 2
-    assert "say with which scene it begins" in refused.stderr
+def test_a_new_directory_needs_a_scene(tmp_path: Path, refusals: Refusals) -> None:
+    _, err = refusals.told("serve", "--data", str(tmp_path / "data"), "--fake", "--port", "0")
+
+    assert "say with which scene it begins" in err
     assert not (tmp_path / "data").exists()
 
 
-def test_the_scene_can_be_left_out_once_a_world_lives_there(tmp_path: Path) -> None:
+# ---------------------------------------------------------------- the end
+
+
+def test_polite_kills_end_it_in_good_order_and_the_scene_can_be_left_out_afterwards(tmp_path: Path) -> None:
+    for number, scene in zip(STOPS, (["kitting"], [], []), strict=True):
+        with ServerProcess(*scene, "--fake", data=tmp_path) as server:
+            assert httpx2.get(f"{server.url}/healthz").status_code == 200
+            assert server.end(number) == 0
+        assert not (tmp_path / "server.json").exists()
+        assert "Traceback" not in server.said
+
+
+def test_a_second_ctrl_c_ends_it_at_once(tmp_path: Path) -> None:
     with ServerProcess("kitting", "--fake", data=tmp_path) as server:
-        server.end()
-    with ServerProcess("--fake", data=tmp_path) as server:
-        assert server.end() == 0
+        address = httpx2.URL(server.url)
+        with socket.create_connection((address.host, address.port)) as unfinished:  # the end waits for this request
+            unfinished.sendall(b"POST /api/v1/jobs HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\n{")
+            assert httpx2.get(f"{server.url}/healthz").status_code == 200
+            os.kill(server.pid, signal.SIGINT)
+            until(lambda: not listens(address))
+            assert server.end(signal.SIGINT) == 130
 
 
-def test_its_user_needs_no_key_and_nobody_finds_what_was_killed(tmp_path: Path) -> None:
-    with ServerProcess("kitting", "--fake", "--auth", "keys", data=tmp_path) as server:
-        path = "/api/v1/session"
-        assert httpx2.get(server.url + path).status_code == 401
-        with server.client() as client:
-            assert client.http.get("/session").status_code == 200
-        server.kill()
-    assert (tmp_path / "server.json").exists()
-    with pytest.raises(FileError, match="no server runs on this data directory"):
-        Client.of_data(tmp_path)
+def listens(address: httpx2.URL) -> bool:
+    try:
+        socket.create_connection((address.host, address.port)).close()
+    except OSError:
+        return False
+    return True
 
 
-def test_logs_are_one_object_a_line_where_that_is_asked_for(tmp_path: Path) -> None:
-    with ServerProcess("kitting", "--fake", "--log", "json", data=tmp_path) as server:
-        httpx2.post(f"{server.url}/api/v1/stop", json={"reason": "a test"})
-        server.end()
-    lines = [line for line in server.said.splitlines() if line.startswith("{")]
-    assert all(isinstance(json.loads(line), dict) for line in lines)
+def test_a_polite_kill_in_the_middle_of_a_job_keeps_it_for_a_person(tmp_path: Path) -> None:
+    with ServerProcess("kitting", "--pace", "max", data=tmp_path) as server, server.client() as client:
+        client.jobs.put("cut", JobOrder(goal="InKit(Starter, kit_1)"))
+        client.jobs.wait("cut", until=lambda job: "drive" in job.detail, timeout=PATIENCE)
+        client.close()
+        started = children(server.pid)
+        assert server.end(signal.SIGTERM) == 0  # the server sees itself that it comes to its end within 9 s
+    with JobFiles(tmp_path) as jobs:
+        job = jobs.get("cut")
+
+    assert job.state.text == "Interrupted/Held"
+    until(lambda: not any(map(lives, started)))
+    assert "Traceback" not in server.said

@@ -46,6 +46,8 @@ class AlarmKind(enum.StrEnum):
     """A job is held, and waits for an answer."""
     PLUGIN = "plug-in"
     """A plug-in does not load."""
+    STALE = "stale"
+    """Something was changed so that only a reset of the simulation, or a new start, brings it about."""
     WEBHOOK = "webhook"
     """Something could not be delivered to another system."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import signal
 import sys
@@ -49,6 +51,7 @@ def end_unless(comes_back: Callable[[], bool], text: str, status: int, *, as_jso
 def leave(status: int) -> None:
     """Ends the process in the usual way, but does not wait for ever for threads that others have started."""
     threading.Thread(target=_end_late, args=(status,), name="skiros-leaving", daemon=True).start()
+    atexit.register(gc.freeze)  # else the interpreter looks for garbage in all there is, for a second or two
     sys.exit(status)
 
 

@@ -51,8 +51,11 @@ def reach(data: Path | None, url: str | None, key_file: Path | None, **options: 
         UsageError: They say two things.
         FileError: No server runs on the data directory, or the key cannot be read.
     """
+    from stamina.instrumentation import set_on_retry_hooks
+
     from skiros_py.client import Client
 
+    set_on_retry_hooks([])  # those that are usual write to stdout, which is for the answer
     if data is not None:
         if key_file is not None:
             raise UsageError("--key-file is for --url: the server of a data directory of yours needs no key")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 from types import TracebackType
@@ -12,9 +11,9 @@ import httpx2
 
 from skiros_py.client.async_topics import Topics
 from skiros_py.client.call import Call
-from skiros_py.client.discovery import server_of
-from skiros_py.client.patience import Outcome, Patience
-from skiros_py.client.request import arguments_of, result_of, settings_for
+from skiros_py.client.discovery import InStep, server_of
+from skiros_py.client.patience import Patience
+from skiros_py.client.request import Outcome, arguments_of, result_of, settings_for
 from skiros_py.client.streams import Stream, follow_later
 
 __all__ = ["AsyncClient"]
@@ -51,6 +50,8 @@ class AsyncClient(Topics):
     def of_data(cls, data: str | Path, **options: Any) -> Self:
         """Returns the client of the server that owns a data directory of this machine; it needs no key.
 
+        A server that takes its place later, perhaps at another address, is found as well.
+
         Args:
             data: The data directory.
             **options: ``timeout`` and ``tries``.
@@ -58,8 +59,9 @@ class AsyncClient(Topics):
         Raises:
             FileError: No server runs on it, or somebody else's does.
         """
-        server = server_of(Path(data))
-        return cls(server.url, server.token, **options)
+        client = cls(server_of(Path(data)).url, **options)
+        client.http.auth = InStep(Path(data))
+        return client
 
     async def send(self, call: Call[T]) -> T:
         """Sends a call, perhaps several times, and returns what it asked for.
@@ -69,14 +71,10 @@ class AsyncClient(Topics):
             Unreachable: Nobody answers.
         """
         request = arguments_of(call)
-        sent = 0
-        while True:
-            outcome = await self._try(request)
-            sent += 1
-            wait = self._patience.wait_after(outcome, call, sent)
-            if wait is None:
-                return result_of(call, outcome, self.url)
-            await asyncio.sleep(wait)
+        async for attempt in self._patience.attempts(call):
+            with attempt:
+                return result_of(call, await self._try(request), self.url)
+        raise AssertionError("the last try returns or raises")
 
     async def _try(self, request: dict[str, Any]) -> Outcome:
         try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
@@ -11,9 +10,9 @@ from typing import Any, Self, TypeVar
 import httpx2
 
 from skiros_py.client.call import Call
-from skiros_py.client.discovery import server_of
-from skiros_py.client.patience import Outcome, Patience
-from skiros_py.client.request import arguments_of, result_of, settings_for
+from skiros_py.client.discovery import InStep, server_of
+from skiros_py.client.patience import Patience
+from skiros_py.client.request import Outcome, arguments_of, result_of, settings_for
 from skiros_py.client.streams import Stream, follow
 from skiros_py.client.topics import Topics
 
@@ -53,6 +52,8 @@ class Client(Topics):
     def of_data(cls, data: str | Path, **options: Any) -> Self:
         """Returns the client of the server that owns a data directory of this machine; it needs no key.
 
+        A server that takes its place later, perhaps at another address, is found as well.
+
         Args:
             data: The data directory.
             **options: ``timeout`` and ``tries``.
@@ -60,8 +61,9 @@ class Client(Topics):
         Raises:
             FileError: No server runs on it, or somebody else's does.
         """
-        server = server_of(Path(data))
-        return cls(server.url, server.token, **options)
+        client = cls(server_of(Path(data)).url, **options)
+        client.http.auth = InStep(Path(data))
+        return client
 
     def send(self, call: Call[T]) -> T:
         """Sends a call, perhaps several times, and returns what it asked for.
@@ -71,14 +73,10 @@ class Client(Topics):
             Unreachable: Nobody answers.
         """
         request = arguments_of(call)
-        sent = 0
-        while True:
-            outcome = self._try(request)
-            sent += 1
-            wait = self._patience.wait_after(outcome, call, sent)
-            if wait is None:
-                return result_of(call, outcome, self.url)
-            time.sleep(wait)
+        for attempt in self._patience.attempts(call):
+            with attempt:
+                return result_of(call, self._try(request), self.url)
+        raise AssertionError("the last try returns or raises")
 
     def _try(self, request: dict[str, Any]) -> Outcome:
         try:

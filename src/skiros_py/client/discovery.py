@@ -5,14 +5,16 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+from collections.abc import Generator
 from pathlib import Path
 
+import httpx2
 from pydantic import ValidationError
 
 from skiros_py.api.local import SERVER_FILE, LocalServer
 from skiros_py.errors import FileError
 
-__all__ = ["find_server", "server_of"]
+__all__ = ["InStep", "find_server", "server_of"]
 
 _LONGEST = 4096
 
@@ -26,9 +28,15 @@ def find_server(data: Path) -> LocalServer | None:
     owner = _owner(data)
     if owner is None:
         return None
+    server = _announced(data)
+    return server if server is not None and server.pid == owner else None
+
+
+def _announced(data: Path) -> LocalServer | None:
+    """Returns what the last server of a data directory says of itself, whether it lives or not."""
     path = data / SERVER_FILE
     try:
-        server = LocalServer.model_validate_json(path.read_bytes())
+        return LocalServer.model_validate_json(path.read_bytes())
     except FileNotFoundError:
         return None
     except ValidationError:
@@ -39,7 +47,6 @@ def find_server(data: Path) -> LocalServer | None:
         ) from None
     except OSError as error:
         raise FileError(path, f"cannot be read: {error.strerror}") from error
-    return server if server.pid == owner else None
 
 
 def server_of(data: Path) -> LocalServer:
@@ -52,6 +59,30 @@ def server_of(data: Path) -> LocalServer:
     if server is None:
         raise FileError(data, f"no server runs on this data directory: 'skiros serve --data {data}' starts one")
     return server
+
+
+class InStep(httpx2.Auth):
+    """Sends each request to the server that owns a data directory then: one that is started anew has another key.
+
+    The lock of the directory is not looked at, as that could be in the way of a server that starts: where none lives,
+    nobody answers.
+
+    Args:
+        data: The data directory.
+    """
+
+    def __init__(self, data: Path) -> None:
+        self._data = data
+
+    def auth_flow(self, request: httpx2.Request) -> Generator[httpx2.Request, httpx2.Response, None]:
+        """Addresses a request."""
+        server = _announced(self._data)
+        if server is not None:
+            url = httpx2.URL(server.url)
+            request.url = request.url.copy_with(scheme=url.scheme, host=url.host, port=url.port)
+            request.headers["Host"] = url.netloc.decode("ascii")
+            request.headers["Authorization"] = f"Bearer {server.token}"
+        yield request
 
 
 def _owner(data: Path) -> int | None:

@@ -11,6 +11,7 @@ from skiros_py.errors import DeviceError, SkirosError
 __all__ = ["ProblemError", "TookTooLong", "Unreachable", "problem_of"]
 
 _LONGEST_SHOWN = 200
+_LONGEST_NUMBER = 5
 
 
 class ProblemError(SkirosError):
@@ -18,10 +19,12 @@ class ProblemError(SkirosError):
 
     Attributes:
         problem: All that it says.
+        retry_after: When it may be asked again [s]; None where it does not say.
     """
 
-    def __init__(self, problem: ProblemDetails) -> None:
+    def __init__(self, problem: ProblemDetails, retry_after: float | None = None) -> None:
         self.problem = problem
+        self.retry_after = retry_after
         super().__init__(problem.detail or problem.title)
 
     @property
@@ -60,10 +63,17 @@ class TookTooLong(SkirosError):
 
 def problem_of(response: httpx2.Response) -> ProblemError:
     """Reads why the server refused; what is no problem document (of a proxy, say) is shown as it is."""
+    later = _retry_after(response)
     try:
-        return ProblemError(ProblemDetails.model_validate_json(response.content))
+        problem = ProblemDetails.model_validate_json(response.content)
+        return ProblemError(problem.model_copy(update={"status": response.status_code}), later)
     except ValidationError:
         said = " ".join(response.text[:_LONGEST_SHOWN].split())
         title = f"{response.status_code} {response.reason_phrase}".rstrip()
         detail = f"{response.url} answered {title}{f': {said}' if said else ''}"
-        return ProblemError(ProblemDetails(title=title, status=response.status_code, detail=detail))
+        return ProblemError(ProblemDetails(title=title, status=response.status_code, detail=detail), later)
+
+
+def _retry_after(response: httpx2.Response) -> float | None:
+    text = response.headers.get("retry-after", "").strip()
+    return float(text) if text.isascii() and text.isdecimal() and len(text) <= _LONGEST_NUMBER else None

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import ipaddress
 import uuid
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import httpx2
 
 from skiros_py.client.call import Call
 from skiros_py.client.errors import Unreachable, problem_of
-from skiros_py.client.patience import Outcome
 from skiros_py.errors import SkirosError, UsageError
 
-__all__ = ["arguments_of", "result_of", "settings_for"]
+__all__ = ["Outcome", "arguments_of", "result_of", "settings_for"]
 
 T = TypeVar("T")
+Outcome: TypeAlias = httpx2.Response | httpx2.TransportError
+"""What comes of sending a request: an answer, or a broken connection."""
 
 _PREFIX = "/api/v1"
 _DOTS = {".": "%2E", "..": "%2E%2E"}

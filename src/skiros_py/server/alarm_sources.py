@@ -10,7 +10,7 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.pulse import Overrun, Watched
 from skiros_py.runtime import Session
 from skiros_py.server.alarms import Alarms
-from skiros_py.server.control import ControlThread
+from skiros_py.server.control import CLOSING, ControlThread
 from skiros_py.skills.outcome import BROKEN
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import Happening, TraceEntry
@@ -100,6 +100,8 @@ class AlarmSources:
 
     def _look_at_halt(self) -> None:
         self._halted = self._session.cycle.halted
+        if self._halted == CLOSING:  # nobody has halted anything
+            return
         if self._halted:
             text = f"everything was halted ({self._halted}): look, then reset"
             self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)

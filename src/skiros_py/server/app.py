@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.metadata import version
 
-from fastapi import APIRouter, FastAPI
+from fastapi import FastAPI
 
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
@@ -60,17 +60,16 @@ def create_app(services: Services) -> FastAPI:
         title="skiros-py",
         version=version("skiros-py"),
         summary="Order goals, follow and command the robots that pursue them.",
-        openapi_url=f"{PREFIX}/openapi.json",
+        openapi_url=None,
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        telemetry={"tracing": False},  # nobody is there to collect it, and it costs a tenth of a request
         generate_unique_id_function=lambda route: route.name,
     )
     app.state.services = services
-    api = APIRouter(prefix=PREFIX, responses=PROBLEMS)
     for topic in _TOPICS:
-        api.include_router(topic.router)
-    app.include_router(api)
+        app.include_router(topic.router, prefix=PREFIX, responses=PROBLEMS)
     app.include_router(health.router)
     add_documentation(app, PREFIX)
     add_problem_handlers(app)

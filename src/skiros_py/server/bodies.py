@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
+from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.errors import SkirosError
 from skiros_py.robot.cell import BodySpec
 from skiros_py.runtime import Session
+from skiros_py.server.alarms import Alarms
 from skiros_py.server.control import ControlThread
-from skiros_py.server.events.event import Kind
-from skiros_py.server.events.log import EventLog
 from skiros_py.skills.cell_reader import read_body
 from skiros_py.world import vocabulary as v
 from skiros_py.world.change import Change, Edit, ElementEdit, PlacementEdit, PropertyEdit, RelationEdit, Writer
@@ -34,12 +34,12 @@ class Bodies:
 
     Args:
         control: Runs the sessions.
-        events: Hears of what cannot follow.
+        alarms: Hears of what cannot follow.
     """
 
-    def __init__(self, control: ControlThread, events: EventLog) -> None:
+    def __init__(self, control: ControlThread, alarms: Alarms) -> None:
         self._control = control
-        self._events = events
+        self._alarms = alarms
         self._stale: dict[str, str] = {}
         self._unsubscribe: Callable[[], None] = lambda: None
         control.on_open(self._open)
@@ -52,10 +52,13 @@ class Bodies:
 
     def _open(self, session: Session) -> None:
         self._stale = {}
+        for name, why in session.left_out.items():
+            self._note(name, f"the station was brought up without {name}: {why}")
         self._unsubscribe = session.world.subscribe(partial(self._hear, session))
 
     def _close(self, _session: Session) -> None:
         self._unsubscribe()
+        self._alarms.clear_all(AlarmKind.STALE)
 
     def _hear(self, session: Session, change: Change) -> None:
         """In the thread that wrote: it must not wait for the control thread, which may be telling of changes itself."""
@@ -79,7 +82,7 @@ class Bodies:
         wanted = [body for name in sorted(_touched(view, change.edits)) if (body := self._read(view, name)) is not None]
         for name in sorted({edit.element for edit in change.edits if isinstance(edit, ElementEdit)}):
             if not view.has(name):
-                self._stale.pop(name, None)
+                self._settle(name)
                 put(session.simulation, name, None, moved=True, seed=0)
         wanted.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))  # what carries comes first
         moved = _moved(view, change.edits)
@@ -102,12 +105,17 @@ class Bodies:
         except SkirosError as error:
             self._note(body.id, f"the body of {body.id} stays as it is: {error}")
         else:
-            self._stale.pop(body.id, None)
+            self._settle(body.id)
 
     def _note(self, name: str, sentence: str) -> None:
         if name in self._stale or len(self._stale) < _MOST_STALE:
             self._stale[name] = sentence
-        self._events.append(Kind.SYSTEM, "stale", name, elements=[name], data={"text": sentence})
+            self._alarms.raise_(AlarmKind.STALE, sentence, name, severity=Severity.LOW)
+
+    def _settle(self, name: str) -> None:
+        """Notes that a body is as it is believed to be."""
+        self._stale.pop(name, None)
+        self._alarms.clear(AlarmKind.STALE, name)
 
 
 def _fixed(view: Index, change: Change) -> Iterator[str]:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, wait
 from contextlib import suppress
-from typing import Any, Generic, TypeVar
+from typing import TypeVar
 
 from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
 from skiros_py.runtime import Session
+from skiros_py.server.commands import Commands, trace_of
 
-__all__ = ["ControlThread", "Listener", "OpenSession"]
+__all__ = ["CLOSING", "ControlThread", "Listener", "OpenSession"]
 
 T = TypeVar("T")
 OpenSession = Callable[[], Session]
@@ -22,14 +22,14 @@ Listener = Callable[[Session], object]
 
 _log = logging.getLogger(__name__)
 
+CLOSING = "the station shuts down"
+"""Why all is braked before a session is closed: nobody has halted anything, and the next one is not halted by it."""
 _PATIENCE = 10.0
 """How long a caller waits for its turn between two cycles [s]."""
 _OPENING = 60.0
 """How long a caller waits while the session is being opened anew [s]."""
 _REST = 0.005
 """In lockstep, the pause between two cycles while nothing is to be done [s]: time stands still for nobody's sake."""
-_BUDGET = 0.02
-"""How long what others ask may keep the next cycle waiting [s]; what is left then is done after it."""
 
 
 class ControlThread:
@@ -49,10 +49,8 @@ class ControlThread:
         self._opening = opening
         self._session: Session | None = None
         self._ready = threading.Condition()
-        self._commands: deque[_Command[Any]] = deque()
-        self._asked = threading.Event()
+        self._commands = Commands()
         self._ending = False
-        self._takes = False
         self._stepped = time.monotonic()
         self._on_open: list[Listener] = []
         self._on_close: list[Listener] = []
@@ -80,7 +78,7 @@ class ControlThread:
         Raises:
             SkirosError: It cannot be opened.
         """
-        self._takes = True
+        self._commands.open()
         self._thread.start()
         with self._ready:
             self._ready.wait_for(lambda: self._session is not None or self.fault is not None)
@@ -91,7 +89,7 @@ class ControlThread:
     def close(self) -> None:
         """Stops everything, waits until all stands, closes the session and ends the thread; may be called twice."""
         self._ending = True
-        self._asked.set()
+        self._commands.wake()
         if self._thread.ident is not None and not self._is_mine:
             self._thread.join()
 
@@ -153,19 +151,15 @@ class ControlThread:
         if self._is_mine:
             return work(self._present())
         self.session  # noqa: B018 - while it is being opened anew, that may take longer than a turn
-        answer: Future[T] = Future()
-        self._post(_Command(answer, lambda: work(self._present())))
-        return self._outcome(answer)
+        return self._outcome(self._commands.ask(lambda: work(self._present())))
 
     def soon(self, work: Callable[[Session], object]) -> None:
         """Has something quick done in the control thread between two cycles, and does not wait for it.
 
         For listeners that must not wait. What it raises is logged; where there is no session, nothing is done.
         """
-        answer: Future[object] = Future()
-        answer.add_done_callback(_log_failure)
         with suppress(Busy):
-            self._post(_Command(answer, lambda: work(self._present())))
+            self._commands.ask_aside(lambda: work(self._present()))
 
     def reopen(
         self,
@@ -190,16 +184,7 @@ class ControlThread:
         """
         if self._is_mine:
             raise UsageError("the control thread cannot open its own session anew: ask for it in another thread")
-        answer: Future[None] = Future()
-        self._post(_Command(answer, lambda: self._renew(prepare, restore)))
-        answer.result()
-
-    def _post(self, command: _Command[Any]) -> None:
-        with self._ready:
-            if not self._takes:
-                raise Busy("the station is not running: the server begins or ends", retry_after=5.0)
-            self._commands.append(command)
-        self._asked.set()
+        self._commands.ask(lambda: self._renew(prepare, restore)).result()
 
     def _outcome(self, answer: Future[T]) -> T:
         wait([answer], _PATIENCE)
@@ -226,13 +211,14 @@ class ControlThread:
                 self._go_round()
             if self._session is not None:
                 self._leave(self._session)
-        self._refuse_commands()
+        self._tell_fault(self.fault or DeviceError("the station was shut down"))
+        self._commands.refuse_all()
 
     def _go_round(self) -> None:
-        self._do_commands()
+        self._commands.do_some()
         session = self._session
         if session is None:  # broken: only a new session helps
-            self._pause(0.1)
+            self._commands.wait(0.1)
             return
         try:
             session.cycle.step()
@@ -244,29 +230,7 @@ class ControlThread:
         self.beat += 1
         self._stepped = time.monotonic()
         if rests:
-            self._pause(_REST)
-
-    def _pause(self, seconds: float) -> None:
-        """Waits until somebody asks for something; what was asked for since the last look counts."""
-        if not self._commands:
-            self._asked.wait(seconds)
-        self._asked.clear()
-
-    def _do_commands(self) -> None:
-        """Does what was asked for until now, as far as the time goes: who asks all the time must not stop the cycle."""
-        end = time.perf_counter() + _BUDGET
-        for _ in range(len(self._commands)):
-            self._commands.popleft().do()
-            if time.perf_counter() > end:
-                return
-
-    def _refuse_commands(self) -> None:
-        with self._ready:
-            self._takes = False
-            self.fault = self.fault or DeviceError("the station was shut down")
-            self._ready.notify_all()
-        while self._commands:
-            self._commands.popleft().refuse(Busy("the station was shut down before that was done", retry_after=5.0))
+            self._commands.wait(_REST)
 
     def _renew(self, prepare: Callable[[Session], object], restore: Callable[[], object] | None) -> None:
         session, halted = self._session, ""
@@ -307,9 +271,9 @@ class ControlThread:
     def _leave(self, session: Session) -> None:
         """Lets everything come to a standstill, and closes the session."""
         try:
-            session.cycle.stop_all("the station shuts down")  # what was halted a moment ago may still move
+            session.cycle.stop_all(CLOSING)  # what was halted a moment ago may still move
         except BaseException as error:  # noqa: BLE001 - it is closed all the same
-            _log.error("not everything came to a standstill: %s", error, exc_info=_trace(error))
+            _log.error("not everything came to a standstill: %s", error, exc_info=trace_of(error))
         self._part(session)
 
     def _break(self, session: Session, error: BaseException) -> None:
@@ -320,7 +284,7 @@ class ControlThread:
         try:
             session.cycle.halt(str(fault))
         except BaseException as worse:  # noqa: BLE001 - it is closed all the same
-            _log.error("the devices cannot be halted: %s", worse, exc_info=_trace(worse))
+            _log.error("the devices cannot be halted: %s", worse, exc_info=trace_of(worse))
         self._part(session)
 
     def _part(self, session: Session) -> None:
@@ -340,38 +304,3 @@ class ControlThread:
         with self._ready:
             self.fault = error
             self._ready.notify_all()
-
-
-class _Command(Generic[T]):
-    """Something that was asked for, and where the asker waits for what comes of it."""
-
-    def __init__(self, answer: Future[T], work: Callable[[], T]) -> None:
-        self._answer: Future[T] = answer
-        self._work = work
-
-    def do(self) -> None:
-        """Does it, unless nobody waits any more."""
-        if not self._answer.set_running_or_notify_cancel():
-            return
-        try:
-            self._answer.set_result(self._work())
-        except Exception as error:  # noqa: BLE001 - it is raised where the work was asked for
-            self._answer.set_exception(error)
-        except BaseException as error:  # noqa: BLE001 - there it would end more than the request
-            self._answer.set_exception(DeviceError(f"it was broken off: {error!r}"))
-
-    def refuse(self, error: SkirosError) -> None:
-        """Says that it will not be done."""
-        if self._answer.set_running_or_notify_cancel():
-            self._answer.set_exception(error)
-
-
-def _log_failure(answer: Future[object]) -> None:
-    error = None if answer.cancelled() else answer.exception()
-    if error is not None and not isinstance(error, Busy):
-        _log.error("what was asked of the control thread failed: %s", error, exc_info=_trace(error))
-
-
-def _trace(error: BaseException) -> BaseException | None:
-    """The words of our own faults say it all."""
-    return None if isinstance(error, SkirosError) else error

@@ -6,9 +6,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from skiros_py.errors import Busy, GoalSyntaxError, SkirosError, StaleVersion, UnknownName, UsageError, WrongState
+from skiros_py.errors import (
+    Busy,
+    GoalSyntaxError,
+    KeyReused,
+    SkirosError,
+    StaleVersion,
+    UnknownName,
+    UsageError,
+    WrongState,
+)
 from skiros_py.server.problems import Problem
-from skiros_py.tasks.jobs import KeyReused
 
 __all__ = ["INVALID_REQUEST", "INVALID_STATUS", "UNABLE_TO_ACCEPT", "UNKNOWN_ID", "job_faults"]
 

@@ -115,7 +115,7 @@ class Services:
         self.scenes = SceneShelf(data / "scenes")
         self.stage = SceneStage()
         self.control.on_close(self.stage.forget)
-        self.bodies = Bodies(self.control, self.events)
+        self.bodies = Bodies(self.control, self.alarms)
         self.simulation = Simulation(self.control, self.bodies)
         self._stack = ExitStack()
 

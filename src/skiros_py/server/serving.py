@@ -86,8 +86,7 @@ class Serving:
 
 
 async def _warm_up(app: FastAPI) -> None:
-    """Has everything made that is made for the first request: that takes a second, and may be somebody's stop."""
-    app.openapi()
+    """Has everything made that is made for the first request, which may be somebody's stop."""
     async with httpx2.AsyncClient(transport=httpx2.ASGITransport(app), base_url="http://127.0.0.1") as client:
         await client.get("/healthz")
 

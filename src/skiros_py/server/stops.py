@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from skiros_py.errors import SkirosError, WrongState
 from skiros_py.runtime import Session
-from skiros_py.server.control import ControlThread
+from skiros_py.server.control import CLOSING, ControlThread
 from skiros_py.server.events.event import Kind
 from skiros_py.server.events.log import EventLog
 
@@ -116,7 +116,7 @@ class Stops:
         """
         session = self._session
         round_ = self._control.stuck_for() < _PATIENCE if obeyed is None else obeyed
-        why = self._wanted if session is None else session.cycle.halted
+        why = self._why()
         standing = session is None or session.cycle.board.still
         with self._guard:
             since = self._since if why else None
@@ -154,14 +154,19 @@ class Stops:
 
     def _look(self) -> None:
         """In the control thread at the end of each cycle: who halted everything may have been anybody."""
-        session = self._session
-        halted = session.cycle.halted if session is not None else ""
+        halted = self._why()
         if halted != self._seen:
             self._seen = halted
             if halted:
                 self._note(halted, "")
             else:
                 self._forget()
+
+    def _why(self) -> str:
+        """Returns why everything is halted; while a session is closed or opened, what was wanted for the next one."""
+        session = self._session
+        halted = CLOSING if session is None else session.cycle.halted
+        return self._wanted if halted == CLOSING else halted
 
     def _forget(self) -> None:
         """Notes that nothing is halted."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from skiros_py.errors import DescriptionError
+from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.geometry import Pose
 from skiros_py.robot.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
 from skiros_py.skills.surroundings import solid_of
@@ -24,7 +24,9 @@ _MOST_STOCKED = 1000
 """So many things of one stock a simulation is asked to have bodies for at most; no place has room for that many."""
 
 
-def read_cell(view: WorldView, robots: Sequence[str], *, simulated: bool = True) -> CellSpec:
+def read_cell(
+    view: WorldView, robots: Sequence[str], *, simulated: bool = True, left_out: dict[str, str] | None = None
+) -> CellSpec:
     """Reads every body with a shape and the given robots.
 
     Args:
@@ -32,6 +34,8 @@ def read_cell(view: WorldView, robots: Sequence[str], *, simulated: bool = True)
         robots: Ids of the robots.
         simulated: False where nobody has to put the bodies anywhere: then a robot may hold something from the start,
             and what is in stock has no bodies, however much it is.
+        left_out: Gets each body that cannot be read, with the reason, and what lies in one: the cell does without them.
+            None to have that raised.
 
     Raises:
         DescriptionError: A robot or body lacks something; the message names the element and the property.
@@ -39,9 +43,16 @@ def read_cell(view: WorldView, robots: Sequence[str], *, simulated: bool = True)
     for root in (v.FLOOR, v.UNKNOWN_LOCATION):
         if not view.instances(root):
             raise DescriptionError(f"the scene has no {root}: things that fall or get lost need a place")
-    shaped = [e for e in view.instances(v.SPATIAL_THING) if _is_body(view, e) and not _is_lost(view, e)]
-    bodies = [_body(view, e) for e in shaped if simulated or not _is_held(view, e)]
-    bodies += [body for stock in view.instances(v.STOCK) for body in _stocked(view, stock, simulated=simulated)]
+    bodies: list[BodySpec] = []
+    for element in (*view.instances(v.SPATIAL_THING), *view.instances(v.STOCK)):
+        try:
+            bodies += _bodies(view, element, simulated=simulated)
+        except SkirosError as error:
+            if left_out is None:
+                raise
+            left_out[element] = str(error)
+    if left_out:
+        bodies = _without(bodies, left_out)
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
     return CellSpec(tuple(bodies), tuple(_robot(view, robot) for robot in robots))
 
@@ -63,6 +74,23 @@ def read_body(view: WorldView, element: str) -> BodySpec | None:
     """
     spatial = view.ontology.is_a(view.element(element).type, v.SPATIAL_THING)
     return _body(view, element) if spatial and _is_body(view, element) and not _is_lost(view, element) else None
+
+
+def _bodies(view: WorldView, element: str, *, simulated: bool) -> list[BodySpec]:
+    """Returns the bodies of one element: several where it is a stock, none where it has no shape or is not there."""
+    if view.ontology.is_a(view.element(element).type, v.STOCK):
+        return _stocked(view, element, simulated=simulated)
+    body = read_body(view, element) if simulated or not _is_held(view, element) else None
+    return [] if body is None else [body]
+
+
+def _without(bodies: list[BodySpec], left_out: dict[str, str]) -> list[BodySpec]:
+    """Leaves out what lies in something that was left out, and so on."""
+    while homeless := [body for body in bodies if body.place in left_out]:
+        for body in homeless:
+            left_out[body.id.partition("#")[0]] = f"it lies in {body.place}, which is not there"
+        bodies = [body for body in bodies if body not in homeless]
+    return bodies
 
 
 def _is_body(view: WorldView, element: str) -> bool:

@@ -7,6 +7,7 @@ from itertools import count, islice
 
 from skiros_py.errors import SkirosError
 from skiros_py.execution.contained import words
+from skiros_py.planning.pieces import T, Work, at_once, in_slices
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
@@ -16,7 +17,7 @@ from skiros_py.tasks.dispatcher import Dispatcher
 from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.sequences import StepCheck, check_steps
+from skiros_py.tasks.sequences import StepCheck, checking_steps
 from skiros_py.tasks.setting import Setting
 from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
@@ -91,8 +92,7 @@ class SequenceRun:
 
     def _once(self, number: int) -> Execution[bool]:
         """Runs all steps once; returns whether that worked."""
-        able = {c.skill.name: c.agents for c in self._setting.capabilities}
-        checks = check_steps(self._setting.world, self._steps, self._skills, able)
+        checks = yield from self._checks()
         broken = [c for c in checks if not c.agent or (c.problems and not self._anyway)]
         if broken:
             self._fault = f"round {number} cannot work: {self._said(broken[0])}"
@@ -101,6 +101,27 @@ class SequenceRun:
         self._task.plan = plan
         self._dispatcher.adopt(Agenda(plan.steps, plan.order), {})
         return (yield from self._carry_out())
+
+    def _checks(self) -> Execution[tuple[StepCheck, ...]]:
+        """Checks all steps as the world is now; of a hundred that takes so long that the cycle goes on in between."""
+        able = {c.skill.name: c.agents for c in self._setting.capabilities}
+        cycle = self._setting.cycle
+        work = checking_steps(self._setting.world.snapshot(), self._steps, self._skills, able)
+        if cycle.pace is not None:
+            return (yield from self._until_stopped(in_slices(work)))
+        with cycle.pulse.waiting():  # simulated time stands still
+            return at_once(work)
+
+    def _until_stopped(self, work: Work[T]) -> Work[T]:
+        while True:
+            try:
+                next(work)
+            except StopIteration as end:
+                result: T = end.value
+                return result
+            if (wish := self._task.control.stop) is not None:
+                raise StopWanted(wish)
+            yield
 
     def _with_agent(self, check: StepCheck) -> Step:
         """Returns a step whose agent is known, so that its robot is; the rest is inferred when it starts."""

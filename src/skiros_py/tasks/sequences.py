@@ -9,6 +9,7 @@ from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName, UsageError
 from skiros_py.planning.domain.needs import needs_of
+from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.planning.validation import apply_effects
@@ -21,7 +22,7 @@ from skiros_py.tasks.wording import short_step
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
-__all__ = ["StepCheck", "StepSequence", "check_steps"]
+__all__ = ["StepCheck", "StepSequence", "check_steps", "checking_steps"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,14 +144,22 @@ class StepSequence:
         """True when nothing speaks against any step."""
         return all(check.works for check in self.checks)
 
+    def require_steps(self) -> None:
+        """Sees that there is something to be run.
+
+        Raises:
+            UsageError: There is not.
+        """
+        if not self._steps:
+            raise UsageError("the sequence has no steps: add one")
+
     def require_works(self) -> None:
         """Sees that the sequence can be run.
 
         Raises:
             UsageError: It is empty, or cannot work; the text says which step and why.
         """
-        if not self._steps:
-            raise UsageError("the sequence has no steps: add one")
+        self.require_steps()
         broken = [(n, check) for n, check in enumerate(self.checks, start=1) if not check.works]
         if broken:
             said = [f"step {n} ({self._said(check.step)}): {'; '.join(check.problems)}" for n, check in broken]
@@ -195,8 +204,22 @@ def check_steps(
         skills: The skills there are, by name.
         able: By skill the subsystems that have it now; None where it is enough that there could be one.
     """
+    return at_once(checking_steps(view, steps, skills, able))
+
+
+def checking_steps(
+    view: WorldView,
+    steps: Sequence[Step],
+    skills: Mapping[str, SkillDescription],
+    able: Mapping[str, Collection[str]] | None = None,
+) -> Work[tuple[StepCheck, ...]]:
+    """Checks steps as :func:`check_steps` does, one after each yield; the view must not change meanwhile."""
     overlay = Overlay(with_stock(view, named=tokens_of(steps)))
-    return tuple(_check(overlay, step, skills, able) for step in steps)
+    checks = []
+    for step in steps:
+        yield
+        checks.append(_check(overlay, step, skills, able))
+    return tuple(checks)
 
 
 def _check(

@@ -129,6 +129,10 @@ class TaskManager:
         """The tasks that are under way, in the order in which they were begun."""
         return tuple(self._undertakings.values())
 
+    def holds(self, name: str) -> frozenset[str]:
+        """Returns the ids of the robots and things that a task has and others may not use; for the control thread."""
+        return self._setting.reservations.of(name)
+
     def plan(self, goal: Sequence[Condition]) -> Execution[Planned]:
         """Plans from what is believed now, without doing anything.
 
@@ -193,6 +197,7 @@ class TaskManager:
         """
         if iterate is not None and (isinstance(iterate, bool) or not isinstance(iterate, int) or iterate < 1):
             raise UsageError(f"iterate: a whole number from 1, or None for until it is stopped, not {iterate!r}")
+        sequence.require_steps()  # an empty round takes no time: repeated for ever, it would hold the cycle
         if not anyway:
             sequence.require_works()
         undertaking = Undertaking(self._free(name), (), policy or self._policy)

@@ -114,3 +114,18 @@ def test_of_more_than_any_place_has_room_for_no_bodies_are_made() -> None:
 def test_what_a_stock_lacks_is_said(fact: str, message: str) -> None:
     with pytest.raises(DescriptionError, match=message):
         read_cell(tiny_world(fact), ["robot_1"])
+
+
+def test_what_cannot_be_read_is_left_out_with_what_lies_in_it_where_somebody_takes_note_of_that() -> None:
+    world = world_of(PALLET + stock('sk:stockOf "kitting:Starter"', "sk:stockCount 3"))
+    with world.transaction("ann", "in the midst of building") as tx:
+        tx.set("pallet", "sk:pose", None)
+    with pytest.raises(DescriptionError, match="pallet has neither a pose nor a place"):
+        read_cell(world, ["robot_1"])
+
+    left_out: dict[str, str] = {}
+    cell = read_cell(world, ["robot_1"], left_out=left_out)
+
+    assert cell.bodies == ()
+    assert left_out["pallet"].startswith("pallet has neither a pose nor a place")
+    assert left_out["stock"] == "it lies in pallet, which is not there"

@@ -52,6 +52,7 @@ class Withholding(FastDownward):
     def __init__(self) -> None:
         super().__init__()
         self.shown: Callable[[], bool] = lambda: True
+
     def solve(self, domain: str, problem: str) -> Pending[Answer]:
         able = "(:action" in domain  # where others have all robots, it is asked first what there is without these
         return Withheld(super().solve(domain, problem), self.shown if able else lambda: True)

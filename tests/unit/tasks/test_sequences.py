@@ -1,16 +1,21 @@
 from __future__ import annotations
 
+import time
+from dataclasses import replace
+
 import pytest
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Success
 from skiros_py.tasks.history import History
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
+from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
 SKILLS = {skill.name: skill for skill in (DRIVE, PICK, PLACE)}
@@ -199,6 +204,60 @@ def test_a_second_round_that_cannot_work_is_not_begun() -> None:
     assert report is not None
     assert len(report.steps) == 3
     assert report.fault == "round 2 cannot work: pick box_a ball_1: ball_1 is not in box_a: it is in slot_1"
+
+
+@pytest.mark.parametrize("iterate", [1, None])
+def test_a_sequence_without_steps_is_refused_even_where_it_shall_run_anyway(iterate: int | None) -> None:
+    with Bench(tiny_world()) as bench, pytest.raises(UsageError, match="no steps"):
+        bench.tasks.execute(bench.tasks.sequence(), iterate=iterate, anyway=True)
+
+
+def _slowly(_view: WorldView, robot: str, place: str) -> Verdict:
+    time.sleep(0.006)  # as long as the check of a pick takes with an ontology of full size
+    return Verdict(True, f"{robot} thinks long about {place}")
+
+
+_PONDERED = ConditionType(
+    "Pondered",
+    (Role("robot", "sk:Robot"), Role("place", "sk:Location")),
+    Computed("tiny:pondered", "robot", "place", _slowly),
+    "-",
+)
+_PONDERING = pretend(replace(DRIVE, pre=(*DRIVE.pre, _PONDERED("Robot", "Location"))))
+
+
+def test_of_many_steps_no_two_slow_checks_are_made_in_one_cycle() -> None:
+    with Bench(tiny_world(), (_PONDERING,)) as bench:
+        bench.cycle.pace = 1000.0
+        undertaking = bench.tasks.execute(_drives(bench, 30), anyway=True)
+        begun = bench.cycle.board.snapshot.cycle
+        bench.until(lambda: bench.events)
+        assert bench.cycle.board.snapshot.cycle - begun >= 30
+        bench.until(lambda: undertaking.done)
+
+    assert undertaking.report is not None
+    assert len(undertaking.report.steps) == 30
+
+
+def test_a_sequence_is_stopped_while_its_steps_are_checked() -> None:
+    with Bench(tiny_world(), (_PONDERING,)) as bench:
+        bench.cycle.pace = 1000.0
+        undertaking = bench.tasks.execute(_drives(bench, 30), anyway=True)
+        bench.cycle.step()
+        undertaking.stop("enough")
+        bench.cycle.step()
+        bench.cycle.step()
+
+    assert undertaking.report is not None
+    assert undertaking.report.outcome is Outcome.STOPPED
+    assert bench.events == []
+
+
+def _drives(bench: Bench, count: int) -> StepSequence:
+    made = StepSequence(bench.world, {_PONDERING.description.name: _PONDERING.description})
+    for number in range(count):
+        made.add("drive", Base="base_1", Robot="robot_1", Location=("box_a", "box_b")[number % 2])
+    return made
 
 
 @pytest.mark.parametrize("often", [0, -1, 1.5, True, "2"])

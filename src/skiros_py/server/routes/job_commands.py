@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Body, Response
+from fastapi import APIRouter, Body, Depends, Request, Response
 
 from skiros_py.api.jobs import Job, JobAnswer, JobComment
 from skiros_py.errors import StaleVersion, WrongState
+from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.job_faults import job_faults
 from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, said_by, shown
@@ -19,8 +20,21 @@ __all__ = ["router"]
 router = APIRouter()
 
 _NEEDS = [needs(Role.OPERATOR, mes=True)]
-CommentBody = Annotated[JobComment, Body(description="Why; may be left out.")]
 _NO_COMMENT = JobComment()
+
+
+def _comment(
+    id: JobId,  # noqa: A002 - the name in the address
+    request: Request,
+    body: Annotated[JobComment, Body(description="Why; may be left out.")] = _NO_COMMENT,
+) -> str:
+    """Takes what somebody says about a command, for the audit log too: with a removed job goes its record."""
+    note(request, job=id, comment=body.comment)
+    return body.comment
+
+
+CommentDep = Annotated[str, Depends(_comment)]
+"""For routes: why."""
 
 
 @router.post("/jobs/{id}/start", summary="Give a job leave to start", dependencies=_NEEDS)
@@ -30,11 +44,11 @@ def start_job(
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Lets a job start by itself when its turn comes."""
     with job_faults():
-        return shown(jobs.start(id, said_by(caller, body.comment), expects=expected), response)
+        return shown(jobs.start(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/revoke-start", summary="Take back the leave to start", dependencies=_NEEDS)
@@ -44,11 +58,11 @@ def revoke_start_of_job(
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Keeps a job that has not begun until somebody gives leave to start again."""
     with job_faults():
-        return shown(jobs.revoke_start(id, said_by(caller, body.comment), expects=expected), response)
+        return shown(jobs.revoke_start(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/pause", summary="Let a job stand for a while", dependencies=_NEEDS)
@@ -58,11 +72,11 @@ def pause_job(
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Lets a job come to a standstill where it is."""
     with job_faults():
-        return shown(jobs.pause(id, said_by(caller, body.comment), expects=expected), response)
+        return shown(jobs.pause(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/resume", summary="Go on with a job that stands", dependencies=_NEEDS)
@@ -72,11 +86,11 @@ def resume_job(
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Goes on with a job that stands; what waits for an answer goes on with that."""
     with job_faults():
-        return shown(jobs.resume(id, said_by(caller, body.comment), expects=expected), response)
+        return shown(jobs.resume(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/stop", summary="End a job in good order", dependencies=_NEEDS)
@@ -86,11 +100,11 @@ def stop_job(
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Ends a job that is under way; it is over when everything that it moved stands."""
     with job_faults():
-        return shown(jobs.stop(id, said_by(caller, body.comment), expects=expected), response)
+        return shown(jobs.stop(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/abort", summary="Give a job up", dependencies=_NEEDS)
@@ -100,11 +114,11 @@ def abort_job(
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Gives a job up, begun or not; it is over when everything that it moved stands."""
     with job_faults():
-        return shown(jobs.abort(id, said_by(caller, body.comment), expects=expected), response)
+        return shown(jobs.abort(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/cancel", summary="Remove a job that has not begun", dependencies=_NEEDS)
@@ -113,10 +127,10 @@ def cancel_job(
     jobs: JobsDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Removes a job that has not begun, and answers with what it was."""
-    del body  # with the job goes its record
+    del comment  # the audit log has it
     with job_faults():
         return shown(jobs.cancel(id, expects=expected), response)
 
@@ -127,10 +141,10 @@ def clear_job(
     jobs: JobsDep,
     expected: ExpectedDep,
     response: Response,
-    body: CommentBody = _NO_COMMENT,
+    comment: CommentDep,
 ) -> Job:
     """Says that its result was fetched: removes a job that is over with all that is known of it."""
-    del body  # with the job goes its record
+    del comment  # the audit log has it
     with job_faults():
         return shown(jobs.clear(id, expects=expected), response)
 
@@ -152,12 +166,14 @@ def remove_job(
 def answer_job(
     id: JobId,  # noqa: A002 - the name in the address
     body: JobAnswer,
+    request: Request,
     jobs: JobsDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
 ) -> Job:
     """Answers what a job waits for: with one of its `choices`."""
+    note(request, job=id, comment=body.answer)
     with job_faults():
         return shown(_answered(jobs, id, body, caller.name, expected), response)
 

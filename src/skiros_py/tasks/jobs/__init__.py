@@ -4,7 +4,7 @@ from skiros_py.tasks.jobs.announcements import Announcement
 from skiros_py.tasks.jobs.job import Actual, Intent, Job, MaterialActual, Outcome, Transition
 from skiros_py.tasks.jobs.manager import JobManager
 from skiros_py.tasks.jobs.order import JobOrder, Material
-from skiros_py.tasks.jobs.receipts import KeyReused, Receipt
+from skiros_py.tasks.jobs.receipts import Receipt
 from skiros_py.tasks.jobs.states import JobState, Trigger, allowed
 from skiros_py.tasks.jobs.store import JobStore, Page
 
@@ -17,7 +17,6 @@ __all__ = [
     "JobOrder",
     "JobState",
     "JobStore",
-    "KeyReused",
     "Material",
     "MaterialActual",
     "Outcome",

@@ -26,9 +26,16 @@ __all__ = ["Conductor", "ReadGoal"]
 ReadGoal = Callable[[Sequence[str]], tuple[Condition, ...]]
 """Reads goal texts."""
 
+_MOST_ASIDE = 20
+"""So many jobs that wait for persons make room for others; those after them keep their places until one is answered."""
+
 
 class Conductor:
-    """Lets jobs run.
+    """Lets jobs run: never more than so many at once.
+
+    What waits for a person keeps its place only while it has a device or a thing in its hands. Else the next job gets
+    the place, and the answer lets it go on as soon as there is one again, before all others. What was cut off or halted
+    has no place; when it goes on, it waits for its turn.
 
     Args:
         tasks: Plans and does.
@@ -104,8 +111,34 @@ class Conductor:
             self._follow(job, run)
         if self._station.cycle.halted:
             self._hold_what_comes_back()
-        elif len(self._runs) < self._at_once and (coming := self._turns.next()) is not None:
+        else:
+            self._give_places()
+
+    def _give_places(self) -> None:
+        """Lets those go on that were set aside and have their answer; then the one whose turn it is."""
+        for run in self._runs.values():
+            if run.aside and not run.asks and self._has_room:
+                run.take_place()
+        coming = self._turns.next()
+        if coming is not None and (self._has_room or self._make_room()):
             self._dispatch(coming)
+
+    @property
+    def _has_room(self) -> bool:
+        return sum(not run.aside for run in self._runs.values()) < self._at_once
+
+    def _make_room(self) -> bool:
+        """Sets one aside that waits for a person and has no device or thing: nobody has to wait for that person, too.
+
+        Returns:
+            Whether there was one.
+        """
+        aside = sum(run.aside for run in self._runs.values())
+        for job, run in self._runs.items() if aside < _MOST_ASIDE else ():
+            if run.asks and not run.aside and not self._tasks.holds(job):
+                run.set_aside()
+                return True
+        return False
 
     def _follow(self, job: str, run: JobRun) -> None:
         run.write_trace()
@@ -119,13 +152,13 @@ class Conductor:
             job = self._book.open.get(id_)
             if job is None or self._turns.next() != id_:  # somebody was quicker
                 return
+            begun = {"detail": "planning", "attempts": job.attempts + 1, "seen": self._station.world.version}
             if job.state is JobState.RUNNING:
-                self._turns.leave(id_)
-                self._begin(job)
+                self._begin(self._book.change(job.but(**begun)))
             elif job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._clock():
                 self._book.move(job, Trigger.FAIL, "its deadline has passed", outcome=Outcome.EXPIRED, detail="")
             else:
-                self._begin(self._book.move(job, Trigger.DISPATCH, detail="planning", started=self._clock()))
+                self._begin(self._book.move(job, Trigger.DISPATCH, started=self._clock(), **begun))
 
     def _go_on(self, id_: str) -> None:
         with self._guard.control():
@@ -137,12 +170,15 @@ class Conductor:
     def _hold_what_comes_back(self) -> None:
         for id_ in self._turns.coming_back:
             with self._guard.control():
-                self._turns.leave(id_)
                 job = self._book.open.get(id_)
                 if job is not None and job.state is JobState.RUNNING:
-                    hold_what_was_halted(self._book, job, self._station.cycle.halted)
+                    self._begin(job)
 
     def _begin(self, job: Job) -> None:
+        self._turns.leave(job.id)
+        if self._station.cycle.halted:
+            hold_what_was_halted(self._book, job, self._station.cycle.halted)
+            return
         for intent in self._cut_off(job.id):
             self._store.settle(job.id, intent.number, CUT_OFF)
         try:
@@ -151,7 +187,6 @@ class Conductor:
         except SkirosError as error:
             self._book.move(job, Trigger.FAIL, outcome=Outcome.FAILED, reasons=(str(error),), detail="")
             return
-        self._book.change(job.but(detail="planning", attempts=job.attempts + 1, seen=self._station.world.version))
         self._runs[job.id] = JobRun(undertaking, self._station, self._book, self._store)
 
     def _note_done(self, id_: str, by: str) -> None:

@@ -115,7 +115,7 @@ class Job(BaseModel):
         plan: The last plan, a line a step.
         attempts: How often it was begun: once more after each restart of the program.
         seen: Version of the world up to which ``materials`` are known; None while it does not run.
-        version: Grows with every change of it.
+        version: Grows with every change of it, and over jobs that have its id one after the other.
         ordered, started, ended, changed: When, the last for any change of it [s since 1970].
     """
 

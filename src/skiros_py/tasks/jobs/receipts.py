@@ -5,16 +5,12 @@ from __future__ import annotations
 import sqlite3
 from dataclasses import dataclass
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import KeyReused
 
-__all__ = ["KEPT", "KeyReused", "Receipt", "keep_receipt", "leave_receipts"]
+__all__ = ["KEPT", "Receipt", "keep_receipt", "leave_receipts"]
 
 KEPT = 24 * 3600.0
 """How long a receipt is kept at least [s]."""
-
-
-class KeyReused(UsageError):
-    """Somebody uses the key of an earlier request for another one."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from skiros_py.planning.plan import Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
 from skiros_py.tasks.jobs.book import JobBook
-from skiros_py.tasks.jobs.cut_off import hold_what_was_halted
+from skiros_py.tasks.jobs.cut_off import WAITS, hold_what_was_halted
 from skiros_py.tasks.jobs.job import Actual, Job, Outcome
 from skiros_py.tasks.jobs.moves import moved
 from skiros_py.tasks.jobs.states import Trigger
@@ -38,11 +38,13 @@ class JobRun:
     Attributes:
         ending: What comes of the job when it stands, because somebody ended it; None while nobody did.
         paused: True while somebody wants it to stand.
+        aside: True while it has no place among those that are under way: nothing of it moves.
     """
 
     def __init__(self, undertaking: Undertaking, station: Station, book: JobBook, store: JobStore) -> None:
         self.ending: Outcome | None = None
         self.paused = False
+        self.aside = False
         self._undertaking = undertaking
         self._station = station
         self._book = book
@@ -66,7 +68,19 @@ class JobRun:
     def resume(self) -> None:
         """Goes on."""
         self.paused = False
-        self._undertaking.resume()
+        if not self.aside:
+            self._undertaking.resume()
+
+    def set_aside(self) -> None:
+        """Takes its place from it: when its question is answered, it waits until it has one again."""
+        self.aside = True
+        self._undertaking.pause()
+
+    def take_place(self) -> None:
+        """Lets it go on in a place of its own, unless somebody wants it to stand."""
+        self.aside = False
+        if not self.paused:
+            self._undertaking.resume()
 
     def stop(self) -> None:
         """Ends it."""
@@ -136,7 +150,14 @@ class JobRun:
         return False
 
     def _look(self) -> tuple[object, ...]:
-        return self._undertaking.status, self._undertaking.question, self._steps, self.paused
+        return self._status, self._undertaking.question, self._steps, self.paused
+
+    @property
+    def _status(self) -> str:
+        """What it does, in words."""
+        if self.paused or not self.aside:
+            return self._undertaking.status
+        return self._undertaking.phase if self.asks else WAITS
 
     @property
     def _steps(self) -> tuple[Step, ...]:
@@ -156,10 +177,9 @@ class JobRun:
             asks = {"detail": f"held: {question.text}", "choices": question.options, "question": question.id}
             self._book.move(job, Trigger.HOLD, question.text, plan=plan, **asks)
         elif job.choices and not self.paused:
-            status = self._undertaking.status
-            self._book.move(job, Trigger.RESUME, "answered", detail=status, choices=(), question=None, plan=plan)
+            self._book.move(job, Trigger.RESUME, "answered", detail=self._status, choices=(), question=None, plan=plan)
         else:
-            detail = "paused" if self.paused else self._undertaking.status
+            detail = "paused" if self.paused else self._status
             self._book.change(job.but(detail=detail, choices=(), question=None, plan=plan))
 
     def write_trace(self) -> None:

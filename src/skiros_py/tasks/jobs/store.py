@@ -107,18 +107,21 @@ class JobStore:
     def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
         """Takes a new job, and gives it a number that none had before; when this returns, it is on the disk.
 
+        Its version is greater than that of any job that was removed, which may have had its id.
+
         Args:
-            job: The job; its number counts for nothing.
+            job: The job; its number and version count for nothing.
             trigger: What led to its state.
             comment: Why.
             receipt: The request that led to it, if it shall be known again.
 
         Returns:
-            The job with its number.
+            The job with its number and version.
         """
         with self._database.transaction() as connection:
-            ((number,),) = connection.execute("UPDATE numbers SET last = last + 1 RETURNING last").fetchall()
-            numbered = job.model_copy(update={"number": int(number)})
+            sql = "UPDATE numbers SET last = last + 1 RETURNING last, version"
+            ((number, version),) = connection.execute(sql).fetchall()
+            numbered = job.model_copy(update={"number": int(number), "version": int(version) + 1})
             _write(connection, numbered, trigger, comment)
             if receipt is not None:
                 keep_receipt(connection, receipt, job.id, job.changed)
@@ -145,6 +148,7 @@ class JobStore:
         data = job.model_dump_json()
         with self._database.transaction() as connection:
             connection.execute("DELETE FROM jobs WHERE id = ?", (job.id,))
+            connection.execute("UPDATE numbers SET version = max(version, ?)", (job.version,))
             for table in ("transitions", "intents", "trace"):
                 connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - our own names
             leave_receipts(connection, job.id, data)
@@ -212,12 +216,12 @@ class JobStore:
         return intent.number
 
     def settle(self, job: str, number: int, ended: str) -> None:
-        """Writes down how a step ended."""
+        """Writes down how a step ended; a power cut may take that, and then somebody is asked."""
         known = {intent.number: intent for intent in self.intents(job)}
         if number not in known:
             raise UnknownName("step", str(number), [str(n) for n in known], where=f"of job '{job}'")
         text = known[number].model_copy(update={"ended": ended}).model_dump_json()
-        with self._database.transaction() as connection:
+        with self._database.transaction(waits=False) as connection:
             connection.execute("UPDATE intents SET data = ? WHERE job = ? AND number = ?", (text, job, number))
 
     def intents(self, job: str) -> tuple[Intent, ...]:
@@ -231,8 +235,8 @@ class JobStore:
         return tuple(self._read(Transition.model_validate_json, data) for (data,) in rows)
 
     def tell(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
-        """Adds to a job's trace."""
-        with self._database.transaction() as connection:
+        """Adds to a job's trace; a power cut may take that."""
+        with self._database.transaction(waits=False) as connection:
             connection.executemany("INSERT INTO trace VALUES (?, ?)", ((job, json.dumps(dict(e))) for e in entries))
 
     def trace(self, job: str) -> tuple[dict[str, Any], ...]:

@@ -39,5 +39,10 @@ CREATE TABLE announcements (number INTEGER PRIMARY KEY AUTOINCREMENT, wall REAL 
 AUTOINCREMENT: a number is not given again, even where all announcements were passed on and forgotten.
 """
 
-SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_FIRST, _SECOND))
+_THIRD = """
+ALTER TABLE numbers ADD COLUMN version INTEGER NOT NULL DEFAULT 0;
+"""
+"""The greatest version that a job had that was removed: whoever remembers one does not take a later job for it."""
+
+SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_FIRST, _SECOND, _THIRD))
 """Such a file is marked "skjo"."""

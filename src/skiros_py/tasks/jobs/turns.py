@@ -29,7 +29,7 @@ class Turns:
 
     def come_back(self, job: str) -> None:
         """Has a job wait that goes on."""
-        self._back[job] = None
+        self._back = dict.fromkeys((*self.coming_back, job))
 
     def leave(self, job: str) -> None:
         """Has a job wait no more that was to go on."""

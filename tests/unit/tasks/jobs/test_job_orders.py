@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import Busy, StaleVersion, UnknownName, WrongState
-from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, KeyReused, Outcome, Receipt
+from skiros_py.errors import Busy, KeyReused, StaleVersion, UnknownName, WrongState
+from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Outcome, Receipt
 from skiros_py.testing import Bench, tiny_world
 
 GOAL = "In(ball_1, slot_1)"
@@ -179,6 +179,15 @@ def test_an_order_is_updated_by_whoever_has_seen_its_latest_version(jobs):
     with pytest.raises(StaleVersion, match=r"'a' has changed: version 2, not 1 any more"):
         jobs.update(order(priority=2), expects=first.version)
     assert jobs.job("a") == second
+
+
+def test_an_id_that_is_ordered_anew_has_no_version_that_an_earlier_job_had(jobs):
+    first = jobs.submit(order())
+    cleared = jobs.cancel("a")
+    again = jobs.submit(order())
+    assert again.version > cleared.version >= first.version
+    with pytest.raises(StaleVersion):
+        jobs.cancel("a", expects=first.version)
 
 
 def test_an_update_to_what_is_ordered_already_changes_nothing(jobs):

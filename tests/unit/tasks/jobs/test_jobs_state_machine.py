@@ -17,8 +17,8 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from skiros_py.errors import StaleVersion, UnknownName, WrongState
-from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, KeyReused, Receipt, Trigger
+from skiros_py.errors import KeyReused, StaleVersion, UnknownName, WrongState
+from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Receipt, Trigger
 from skiros_py.tasks.jobs.states import allowed, next_state
 from skiros_py.tasks.policy import Policy
 from skiros_py.testing import Bench, tiny_world
