@@ -161,7 +161,9 @@ async def _change(client: httpx2.AsyncClient, changes: int, rate: float) -> None
     begun = time.perf_counter()
     for index in range(changes):
         await asyncio.sleep(max(0.0, begun + index / rate - time.perf_counter()))
-        response = await client.patch("/elements/starter_1", json={"label": f"{_MARK}{index}"}, headers={"If-Match": "*"})
+        response = await client.patch(
+            "/elements/starter_1", json={"label": f"{_MARK}{index}"}, headers={"If-Match": "*"}
+        )
         response.raise_for_status()
 
 

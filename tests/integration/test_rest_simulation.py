@@ -14,8 +14,8 @@ from PIL import Image
 from skiros_py.api.alarms import AlarmKind
 from skiros_py.client.calls import simulation as calls
 from skiros_py.client.client import Client
-from skiros_py.geometry import Pose
 from skiros_py.errors import WrongState
+from skiros_py.geometry import Pose
 from skiros_py.runtime import Options
 from skiros_py.server.alarms import Alarm
 from skiros_py.testing.serving import Served, serving

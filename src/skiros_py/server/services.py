@@ -24,6 +24,7 @@ from skiros_py.server.events.log import EventLog
 from skiros_py.server.events.sources import EventSources
 from skiros_py.server.events.streams import Streams
 from skiros_py.server.job_desk import JobDesk
+from skiros_py.server.logs import job_events_logged
 from skiros_py.server.metrics import Metrics
 from skiros_py.server.module_runs import ModuleRuns
 from skiros_py.server.previews import Previews
@@ -86,6 +87,7 @@ class Services:
         self.audit: AuditLog
         self.control = ControlThread(opening)
         self.events = EventLog(settings.kept_events)
+        job_events_logged(self.events)
         self.streams = Streams(self.events, settings.streams, lambda caller: self.doorkeeper.still(caller))
         self.alarms = Alarms(self.events)
         self.stops = Stops(self.control, self.events)

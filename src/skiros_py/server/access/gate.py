@@ -21,6 +21,7 @@ from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.places import SAFE, Places
 from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import Caller, Role
+from skiros_py.server.logs import request_id
 from skiros_py.server.problems import Problem, problem_response
 from skiros_py.server.settings import ServerSettings
 
@@ -99,6 +100,7 @@ class Gate:
         headers = Headers(scope=scope)
         request = Request(scope)
         request.state.id = _request_id(headers)
+        request_id.set(request.state.id)
         request.state.caller = _NOBODY
         answer = _Answer(send, request, self._places.answer(headers), self._services)
         self._under_way += 1
@@ -216,8 +218,8 @@ def _check_url(scope: Scope) -> None:
         raise Problem(400, "InvalidRequest", "there is a NUL in the address")
 
 
-def _broken(request_id: str) -> Problem:
-    return Problem(500, "Fault", f"something broke inside the server; its log has it as request {request_id}")
+def _broken(request: str) -> Problem:
+    return Problem(500, "Fault", f"something broke inside the server; its log has it as request {request}")
 
 
 def _entry(request: Request, status: int) -> AuditEntry:

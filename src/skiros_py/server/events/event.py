@@ -10,8 +10,12 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
+from fastapi.sse import format_sse_event
+
 __all__ = ["Event", "Kind", "as_text", "written"]
 
+_ID = b"\nid: "
+"""What stands behind the text in a server-sent event; text in one line has no such thing in it."""
 _LONGEST = 64_000
 """Characters of one event's data; what is longer is left out, and the event says so."""
 
@@ -35,7 +39,7 @@ class Kind(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened. It is written as text at once: that is all who listens gets, and less to keep.
+    """One thing that happened. It is written down at once, ready to be sent: the same bytes for all who listen.
 
     Attributes:
         number: Counts events without gaps, from 1 for each start of the server.
@@ -46,7 +50,7 @@ class Event:
         subject: What it happened to: id of a job, name of a task or module, empty for a change of the world.
         job: Id of the job that it belongs to; empty where there is none.
         elements: Ids of the elements of the world that it touches; None where they are too many to be listed.
-        text: All of it as JSON, in one line.
+        frame: All of it as a server-sent event.
     """
 
     number: int
@@ -57,7 +61,12 @@ class Event:
     subject: str
     job: str
     elements: frozenset[str] | None
-    text: str
+    frame: bytes
+
+    @property
+    def text(self) -> str:
+        """All of it as JSON, in one line."""
+        return self.frame[len(_head(self.kind)) : self.frame.rindex(_ID)].decode()
 
     @property
     def data(self) -> Mapping[str, Any]:
@@ -95,7 +104,7 @@ def written(
         data: All there is to say, as plain data.
     """
     wall, time = moment
-    head = {
+    head: dict[str, Any] = {
         "id": f"{epoch}-{number}",
         "number": number,
         "at": datetime.fromtimestamp(wall, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
@@ -109,7 +118,13 @@ def written(
     if len(said) > _LONGEST:
         said = as_text({"left_out": f"{len(said)} characters are too many for an event: read it where it is kept"})
     text = f'{as_text(head)[:-1]},"data":{said}}}'
-    return Event(number, wall, time, kind, type_, subject, job, elements, text)
+    frame = format_sse_event(data_str=text, event=kind.value, id=head["id"])
+    return Event(number, wall, time, kind, type_, subject, job, elements, frame)
+
+
+def _head(kind: Kind) -> bytes:
+    """What stands before the text in a server-sent event."""
+    return f"event: {kind.value}\ndata: ".encode()
 
 
 def as_text(data: object) -> str:

@@ -26,7 +26,7 @@ class EventLog:
     Args:
         kept: How many events are kept.
         clock: Gives the run time [s]; may be replaced.
-        room: How many characters the kept events may have together.
+        room: How many bytes the kept events may have together.
 
     Attributes:
         epoch: Names this start of the server: numbers of another one mean nothing here.
@@ -95,6 +95,6 @@ class EventLog:
     def _keep(self, event: Event) -> None:
         self._events.append(event)
         self._last = event.number
-        self._size += len(event.text)
+        self._size += len(event.frame)
         while len(self._events) > self._kept or self._size > self._room:
-            self._size -= len(self._events.popleft().text)
+            self._size -= len(self._events.popleft().frame)

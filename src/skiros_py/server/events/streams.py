@@ -7,14 +7,13 @@ import threading
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 from fastapi.sse import format_sse_event
 
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.events.choice import Choice
-from skiros_py.server.events.event import Event
 from skiros_py.server.events.log import EventLog
 from skiros_py.server.events.places import Reset, find_place, missed, place_text
 
@@ -55,7 +54,10 @@ class Streams:
         self._guard = threading.Lock()
         self._sleepers: set[asyncio.Event] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._look: asyncio.TimerHandle | None = None
         self._called = False
+        self._made: dict[tuple[int, Choice], tuple[int, bytes]] = {}
+        self._made_at = 0
         log.on_event(self._call)
 
     @property
@@ -114,17 +116,30 @@ class Streams:
                     sent = now
                     yield text
                 if number == self.log.last:
-                    await _sleep(awake)
+                    await awake.wait()
+                    awake.clear()
                 else:
                     await asyncio.sleep(0)  # who has much to catch up with lets the others have their turn
 
     def _next(self, number: int, choice: Choice) -> tuple[int, bytes]:
-        """Returns what comes after a place: the place behind it, and its text, which may be empty."""
+        """Returns what comes after a place: the place behind it, and its text, which may be empty.
+
+        Streams that stand at one place and want the same get the same bytes, made once.
+        """
+        last = self.log.last
+        if last != self._made_at:
+            self._made_at, self._made = last, {}
+        made = self._made.get((number, choice)) or self._batch(number, choice)
+        if made[0] == last:  # of those who catch up each stands elsewhere
+            self._made[number, choice] = made
+        return made
+
+    def _batch(self, number: int, choice: Choice) -> tuple[int, bytes]:
         events = self.log.since(number, _MOST)
         if events and events[0].number != number + 1:  # read too slowly
             gap = missed(self.log, number)
             return self.log.last, _reset(gap) if gap is not None else b""
-        chosen = b"".join(self._frame(event) for event in events if choice.takes(event))
+        chosen = b"".join(event.frame for event in events if choice.takes(event))
         return (events[-1].number if events else number), chosen
 
     def _begin(self, after: str | None) -> tuple[int, bytes]:
@@ -135,9 +150,6 @@ class Streams:
             return number, _reset(place)
         return place, format_sse_event(comment="events follow", id=place_text(self.log, place), retry=_AGAIN)
 
-    def _frame(self, event: Event) -> bytes:
-        return format_sse_event(data_str=event.text, event=event.kind.value, id=place_text(self.log, event.number))
-
     # ------------------------------------------------------------------ waking
 
     @contextmanager
@@ -146,10 +158,20 @@ class Streams:
         awake = asyncio.Event()
         self._loop = asyncio.get_running_loop()
         self._sleepers.add(awake)
+        if self._look is None:
+            self._look = self._loop.call_later(_LOOK, self._look_around)
         try:
             yield awake
         finally:
             self._sleepers.discard(awake)
+            if not self._sleepers and self._look is not None:
+                self._look.cancel()
+                self._look = None
+
+    def _look_around(self) -> None:
+        """Wakes all streams now and then though nothing happens: one timer for all of them."""
+        self._look = asyncio.get_running_loop().call_later(_LOOK, self._look_around)
+        self._ring()
 
     def _call(self) -> None:
         """Has all streams woken soon; for any thread, and once for a burst of events."""
@@ -164,15 +186,11 @@ class Streams:
 
     def _wake(self) -> None:
         self._called = False  # first: whatever comes from now on calls again
+        self._ring()
+
+    def _ring(self) -> None:
         for awake in self._sleepers:
             awake.set()
-
-
-async def _sleep(awake: asyncio.Event) -> None:
-    """Waits for an event, but not longer than until it is time to look around."""
-    with suppress(TimeoutError):
-        await asyncio.wait_for(awake.wait(), _LOOK)
-    awake.clear()
 
 
 def _reset(gap: Reset) -> bytes:

@@ -18,7 +18,7 @@ router = APIRouter(tags=["operation"])
 
 
 @router.get("/healthz", summary="Is the server alive?", responses={503: {"model": Health}})
-def get_health(services: ServicesDep, response: Response) -> Health:
+async def get_health(services: ServicesDep, response: Response) -> Health:
     """Answers 200 while the control cycle goes round or the station is being opened, else 503. Needs no key."""
     control = services.control
     if control.fault is not None:
@@ -42,13 +42,16 @@ def _unhealthy(response: Response, why: str) -> Health:
 
 
 @router.get("/readyz", summary="Can orders be fulfilled?", responses={503: {"model": Readiness}})
-def get_readiness(services: ServicesDep, response: Response) -> Readiness:
+async def get_readiness(services: ServicesDep, response: Response) -> Readiness:
     """Answers 200 while the station runs, halted or not, and what is ordered can be kept; else 503. Needs no key."""
     why = _not_ready(services)
     if why:
         response.status_code = 503
         return Readiness(ready=False, why=why)
     return Readiness(ready=True, halted=bool(services.session.cycle.halted))
+
+
+# Both are asynchronous: whoever asks whether the server is alive must not wait for a place in the thread pool.
 
 
 def _not_ready(services: Services) -> str:

@@ -117,7 +117,7 @@ def redeliver(webhook: WebhookId, number: Number, services: ServicesDep) -> None
     with found(_UNKNOWN):
         services.webhooks.subscription(webhook)
     with found("UnknownDeadLetter"):
-        services.webhooks.redeliver(webhook, number)
+        services.webhooks.redeliver(webhook, number, time.time())
     services.send_webhooks()
 
 

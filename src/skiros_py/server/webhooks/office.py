@@ -59,6 +59,7 @@ class WebhookOffice:
     Args:
         store: What is to be sent.
         announcements: Gives the jobs' announcements after a number, at most so many.
+        last: Gives the number of the last announcement.
         forget: Told up to which announcement nobody needs them any more.
         tell: Makes the data of a message.
         allowed: Hosts that messages may go to.
@@ -71,6 +72,7 @@ class WebhookOffice:
         self,
         store: WebhookStore,
         announcements: Announcements,
+        last: Callable[[], int],
         forget: Callable[[int], None],
         tell: Callable[[Announcement], Any],
         allowed: Collection[str],
@@ -81,7 +83,9 @@ class WebhookOffice:
     ) -> None:
         self._store = store
         self._announcements = announcements
+        self._last = last
         self._forget = forget
+        self._forgotten = 0
         self._tell = tell
         self._allowed = allowed
         self._on_dead = on_dead
@@ -136,21 +140,33 @@ class WebhookOffice:
     async def _round(self, client: httpx2.AsyncClient) -> float:
         """Fetches what is new and begins what is due; returns how long nothing will be to do [s]."""
         await asyncio.to_thread(self._fetch)
-        subscriptions = {one.id: one for one in self._store.subscriptions if one.active}
-        now = self._clock()
         wait = self._patience.look
-        for post in await asyncio.to_thread(self._store.due):
-            if post.webhook not in subscriptions or (post.webhook, post.job) in self._under_way:
-                continue
-            due = max(post.next_try, self._unreachable.get(post.webhook, (0, 0.0))[1])
-            if due > now:
-                wait = min(wait, due - now)
-            elif self._has_room(post.webhook):
-                self._begin(client, subscriptions[post.webhook], post)
+        for subscription in self._store.subscriptions:
+            if subscription.active:
+                wait = min(wait, await self._serve(client, subscription))
         return max(wait, 0.01)
+
+    async def _serve(self, client: httpx2.AsyncClient, subscription: Subscription) -> float:
+        """Begins what is due of one subscription; returns after which time it is to be looked at again [s]."""
+        now = self._clock()
+        again = self._unreachable.get(subscription.id, (0, 0.0))[1]
+        if again > now:
+            return again - now
+        # What is under way is still among those that are due.
+        for post in await asyncio.to_thread(self._store.due, subscription.id, now, 2 * self._patience.at_once):
+            if (post.webhook, post.job) not in self._under_way and self._has_room(post.webhook):
+                self._begin(client, subscription, post)
+        due = await asyncio.to_thread(self._store.next_due, subscription.id, now)
+        return self._patience.look if due is None else due - now
 
     def _fetch(self) -> None:
         """Makes deliveries of what was announced since; each transaction is of a bounded number."""
+        last = self._last()
+        if self._store.seen is None:  # nobody is to be told: what happened up to now need not be kept
+            if last > self._forgotten:
+                self._forget(last)
+                self._forgotten = last
+            return
         while (seen := self._store.seen) is not None:
             new = self._announcements(seen, _BATCH)
             if not new:
@@ -187,7 +203,7 @@ class WebhookOffice:
             self._unreachable[post.webhook] = (failures + 1, now + self._patience.wait(failures))
         if not error:
             await asyncio.to_thread(self._store.settle, post, DeliveryState.DONE, status=status)
-        elif now - post.wall > self._patience.given_up and post.attempts > 0:
+        elif now - post.since > self._patience.given_up and post.attempts > 0:
             await asyncio.to_thread(self._store.settle, post, DeliveryState.DEAD, status=status, error=error)
             self._on_dead(post, error)
         else:

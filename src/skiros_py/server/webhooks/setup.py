@@ -35,6 +35,7 @@ def open_office(services: Services, stack: ExitStack) -> tuple[WebhookStore, Web
     office = WebhookOffice(
         store,
         lambda after, most: services.session.jobs.announcements(after, most),
+        lambda: services.session.jobs.last_announcement,
         lambda upto: services.session.jobs.forget_announcements(upto),
         _data,
         services.settings.webhook_hosts,

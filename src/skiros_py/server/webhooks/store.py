@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import secrets
+import sqlite3
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -24,9 +25,10 @@ CREATE TABLE subscriptions (id TEXT PRIMARY KEY, data TEXT NOT NULL, seen INTEGE
 CREATE TABLE deliveries (
     webhook TEXT NOT NULL, number INTEGER NOT NULL, job TEXT NOT NULL, event TEXT NOT NULL, wall REAL NOT NULL,
     body TEXT NOT NULL, state TEXT NOT NULL, attempts INTEGER NOT NULL, next_try REAL NOT NULL, status INTEGER,
-    error TEXT NOT NULL, PRIMARY KEY (webhook, number)
+    error TEXT NOT NULL, since REAL NOT NULL, head INTEGER NOT NULL, PRIMARY KEY (webhook, number)
 ) WITHOUT ROWID;
 CREATE INDEX pending_by_job ON deliveries (webhook, job, number) WHERE state = 'pending';
+CREATE INDEX heads ON deliveries (webhook, next_try, number) WHERE head = 1;
 CREATE INDEX by_state ON deliveries (state, webhook, number);
 """
 
@@ -38,7 +40,10 @@ _KEPT = 1000
 """How many deliveries of one webhook are remembered that are done."""
 _LETTERBOX = 100_000
 """How many deliveries of one webhook may wait; of more the oldest become dead letters."""
-_COLUMNS = "webhook, number, job, event, wall, body, state, attempts, next_try, status, error"
+_COLUMNS = "webhook, number, job, event, wall, body, state, attempts, next_try, status, error, since"
+_HEAD = """UPDATE deliveries SET head = 1 WHERE webhook = :webhook AND number =
+    (SELECT min(number) FROM deliveries WHERE webhook = :webhook AND job = :job AND state = 'pending')"""
+"""Makes the oldest message of a job that waits the one whose turn it is: the head of its queue."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +91,7 @@ class Post:
         next_try: When it is due [s since 1970].
         status: HTTP status of the last answer; None where there was none.
         error: Why the last try failed.
+        since: Since when it is tried: when it happened, or somebody wanted it sent again [s since 1970].
     """
 
     webhook: str
@@ -99,6 +105,7 @@ class Post:
     next_try: float
     status: int | None
     error: str
+    since: float
 
 
 class WebhookStore:
@@ -163,8 +170,8 @@ class WebhookStore:
         Raises:
             UnknownName: There is none of that id.
         """
-        changed = replace(self.subscription(webhook), **changes)
         with self._database.transaction() as connection:
+            changed = replace(self.subscription(webhook), **changes)
             connection.execute("UPDATE subscriptions SET data = ? WHERE id = ?", (_data(changed), webhook))
         return changed
 
@@ -210,7 +217,7 @@ class WebhookStore:
                             wall=one.wall,
                             data=tell(one),
                         )
-                        connection.execute(_INSERT, (subscription.id, number, one.job.id, event, one.wall, text, 0.0))
+                        _insert(connection, (subscription.id, number, one.job.id, event, one.wall, text))
                 connection.execute(
                     "UPDATE subscriptions SET seen = max(seen, ?), last = ? WHERE id = ?",
                     (announcements[-1].number, number, subscription.id),
@@ -229,17 +236,29 @@ class WebhookStore:
             ).fetchall()
             event = f"{webhook}-ping-{number}"
             text = letter(event, PING, self._source, subject="", sequence=number, wall=now, data={"ping": webhook})
-            connection.execute(_INSERT, (webhook, number, "", event, now, text, 0.0))
+            _insert(connection, (webhook, number, "", event, now, text))
         return int(number)
 
-    def due(self) -> tuple[Post, ...]:
-        """Returns for each webhook and job the oldest message that waits, whether its time has come or not."""
-        first = "SELECT webhook, min(number) FROM deliveries WHERE state = 'pending' GROUP BY webhook, job"
+    def due(self, webhook: str, now: float, most: int) -> tuple[Post, ...]:
+        """Returns messages whose time has come, of each job the oldest that waits; those that are late first.
+
+        Args:
+            webhook: Of which webhook.
+            now: Wall time [s since 1970].
+            most: At most so many.
+        """
         rows = self._database.rows(
-            f"SELECT {_COLUMNS} FROM deliveries WHERE (webhook, number) IN ({first}) ORDER BY next_try, number LIMIT ?",  # noqa: S608
-            (_MOST * 4,),
+            f"SELECT {_COLUMNS} FROM deliveries WHERE webhook = ? AND head = 1 AND next_try <= ?"  # noqa: S608
+            " ORDER BY next_try, number LIMIT ?",
+            (webhook, now, most),
         )
         return tuple(map(_post, rows))
+
+    def next_due(self, webhook: str, now: float) -> float | None:
+        """Returns when the next message's time will come [s since 1970]; None where none waits for its time."""
+        sql = "SELECT min(next_try) FROM deliveries WHERE webhook = ? AND head = 1 AND next_try > ?"
+        ((when,),) = self._database.rows(sql, (webhook, now))
+        return None if when is None else float(when)
 
     def settle(
         self, post: Post, state: DeliveryState, *, next_try: float = 0.0, status: int | None = None, error: str = ""
@@ -251,6 +270,8 @@ class WebhookStore:
                 " WHERE webhook = ? AND number = ?",
                 (state.value, next_try, status, error[:_LONGEST], post.webhook, post.number),
             )
+            if state is not DeliveryState.PENDING:
+                _pass_on(connection, post.webhook, post.number, post.job)
             if state is DeliveryState.DONE:
                 connection.execute(
                     "DELETE FROM deliveries WHERE webhook = ? AND state = 'done' AND number < ?",
@@ -259,29 +280,38 @@ class WebhookStore:
 
     def drop_oldest(self) -> int:
         """Makes dead letters of what is more than may wait; returns how many became so."""
-        dropped = 0
         with self._database.transaction() as connection:
-            for (webhook,) in connection.execute("SELECT id FROM subscriptions").fetchall():
-                dropped += connection.execute(
-                    "UPDATE deliveries SET state = 'dead', error = 'too many were waiting' WHERE webhook = ?"
-                    " AND number IN (SELECT number FROM deliveries WHERE webhook = ? AND state = 'pending'"
-                    " ORDER BY number DESC LIMIT -1 OFFSET ?)",
-                    (webhook, webhook, _LETTERBOX),
-                ).rowcount
-        return dropped
+            dropped = connection.execute(
+                "UPDATE deliveries SET state = 'dead', error = 'too many were waiting' WHERE state = 'pending' AND number <="
+                " (SELECT last FROM subscriptions WHERE id = webhook) - ? RETURNING webhook, number, job",
+                (_LETTERBOX,),
+            ).fetchall()
+            for webhook, number, job in dropped:
+                _pass_on(connection, webhook, number, job)
+        return len(dropped)
 
-    def redeliver(self, webhook: str, number: int) -> None:
-        """Has a dead letter sent again, at once.
+    def redeliver(self, webhook: str, number: int, now: float) -> None:
+        """Has a dead letter sent again, at once; what waits of the same job and is older comes first.
+
+        Args:
+            webhook: Id of the subscription.
+            number: Number of the message.
+            now: Wall time, from which on it is tried for a day again [s since 1970].
 
         Raises:
             UnknownName: There is no such dead letter.
         """
         with self._database.transaction() as connection:
             changed = connection.execute(
-                "UPDATE deliveries SET state = 'pending', next_try = 0, attempts = 0, wall = wall, error = ''"
-                " WHERE webhook = ? AND number = ? AND state = 'dead'",
-                (webhook, number),
-            ).rowcount
+                "UPDATE deliveries SET state = 'pending', next_try = 0, attempts = 0, since = ?, error = ''"
+                " WHERE webhook = ? AND number = ? AND state = 'dead' RETURNING job",
+                (now, webhook, number),
+            ).fetchall()
+            for (job,) in changed:
+                connection.execute(
+                    "UPDATE deliveries SET head = 0 WHERE webhook = ? AND job = ? AND state = 'pending'", (webhook, job)
+                )
+                connection.execute(_HEAD, {"webhook": webhook, "job": job})
         if not changed:
             raise UnknownName("dead letter", str(number), [str(p.number) for p in self.posts(webhook, "dead", 0, 100)])
 
@@ -316,7 +346,21 @@ class WebhookStore:
 
 
 _LONGEST = 1000
-_INSERT = "INSERT INTO deliveries VALUES (?, ?, ?, ?, ?, ?, 'pending', 0, ?, NULL, '')"
+
+
+def _insert(connection: sqlite3.Connection, row: tuple[str, int, str, str, float, str]) -> None:
+    """Adds a message at the end of its job's queue."""
+    webhook, _, job, _, wall, _ = row
+    sql = "SELECT 1 FROM deliveries WHERE webhook = ? AND job = ? AND state = 'pending' LIMIT 1"
+    first = not connection.execute(sql, (webhook, job)).fetchall()
+    values = (*row, wall, int(first))
+    connection.execute("INSERT INTO deliveries VALUES (?, ?, ?, ?, ?, ?, 'pending', 0, 0, NULL, '', ?, ?)", values)
+
+
+def _pass_on(connection: sqlite3.Connection, webhook: str, number: int, job: str) -> None:
+    """Makes the next message of a job the one whose turn it is."""
+    connection.execute("UPDATE deliveries SET head = 0 WHERE webhook = ? AND number = ?", (webhook, number))
+    connection.execute(_HEAD, {"webhook": webhook, "job": job})
 
 
 def state_of(announcement: Announcement) -> str:

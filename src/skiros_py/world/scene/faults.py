@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-import pyoxigraph as ox
-
 from skiros_py.errors import FileError
 from skiros_py.world.names import Names
 from skiros_py.world.ontology.documents import Document
@@ -57,9 +55,8 @@ def _fault(files: Sequence[Document], names: Names, name: str, sentence: str) ->
 
 def _statements(file: Document, iri: str) -> Iterator[tuple[str, str]]:
     """Yields (predicate, object) of what a file says of an individual."""
-    subject = ox.NamedNode(iri)
     for triple in file.triples:
-        if triple.subject == subject:
+        if getattr(triple.subject, "value", None) == iri:  # what was written for a name need not be an IRI
             yield triple.predicate.value, getattr(triple.object, "value", "")
 
 

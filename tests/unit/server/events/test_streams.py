@@ -141,6 +141,23 @@ def test_a_burst_of_events_wakes_all_streams_once(streams, log):
     assert len(woken) < 10  # the helper thread's own end is among them
 
 
+def test_streams_that_want_the_same_are_sent_the_same_bytes_made_once(streams, log):
+    async def run():
+        frames = [streams.follow(Choice(job=job), CALLER, "") for job in ("kit", "kit", "other")]
+        for one in frames:
+            await anext(one)
+        log.append(Kind.JOB, "running", "kit", job="kit")
+        log.append(Kind.JOB, "running", "other", job="other")
+        got = [await anext(one) for one in frames]
+        for one in frames:
+            await one.aclose()
+        return got
+
+    first, second, other = asyncio.run(asyncio.wait_for(run(), 20))
+    assert first is second
+    assert [one["id"] for one in read(other)] == [place_text(log, 2)]
+
+
 def test_no_more_streams_than_allowed_and_half_of_them_for_one_caller(streams):
     from contextlib import ExitStack
 

@@ -95,6 +95,7 @@ def _office(tmp_path, jobs, *, patience=_QUICK, allowed=("127.0.0.1",), dead=Non
     office = WebhookOffice(
         store,
         jobs.after,
+        lambda: len(jobs.all),
         jobs.forget,
         lambda one: {"job": one.job.id, "number": one.number},
         allowed,
@@ -197,6 +198,38 @@ def test_a_slow_target_delays_nobody_else(tmp_path, target):
         slow.close()
 
 
+def test_thousands_that_wait_for_a_dead_or_resting_target_delay_nobody_else(tmp_path, target):
+    gone = _Target()
+    gone.close()
+    jobs = _Jobs()
+    for number in range(2000):
+        jobs.announce(f"j{number % 700}")
+    with _office(tmp_path, jobs) as (store, _):
+        _subscribe(store, f"http://127.0.0.1:{gone.port}/", "wh_dead")
+        _subscribe(store, f"http://127.0.0.1:{target.port}/", "wh_resting", active=False)
+        _subscribe(store, f"http://127.0.0.1:{target.port}/", "wh_well", jobs="j1")
+        wanted = sum(one.job.id.startswith("j1") for one in jobs.all)
+        _until(lambda: len(target.got) == wanted)
+
+    for job in {event["subject"] for event in target.events}:
+        numbers = [event["data"]["number"] for event in target.events if event["subject"] == job]
+        assert numbers == sorted(set(numbers))
+
+
+def test_of_more_than_may_wait_the_oldest_become_dead_letters_and_the_rest_goes_on(tmp_path, target, monkeypatch):
+    monkeypatch.setattr("skiros_py.server.webhooks.store._LETTERBOX", 5)
+    jobs = _Jobs()
+    for _ in range(8):
+        jobs.announce("j1")
+    with _office(tmp_path, jobs) as (store, office):
+        _subscribe(store, f"http://127.0.0.1:{target.port}/", active=False)
+        _until(lambda: len(store.posts(None, "dead", 0, 10)) == 3)
+        store.change("wh_1", active=True)
+        office.wake()
+        _until(_done(store, 5))
+    assert [event["data"]["number"] for event in target.events] == [4, 5, 6, 7, 8]
+
+
 def test_a_redirect_is_not_followed(tmp_path, target):
     inner = _Target()
     target.answer = lambda handler, _event: _status(handler, 307, Location=f"http://127.0.0.1:{inner.port}/secret")
@@ -265,7 +298,7 @@ def test_what_nobody_takes_for_a_day_is_a_dead_letter_and_the_next_message_goes_
         _until(_done(store, 1))
         assert dead == [("j1", "the target answered 500")]
         target.answer = lambda handler, _event: _status(handler, 200)
-        store.redeliver("wh_1", 1)
+        store.redeliver("wh_1", 1, time.time())
         office.wake()
         _until(_done(store, 2))
 
@@ -295,6 +328,14 @@ def test_only_what_was_asked_for_is_told(tmp_path, target):
         _until(lambda: jobs.forgotten == 3)
 
     assert [event["data"]["number"] for event in target.events] == [2]
+
+
+def test_where_nobody_is_to_be_told_nothing_is_kept_for_it(tmp_path):
+    jobs = _Jobs()
+    for _ in range(3):
+        jobs.announce("j1")
+    with _office(tmp_path, jobs):
+        _until(lambda: jobs.forgotten == 3)
 
 
 def test_a_webhook_that_rests_gets_later_what_happened_meanwhile(tmp_path, target):

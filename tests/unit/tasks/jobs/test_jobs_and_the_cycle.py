@@ -70,9 +70,6 @@ def test_a_running_job_in_mid_motion_goes_on_while_an_order_is_being_kept(jobs, 
 
 
 def test_orders_from_many_threads_while_jobs_run_are_all_done_once(jobs, bench):
-    begun: list[str] = []
-    jobs.subscribe(lambda job: job.detail == "planning" and job.attempts == 0 and begun.append(job.id))
-
     def take(thread: int) -> None:
         for number in range(5):
             jobs.submit(order(f"{thread}-{number}", "In(ball_1, box_a)"))
@@ -83,6 +80,7 @@ def test_orders_from_many_threads_while_jobs_run_are_all_done_once(jobs, bench):
     while any(thread.is_alive() for thread in threads):
         bench.cycle.step()
     bench.until(lambda: not jobs.open)
+    begun = [told.job.id for told in jobs.announcements(0, 1000) if told.trigger == "dispatch"]
     assert sorted(begun) == sorted({f"{thread}-{number}" for thread in range(4) for number in range(5)})
     assert {job.outcome for job in jobs.jobs.values()} == {Outcome.ALREADY_SATISFIED}
 
