@@ -9,7 +9,7 @@ import sys
 import threading
 from pathlib import Path
 
-from skiros_py.api.events import EventInfo
+from skiros_py.api.events import EventInfo, ResetInfo
 from skiros_py.api.jobs import JobOrder
 from skiros_py.client import AsyncClient
 from skiros_py.client.calls.events import stream_job_events
@@ -24,7 +24,7 @@ class Follower(threading.Thread):
     def __init__(self, data: Path) -> None:
         super().__init__(name="follower", daemon=True)
         self._data = data
-        self.seen: list[EventInfo] = []
+        self.seen: list[EventInfo | ResetInfo] = []
         self.sees = threading.Event()
 
     def run(self) -> None:
@@ -33,7 +33,6 @@ class Follower(threading.Thread):
     async def _follow(self) -> None:
         async with AsyncClient.of_data(self._data) as client:
             async for event in client.follow(stream_job_events("kept")):
-                assert isinstance(event, EventInfo)
                 self.seen.append(event)
                 self.sees.set()
                 if (await client.jobs.get("kept")).outcome is not None:
@@ -64,4 +63,5 @@ def test_a_job_is_followed_over_a_restart_at_another_address(tmp_path: Path) -> 
     assert (watch.returncode, json.loads(out)["outcome"]) == (0, "succeeded"), err
     numbers = [event.id for event in follower.seen]
     assert len(numbers) == len(set(numbers))
+    assert [event.code for event in follower.seen if isinstance(event, ResetInfo)] == ["restarted"]
     assert not follower.is_alive()

@@ -23,6 +23,7 @@ from skiros_py.server.events.event import Kind
 from skiros_py.server.events.places import place_text
 from skiros_py.server.settings import ServerSettings
 from skiros_py.tasks.jobs import JobOrder
+from skiros_py.testing.server_process import ServerProcess
 from skiros_py.testing.serving import serving
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
@@ -109,11 +110,11 @@ def test_a_job_is_told_from_its_order_to_its_end_with_all_its_steps(served, http
     for event in follow(http, calls.stream_job_events("told")):
         assert event.job == "told"
         seen.append((event.kind, event.type))
-        if event.type == "ended" and event.kind == "job":
+        if event.type == "Ended" and event.kind == "job":
             break
     states = [type_ for kind, type_ in seen if kind == "job"]
-    assert states[0] == "allowed_to_start"
-    assert states[-1] == "ended"
+    assert states[0] == "AllowedToStart"
+    assert states[-1] == "Ended"
     happenings = [type_ for kind, type_ in seen if kind == "task"]
     assert [happenings[0], happenings[1], happenings[-1]] == ["begun", "planned", "finished"]
     assert happenings.count("started") == happenings.count("ended") == 4
@@ -325,6 +326,7 @@ def test_the_state_says_what_the_robots_do(http):
     assert len(state["arms"]["arm_1"]["positions"]) == 7
     assert state["grippers"]["gripper_1"]["holds"] is None
     assert set(state["bases"]["base_1"]["pose"]) == {"position", "orientation"}
+    assert state["arms"]["arm_1"]["tool"] == http.get("/robots/robot_1/state").json()["arms"]["arm_1"]["tool"]
     assert (state["halted"], state["tasks"], state["modules"]) == ("", [], [])
 
 
@@ -385,6 +387,40 @@ def test_the_client_goes_on_over_a_restart_of_the_server_and_hears_of_the_gap(tm
         assert first.data["edits"][0]["new"] == "before"
         assert isinstance(second, ResetInfo)
         assert second.code == "restarted"
+
+
+def test_a_server_that_was_killed_tells_its_clients_of_the_gap_and_where_to_read_and_then_goes_on(tmp_path):
+    def stream(http, last):
+        return http.sse("/events?kind=world", headers={"Last-Event-ID": last})
+
+    def rename_by_request(http, label):
+        http.patch("/elements/kit_1", json={"label": label}, headers={"If-Match": "*"}).raise_for_status()
+
+    with (
+        ServerProcess("kitting", "--fake", data=tmp_path) as server,
+        httpx2.Client(base_url=f"{server.url}/api/v1", timeout=30) as http,
+    ):
+        with stream(http, "") as source:
+            frames = iter(source)
+            rename_by_request(http, "before")
+            last = next(frame.id for frame in frames if frame.event == "world")
+        server.kill()
+    with (
+        ServerProcess("--fake", data=tmp_path) as server,
+        httpx2.Client(base_url=f"{server.url}/api/v1", timeout=30) as http,
+    ):
+        with stream(http, last) as source:
+            frames = iter(source)
+            reset = next(frames)
+            assert (reset.event, json.loads(reset.data)["code"]) == ("reset", "restarted")
+            for path in json.loads(reset.data)["read"]:
+                assert http.get(path.removeprefix("/api/v1")).status_code == 200
+            assert http.get("/elements/kit_1").json()["label"] == "before"
+            rename_by_request(http, "after")
+            told = next(frames)
+        assert json.loads(told.data)["data"]["edits"][0]["new"] == "after"
+        with stream(http, reset.id) as source:  # a client that was cut off right after the reset
+            assert next(frame.id for frame in source if frame.event == "world") == told.id
 
 
 def test_a_broken_connection_is_made_again_and_nothing_is_missed_or_comes_twice(served, http):

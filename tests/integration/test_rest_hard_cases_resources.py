@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import sqlite3
 import threading
@@ -13,6 +14,7 @@ import httpx2
 import psutil
 import pytest
 
+from skiros_py.errors import FileError
 from skiros_py.testing.server_process import ServerProcess
 from skiros_py.testing.serving import Served, serving
 
@@ -54,7 +56,9 @@ def test_a_thousand_requests_and_two_hundred_closed_streams_leave_no_file_and_no
     assert threading.active_count() <= threads + 5
 
 
-def test_the_log_of_events_the_audit_and_the_journal_do_not_grow_without_end(served: Served, api: httpx2.Client) -> None:
+def test_what_edits_and_jobs_leave_on_the_disk_is_little_and_the_log_of_events_is_bounded(
+    served: Served, api: httpx2.Client
+) -> None:
     data = served.services.data
     written = [sum(file.stat().st_size for file in data.glob("*.db*"))]
     for _ in range(2):
@@ -84,7 +88,6 @@ def test_a_polite_kill_while_a_job_runs_and_streams_are_open_ends_in_good_order_
             assert server.end(signal.SIGTERM) == 0
         until(lambda: not any(child.is_running() for child in started))
     assert "Traceback" not in server.said
-    make_old(tmp_path / "jobs.db")
     with ServerProcess("--fake", data=tmp_path) as server, server.client() as client:
         job = job_of(client.http, "kit")
         assert job["state"]["substates"] == ["Held"]
@@ -92,11 +95,51 @@ def test_a_polite_kill_while_a_job_runs_and_streams_are_open_ends_in_good_order_
         assert over(client.http, "kit")["outcome"] == "aborted"
 
 
-def make_old(path: Path) -> None:
-    """Makes a file of jobs one that version 1 left, with an order that waits besides."""
+def test_an_old_file_of_jobs_is_brought_up_to_date_by_the_server_and_one_of_a_later_version_is_left_alone(
+    tmp_path: Path,
+) -> None:
+    old, later = tmp_path / "old", tmp_path / "later"
+    old.mkdir()
+    write_old_jobs(old / "jobs.db")
+    with serving("kitting", old) as served, api_of(served) as api:
+        assert job_of(api, "waits")["state"]["text"] == "AllowedToStart"
+        assert job_of(api, "cut")["state"]["substates"] == ["Held"]
+        assert api.put("/jobs/new", json=HOLDS).json()["number"] == 6
+    later.mkdir()
+    with closing(sqlite3.connect(later / "jobs.db")) as file:
+        file.executescript(OLD_JOBS.replace("user_version = 1", "user_version = 999"))
+    before = (later / "jobs.db").read_bytes()
+    with pytest.raises(FileError, match="has tables of version 999"), serving("kitting", later):
+        pass
+    assert (later / "jobs.db").read_bytes() == before
+
+
+OLD_JOBS = """
+CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE transitions (job TEXT NOT NULL, data TEXT NOT NULL);
+CREATE INDEX transitions_by_job ON transitions (job);
+CREATE TABLE intents (job TEXT NOT NULL, number INTEGER NOT NULL, data TEXT NOT NULL, PRIMARY KEY (job, number))
+    WITHOUT ROWID;
+CREATE TABLE trace (job TEXT NOT NULL, data TEXT NOT NULL);
+CREATE INDEX trace_by_job ON trace (job);
+CREATE TABLE numbers (last INTEGER NOT NULL);
+INSERT INTO numbers VALUES (5);
+PRAGMA application_id = 1936419439;
+PRAGMA user_version = 1;
+"""
+"""The tables of version 1."""
+
+
+def write_old_jobs(path: Path) -> None:
+    """Writes a file as version 1 left it: one job that was cut off, one that waits for its gate."""
+    policy = {"rest": True, "ask": False, "attempts": 3, "partial": False}
+    for_all = {"detail": "", "choices": [], "question": None, "outcome": None, "actuals": [], "reasons": [], "plan": []}
     with closing(sqlite3.connect(path)) as file:
-        print(file.execute("PRAGMA user_version").fetchall())
-
-
-def test_an_old_file_of_jobs_is_brought_up_to_date_and_one_of_a_later_version_is_left_alone(tmp_path: Path) -> None:
-    pass
+        file.executescript(OLD_JOBS)
+        for number, (id_, state) in enumerate((("cut", 3), ("waits", 2)), start=4):
+            order = {"id": id_, "goal": ["InKit(Starter, kit_1)"], "description": "", "priority": 0, "deadline": None}
+            order |= {"not_before": 4e9, "expires": False, "policy": policy}
+            times = {"ordered": 1.7e9, "started": 1.7e9 if state == 3 else None, "ended": None}
+            job = {"order": order, "number": number, "state": state, **for_all, "attempts": 1, "version": 4, **times}
+            file.execute("INSERT INTO jobs VALUES (?, ?, ?)", (id_, number, json.dumps(job)))
+        file.commit()

@@ -286,6 +286,13 @@ def test_removing_cancels_what_has_not_begun_and_clears_what_is_over(api):
     assert state(api.delete("/jobs/remove").json())[0] == "Ended"
 
 
+def test_why_somebody_commands_is_in_the_audit_log_also_when_the_job_is_gone(api):
+    api.put("/jobs/audited", json=HOLDS | LATER)
+    api.post("/jobs/audited/cancel", json={"comment": "the customer went away"})
+    newest = api.get("/audit", params={"limit": 1}).json()["items"][0]
+    assert (newest["job"], newest["comment"]) == ("audited", "the customer went away")
+
+
 def test_a_job_that_asks_is_held_until_it_is_answered(api, served):
     held = api.put("/jobs/asks", json={**HOPELESS, "policy": {"ask": True}}, headers=DONE).json()
     assert state(held) == ("Interrupted", ("Held",))

@@ -74,9 +74,8 @@ def station(tmp_path_factory: pytest.TempPathFactory) -> Iterator[_Station]:
 
 def _expired(keys: Any) -> str:
     key, text = keys.create("late", Role.ADMIN, 9e9)
-    with keys._database.transaction() as connection:
+    with keys._writes.transaction() as connection:
         connection.execute("UPDATE keys SET expires = 1 WHERE id = ?", (key.id,))
-    keys._forget()
     return str(text)
 
 

@@ -185,6 +185,6 @@ def test_a_polite_kill_in_the_middle_of_a_job_keeps_it_for_a_person(tmp_path: Pa
     with JobFiles(tmp_path) as jobs:
         job = jobs.get("cut")
 
-    assert job.state.text == "Interrupted/Held"
+    assert (job.state.text, job.state.substates) == ("Interrupted", ("Held",))
     until(lambda: not any(map(lives, started)))
     assert "Traceback" not in server.said

@@ -99,3 +99,8 @@ class AlarmAnswer(Request):
     """What a person answers."""
 
     answer: str = Field(max_length=200, description="One of the alarm's choices.", examples=["retry"])
+    question: int | None = Field(
+        default=None,
+        description="The alarm's `question` that was seen: if it asks something else by now, the answer is refused.",
+        examples=[None],
+    )

@@ -26,16 +26,16 @@ class EventInfo(Answer):
     kind: EventKind = Field(description="What it is about.", examples=["job"])
     type: str = Field(
         description="What happened: `scene` or `learned` of the world; the status of a module; what happened in a task;"
-        " the state of a job; `raised`, `changed`, `acknowledged`, `answered`, `cleared` of an alarm; `opened`,"
+        " the state of a job, as jobs name it (`Running`); `raised`, `changed`, `acknowledged`, `answered`, `cleared` of an alarm; `opened`,"
         " `closed`, `halted`, `reset` of the station.",
-        examples=["running"],
+        examples=["Running"],
     )
     subject: str = Field(
         description="What it happened to: id of a job or alarm, name of a task or module.", examples=["kit-17"]
     )
     job: str = Field(description="Id of the job that it belongs to; empty where there is none.", examples=["kit-17"])
     data: dict[str, Any] = Field(
-        description="All there is to say.", examples=[{"id": "kit-17", "version": 4, "state": "running"}]
+        description="All there is to say.", examples=[{"id": "kit-17", "version": 4, "state": "Running"}]
     )
 
 

@@ -24,6 +24,7 @@ class ArmInfo(Answer):
     positions: tuple[float, ...] = Field(description="Joint angles [rad].", examples=[[0.0, -0.8, 0.0]])
     velocities: tuple[float, ...] = Field(description="Joint speeds [rad/s].", examples=[[0.0, 0.0, 0.0]])
     still: bool = Field(description="Whether it stands.", examples=[True])
+    tool: PoseInfo | None = Field(default=None, description="Where its tip is; null where nobody knows its model.")
 
 
 class GripperInfo(Answer):

@@ -110,7 +110,7 @@ def revoke(key: str, data: Path, as_json: bool) -> int:
 
 @contextmanager
 def _keys(data: Path, *, make: bool = False) -> Iterator[KeyStore]:
-    from skiros_py.server.access.file import FILE, open_access
+    from skiros_py.server.access.file import FILE
     from skiros_py.server.access.keys import KeyStore
 
     if not make and not (data / FILE).exists():
@@ -119,8 +119,8 @@ def _keys(data: Path, *, make: bool = False) -> Iterator[KeyStore]:
         data.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(data, f"cannot be made: {error.strerror}") from None
-    with closing(open_access(data)) as database:
-        yield KeyStore(database)
+    with closing(KeyStore(data)) as keys:
+        yield keys
 
 
 def _state(key: ApiKey) -> str:

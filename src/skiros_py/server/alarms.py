@@ -182,18 +182,25 @@ class Alarms:
             self._tell(known, "answered", answer=answer, by=by)
             return known
 
-    def require_choice(self, id_: str, answer: str) -> Alarm:
+    def require_choice(self, id_: str, answer: str, question: int | None = None) -> Alarm:
         """Returns an alarm that may be answered so.
+
+        Args:
+            id_: Its id.
+            answer: The answer.
+            question: The question that is answered; None for whatever it asks.
 
         Raises:
             UnknownName: There is none of that id, or it does not offer that answer.
-            WrongState: It is over, or asks nothing.
+            WrongState: It is over, asks nothing, or asks something else.
         """
         alarm = self.alarm(id_)
         if not alarm.active:
             raise WrongState(f"alarm {id_} is over: it waits for no answer any more")
         if not alarm.choices:
             raise WrongState(f"alarm {id_} asks nothing: acknowledge it")
+        if question is not None and question != alarm.question:
+            raise WrongState(f"alarm {id_} does not wait for the answer to question {question} (any more)")
         if answer not in alarm.choices:
             raise UnknownName("answer", answer, alarm.choices, where=f"of alarm {id_}")
         return alarm

@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, wait
-from contextlib import suppress
+from contextlib import contextmanager, nullcontext, suppress
 from typing import TypeVar
 
 from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
@@ -28,6 +28,9 @@ _PATIENCE = 10.0
 """How long a caller waits for its turn between two cycles [s]."""
 _OPENING = 60.0
 """How long a caller waits while the session is being opened anew [s]."""
+_PLACES = 24
+"""So many callers wait at the same time, of the 40 threads that answer requests: the others answer what needs no turn,
+whatever holds the control cycle."""
 _REST = 0.005
 """In lockstep, the pause between two cycles while nothing is to be done [s]: time stands still for nobody's sake."""
 
@@ -50,6 +53,7 @@ class ControlThread:
         self._session: Session | None = None
         self._ready = threading.Condition()
         self._commands = Commands()
+        self._places = threading.BoundedSemaphore(_PLACES)
         self._ending = False
         self._stepped = time.monotonic()
         self._on_open: list[Listener] = []
@@ -112,15 +116,33 @@ class ControlThread:
         """The session; while it is being opened anew, that is waited for.
 
         Raises:
-            Busy: There is none, and there will be none soon.
+            Busy: There is none, and there will be none soon; or very many wait for it already.
         """
         session = self._session
         if session is not None:
             return session
         if not self._is_mine:  # the control thread would wait for itself
-            with self._ready:
-                self._ready.wait_for(lambda: self._session is not None or self.fault is not None, timeout=_OPENING)
+            with self._place():
+                self._await_session()
         return self._present()
+
+    def _await_session(self) -> None:
+        with self._ready:
+            self._ready.wait_for(lambda: self._session is not None or self.fault is not None, timeout=_OPENING)
+
+    @contextmanager
+    def _place(self) -> Iterator[None]:
+        """Takes a place among those who wait.
+
+        Raises:
+            Busy: There is none left.
+        """
+        if not self._places.acquire(blocking=False):
+            raise Busy("very many requests wait for the control cycle already", retry_after=1.0)
+        try:
+            yield
+        finally:
+            self._places.release()
 
     def _present(self) -> Session:
         session = self._session
@@ -135,23 +157,26 @@ class ControlThread:
 
     # ------------------------------------------------------------------ asking
 
-    def call(self, work: Callable[[Session], T]) -> T:
+    def call(self, work: Callable[[Session], T], *, urgent: bool = False) -> T:
         """Has something quick done in the control thread between two cycles, and returns what comes of it.
 
         In the control thread itself (a listener, an observer of the cycle) it is done at once.
 
         Args:
             work: Gets the session of that moment, which may be another one than when it was asked for.
+            urgent: True where it is asked for however many wait already.
 
         Raises:
-            Busy: Its turn did not come in time, or there is no session; nothing was done.
+            Busy: Its turn did not come in time, there is no session, or very many wait already; nothing was done.
             DeviceError: It did not come to an end; nobody knows what was done.
             Exception: Whatever the work raises.
         """
         if self._is_mine:
             return work(self._present())
-        self.session  # noqa: B018 - while it is being opened anew, that may take longer than a turn
-        return self._outcome(self._commands.ask(lambda: work(self._present())))
+        with nullcontext() if urgent else self._place():
+            self._await_session()  # while it is being opened anew, that may take longer than a turn
+            self._present()
+            return self._outcome(self._commands.ask(lambda: work(self._present())))
 
     def soon(self, work: Callable[[Session], object]) -> None:
         """Has something quick done in the control thread between two cycles, and does not wait for it.

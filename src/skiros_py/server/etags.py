@@ -22,12 +22,15 @@ def expected_version(request: Request) -> int | None:
     """Returns the version that If-Match names; None where there is no such header, or it takes any version ("*").
 
     Raises:
-        Problem: The header is no ETag of ours (412: that version never was).
+        Problem: The header is no ETag of ours (412: that version never was), or names several (400).
     """
     given = request.headers.get("if-match")
     if given is None or given.strip() == "*":
         return None
-    match = _TAG.fullmatch(given.strip())
+    tags = {tag.strip() for tag in given.split(",")}
+    if len(tags) > 1:
+        raise Problem(400, "InvalidRequest", f"If-Match: name the one version that you have seen, not {given[:100]}")
+    match = _TAG.fullmatch(tags.pop())
     if match is None:
         raise Problem(412, "StaleVersion", f'If-Match takes an ETag of this API such as "17", or *, not {given[:100]}')
     return int(match[1])

@@ -22,11 +22,17 @@ from skiros_py.tasks.jobs import Intent, JobOrder, Transition
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobState as State
 
-__all__ = ["STATES", "commands_of", "job_view", "state_view", "steps_view", "transitions_view"]
+__all__ = ["STATES", "commands_of", "job_view", "state_name", "state_view", "steps_view", "transitions_view"]
 
 STATES: dict[StateName, State] = {StateName(s.name.title().replace("_", "")): s for s in State}
 """The states of jobs by their names in the standard."""
 _NAMES = {state: name for name, state in STATES.items()}
+
+
+def state_name(state: State) -> StateName:
+    """Returns the name that a state has in the standard, and with everybody outside."""
+    return _NAMES[state]
+
 
 _COMMANDS: dict[State, tuple[str, ...]] = {
     State.NOT_ALLOWED_TO_START: ("start", "abort", "cancel"),

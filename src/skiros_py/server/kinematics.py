@@ -13,11 +13,12 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from skiros_py.errors import SkirosError
 from skiros_py.geometry import Pose
 from skiros_py.robot.cell import ArmSpec
 from skiros_py.robot.models import write_robot_urdf
 
-__all__ = ["Joint", "RobotModel", "robot_model"]
+__all__ = ["Joint", "RobotModel", "known_model", "robot_model"]
 
 _BASE = "base_link"
 _TURNS = ("revolute", "continuous")
@@ -100,6 +101,15 @@ def robot_model(name: str) -> RobotModel:
     with TemporaryDirectory(prefix="skiros-model-") as folder:
         root = ET.parse(write_robot_urdf(name, Path(folder))).getroot()  # noqa: S314 - written just now
     return RobotModel({_named(joint, "child", "link"): _joint(joint) for joint in root.iter("joint")})
+
+
+@cache
+def known_model(name: str) -> RobotModel | None:
+    """Reads a robot model; None where it cannot be read: cells of plug-ins may have robots of their own."""
+    try:
+        return robot_model(name)
+    except SkirosError:
+        return None
 
 
 def _joint(joint: ET.Element) -> Joint:

@@ -14,6 +14,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from skiros_py.runtime import Session
 from skiros_py.server.control import ControlThread
 from skiros_py.server.events.log import EventLog
+from skiros_py.server.job_views import state_name
 
 __all__ = ["Metrics", "RequestMetrics"]
 
@@ -85,7 +86,7 @@ def _of_session(session: Session) -> Iterable[Metric]:
     yield _gauge("skiros_questions_open", "Questions that wait for a person.", len(session.questions.open))
     yield _gauge("skiros_tasks_under_way", "Tasks under way.", len(session.tasks.undertakings))
     jobs = GaugeMetricFamily("skiros_jobs_open", "Jobs that are not over, by state.", labels=("state",))
-    for state, number in Counts(job.state.name.lower() for job in session.jobs.open.values()).items():
+    for state, number in Counts(state_name(job.state).value for job in session.jobs.open.values()).items():
         jobs.add_metric((state,), number)
     yield jobs
 

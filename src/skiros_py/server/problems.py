@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from starlette.exceptions import HTTPException
 from skiros_py.api.problem import ProblemDetails
 from skiros_py.errors import (
     Busy,
+    FileError,
     GoalSyntaxError,
     Locked,
     SkirosError,
@@ -82,12 +84,14 @@ _KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
 def _answer_fault(request: Request, error: Exception) -> Response:
     assert isinstance(error, SkirosError)
     problem = _of(error)
-    if problem.status == 500:
+    if problem.status == 500 or isinstance(error, FileError):
         _log.error("request %s: %s", getattr(request.state, "id", ""), error, exc_info=error)
     return problem_response(request, problem)
 
 
 def _of(error: SkirosError) -> Problem:
+    if isinstance(error, FileError):
+        return _of_file(error)
     status, code = next((status, code) for kind, status, code in _KINDS if isinstance(error, kind))
     extra: dict[str, Any] = {}
     if isinstance(error, UnknownName):
@@ -96,6 +100,19 @@ def _of(error: SkirosError) -> Problem:
         extra = {"column": error.column}
     headers = {"Retry-After": f"{max(1, round(error.retry_after))}"} if isinstance(error, Busy) else {}
     return Problem(status, code, str(error), headers=headers, **extra)
+
+
+def _of_file(error: FileError) -> Problem:
+    """A file of the server itself: what was wrong with a file of the caller was said where that was read."""
+    detail = f"{error.path.name}: {error.reason.replace(str(error.path.parent), '…')}"
+    if _is_full(error.__cause__):
+        return Problem(507, "DiskFull", detail)
+    return Problem(503, "FileFault", detail, headers={"Retry-After": "5"})
+
+
+def _is_full(cause: BaseException | None) -> bool:
+    full = getattr(cause, "sqlite_errorname", "").startswith("SQLITE_FULL")
+    return full or getattr(cause, "errno", None) in (errno.ENOSPC, errno.EDQUOT)
 
 
 def problem_response(request: Request, problem: Problem) -> Response:
@@ -191,6 +208,7 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
         428: "If-Match is missing: say which version you have seen.",
         429: "Too many requests; Retry-After says when to go on.",
         503: "Too much to do, or not ready; Retry-After says when to come again.",
+        507: "The disk is full: nothing was changed.",
     }.items()
 }
 """What any route may answer; for ``responses=``."""

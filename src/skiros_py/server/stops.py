@@ -145,7 +145,7 @@ class Stops:
             self._forget()
             return True
 
-        done = self._control.call(do)
+        done = self._control.call(do, urgent=True)
         if done:
             self._events.append(Kind.SYSTEM, "reset", data={"by": by})
         return done

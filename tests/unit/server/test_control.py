@@ -278,3 +278,23 @@ def test_what_is_not_waited_for_and_breaks_is_logged(start: Start, caplog: pytes
 
     assert "failed: quietly" in caplog.text
     assert control.alive
+
+
+def test_of_those_who_wait_for_the_cycle_only_some_have_places_and_the_urgent_need_none(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_PLACES", 2)
+    control, held, go_on = start(), threading.Event(), threading.Event()
+    control.soon(lambda _: (held.set(), go_on.wait(30)))
+    assert held.wait(30)
+    with ThreadPoolExecutor(3) as pool:
+        waiting = [pool.submit(control.call, lambda _: "done") for _ in range(2)]
+        wait_for(lambda: len(control._commands) == 2)
+        with pytest.raises(Busy, match="very many"):
+            control.call(lambda _: "done")
+        urgent = pool.submit(control.call, lambda _: "urgent", urgent=True)
+        wait_for(lambda: len(control._commands) == 3)
+        go_on.set()
+
+        assert [one.result() for one in (*waiting, urgent)] == ["done", "done", "urgent"]
+    assert control.call(lambda _: "again") == "again"

@@ -28,14 +28,15 @@ def acknowledge_alarm(alarm: str) -> Call[AlarmInfo]:
     return Call("POST", f"{_path(alarm)}/acknowledge", _info)
 
 
-def answer_alarm(alarm: str, answer: str) -> Call[AlarmInfo]:
+def answer_alarm(alarm: str, answer: str, *, question: int | None = None) -> Call[AlarmInfo]:
     """Answers who waits.
 
     Args:
         alarm: Its id.
         answer: One of its choices.
+        question: What it asked when it was looked at, so that nothing else is answered; None for whatever it asks.
     """
-    body = AlarmAnswer(answer=answer).model_dump(mode="json")
+    body = AlarmAnswer(answer=answer, question=question).model_dump(mode="json")
     return Call("POST", f"{_path(alarm)}/answer", _info, json=body, repeatable=False)
 
 

@@ -181,9 +181,10 @@ def clear_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[J
     return _command(job, "clear", comment, seen)
 
 
-def remove_job(job: str, *, seen: int | None = None) -> Call[Job]:
+def remove_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
     """Removes a job that has not begun, or is over."""
-    return Call("DELETE", _path(job), _read(Job), headers={"If-Match": _seen(seen)})
+    query = {"comment": comment or None}
+    return Call("DELETE", _path(job), _read(Job), query, headers={"If-Match": _seen(seen)})
 
 
 def answer_job(job: str, answer: str, *, question: int | None = None) -> Call[Job]:

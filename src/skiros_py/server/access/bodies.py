@@ -14,8 +14,6 @@ from skiros_py.server.problems import Problem
 
 __all__ = ["check_json", "read_body", "replayed"]
 
-_PATIENCE = 30.0
-"""How long a body may take to arrive [s]."""
 _DEEPEST = 64
 """How deep lists and objects may be nested."""
 _LARGEST = 2**63
@@ -27,13 +25,14 @@ _SUSPICIOUS = re.compile(rb"NaN|Infinity|\xed[\xa0-\xbf]|\\u(?:0000|[dD][89a-fA-
 _NOT_TEXT = re.compile("[\0\ud800-\udfff]")
 
 
-async def read_body(headers: Headers, receive: Receive, longest: int) -> bytes:
+async def read_body(headers: Headers, receive: Receive, longest: int, seconds: float) -> bytes:
     """Reads and checks the body of a request that may change something.
 
     Args:
         headers: The request's headers.
         receive: Gives the body, piece by piece.
         longest: How long it may be [bytes].
+        seconds: How long it may take to arrive [s].
 
     Raises:
         Problem: It is too long (413), too slow (408), of a type that forms have (415), or JSON that is none (400).
@@ -42,10 +41,10 @@ async def read_body(headers: Headers, receive: Receive, longest: int) -> bytes:
     if not announced.isdecimal() or len(announced) > 18 or int(announced) > longest:
         raise _too_long(longest)
     try:
-        async with asyncio.timeout(_PATIENCE):
+        async with asyncio.timeout(seconds):
             body = await _whole(receive, longest)
     except TimeoutError:
-        raise Problem(408, "BodyTooSlow", f"the body did not arrive within {_PATIENCE:.0f} s") from None
+        raise Problem(408, "BodyTooSlow", f"the body did not arrive within {seconds:g} s") from None
     if body:
         _check(headers.get("content-type", ""), body)
     return body

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 from http.cookies import CookieError, SimpleCookie
 
 from starlette.datastructures import Headers
@@ -10,6 +9,7 @@ from starlette.datastructures import Headers
 from skiros_py.errors import UsageError
 from skiros_py.server.access.keys import Key, KeyStore
 from skiros_py.server.access.logins import COOKIE, Logins
+from skiros_py.server.access.networks import network_of
 from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.problems import Problem
@@ -128,7 +128,7 @@ class Doorkeeper:
         raise self._wrong(address)
 
     def _wrong(self, address: str) -> Problem:
-        who = _network(address)
+        who = network_of(address)
         if self._guesses.take(who):
             return _stranger("that is no valid key: it is mistyped, revoked or has expired")
         wait = {"Retry-After": f"{self._guesses.wait(who) + 1:.0f}"}
@@ -164,17 +164,6 @@ def _user(headers: Headers) -> str:
     """Returns how somebody calls themselves who needs no key: for authorship only."""
     given = headers.get("x-skiros-user", "").encode("latin-1").decode("utf-8", "replace")
     return "".join(c for c in given if c.isprintable())[:_LONGEST_USER].strip() or _LOCAL
-
-
-def _network(address: str) -> str:
-    """Returns whom an address belongs to: of IPv6, everybody has a whole network."""
-    try:
-        number = ipaddress.ip_address(address)
-    except ValueError:
-        return address
-    if isinstance(number, ipaddress.IPv6Address):
-        return str(ipaddress.ip_network((number, 64), strict=False))
-    return address
 
 
 def _stranger(detail: str) -> Problem:

@@ -18,6 +18,8 @@ from skiros_py.server.access.audit import AuditEntry, AuditLog
 from skiros_py.server.access.bodies import read_body, replayed
 from skiros_py.server.access.doorkeeper import Doorkeeper
 from skiros_py.server.access.keys import without_keys
+from skiros_py.server.access.load import Load
+from skiros_py.server.access.networks import network_of
 from skiros_py.server.access.places import SAFE, Places
 from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import Caller, Role
@@ -30,11 +32,16 @@ __all__ = ["OPEN", "Gate", "Guarded"]
 _log = logging.getLogger(__name__)
 
 _API = "/api/v1"
-OPEN = frozenset({("GET", "/healthz"), ("GET", "/readyz"), ("POST", f"{_API}/session")})
+_HEALTH = frozenset((method, path) for method in ("GET", "HEAD") for path in ("/healthz", "/readyz"))
+_LOGIN = ("POST", f"{_API}/session")
+OPEN = _HEALTH | {_LOGIN}
 """What needs no key: methods and paths."""
 _STOP = ("POST", f"{_API}/stop")
-_ALWAYS = OPEN - {("POST", f"{_API}/session")} | {_STOP}
-"""What always passes, be there ever so much to do."""
+"""What always passes, be there ever so much to do; so does whoever asks for the server's health."""
+_LONGEST_LOGIN = 4 << 10
+_PATIENCE = 30.0
+_PATIENCE_WITH_STRANGERS = 2.0
+"""How long a body may take to arrive [s]."""
 _NOBODY = Caller("", Role.VIEWER)
 
 _LONGEST_URL = 8 << 10
@@ -42,7 +49,8 @@ _LONGEST_HEADERS = 32 << 10
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 _KEY_IN_URL = re.compile(rb"(?:^|&)(?:x-)?(?:api[_-]?key|access_token|authorization)=", re.IGNORECASE)
 _REFUSALS = 30
-"""Refusals of one address that the audit log takes in a minute: nobody shall push out what else is in it."""
+_REFUSALS_OF_ALL = 300
+"""Refusals that the audit log takes in a minute, of one address and of all: nobody shall fill it."""
 _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
@@ -85,7 +93,8 @@ class Gate:
         self._places = Places(services.settings)
         self._rates = Rates(services.settings.rate, 1.0)
         self._refusals = Rates(_REFUSALS, 60.0)
-        self._under_way = 0
+        self._refusals_of_all = Rates(_REFUSALS_OF_ALL, 60.0)
+        self._load = Load(services.settings.requests)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answers a request, or passes it on."""
@@ -103,7 +112,6 @@ class Gate:
         request_id.set(request.state.id)
         request.state.caller = _NOBODY
         answer = _Answer(send, request, self._places.answer(headers), self._services)
-        self._under_way += 1
         try:
             await self._pass(request, headers, receive, answer)
         except Problem as problem:
@@ -116,7 +124,6 @@ class Gate:
                 raise
             await problem_response(request, _broken(request.state.id))(scope, receive, answer)
         finally:
-            self._under_way -= 1
             self._keep(request, answer.status)
 
     async def _pass(self, request: Request, headers: Headers, receive: Receive, answer: _Answer) -> None:
@@ -128,26 +135,36 @@ class Gate:
             return
         self._places.check_origin(request.method, scope["scheme"], headers)
         _check_url(scope)
+        if what == _LOGIN:
+            with self._load.stranger(_address(scope)):
+                body = await read_body(headers, receive, _LONGEST_LOGIN, _PATIENCE_WITH_STRANGERS)
+                await self._app(scope, replayed(body, receive), answer)
+            return
         if what not in OPEN:
             request.state.caller = self._services.doorkeeper.caller(headers, _address(scope))
-        if what not in _ALWAYS:
-            self._check_load(request.state.caller)
-        if request.method not in SAFE and what != _STOP:  # which is obeyed whatever its body is, or before it is there
-            receive = replayed(await read_body(headers, receive, self._services.settings.body), receive)
-        await self._app(scope, receive, answer)
+        if what in OPEN or what == _STOP:  # which is obeyed whatever its body is, or before it is there
+            await self._app(scope, receive, answer)
+            return
+        self._check_rate(request.state.caller)
+        with self._load.known():
+            if request.method not in SAFE:
+                body = await read_body(headers, receive, self._services.settings.body, _PATIENCE)
+                receive = replayed(body, receive)
+            await self._app(scope, receive, answer)
 
-    def _check_load(self, caller: Caller) -> None:
-        if self._under_way > self._services.settings.requests:
-            raise Problem(503, "Busy", "too many requests are under way", headers={"Retry-After": "1"})
-        if caller is not _NOBODY and not self._rates.take(caller.key or caller.name):
+    def _check_rate(self, caller: Caller) -> None:
+        if not self._rates.take(caller.key or caller.name):
             detail = f"more than {self._services.settings.rate} requests in a second"
             raise Problem(429, "TooManyRequests", detail, headers={"Retry-After": "1"})
 
     def _keep(self, request: Request, status: int) -> None:
         """Has the audit log remember what changed something, and what was refused."""
         changed = request.method not in SAFE and request.state.caller is not _NOBODY and status != 429
-        if changed or (status in _REFUSED and self._refusals.take(_address(request.scope))):
+        if changed or (status in _REFUSED and self._may_fill_log(_address(request.scope))):
             self._services.audit.append(_entry(request, status))
+
+    def _may_fill_log(self, address: str) -> bool:
+        return self._refusals.take(network_of(address)) and self._refusals_of_all.take("")
 
 
 _REFUSED = frozenset({400, 401, 403, 429})

@@ -10,12 +10,14 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from skiros_py.api.keys import ApiKey
 from skiros_py.api.wire import moment
 from skiros_py.database import Database
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
+from skiros_py.server.access.file import open_access
 from skiros_py.server.access.roles import Role
 
 __all__ = ["Key", "KeyStore", "shown", "without_keys"]
@@ -88,21 +90,36 @@ class KeyStore:
     """The keys of a data directory; used by any thread and by several processes.
 
     What a request needs is kept in memory, and read again as soon as anybody, in any process, has changed the file.
+    Keys are made and revoked over a connection of its own, so that no request waits for the disk, or for other
+    programs that write. Close it.
 
     Args:
-        database: From :func:`~skiros_py.server.access.file.open_access`; whoever made it closes it.
+        data: The data directory.
+
+    Raises:
+        FileError: Its file cannot be opened or made, or is damaged.
 
     Attributes:
         local_token: Opens everything to programs that may read the data directory; made anew at each start.
     """
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, data: Path) -> None:
         self.local_token = f"sk_{_LOCAL}_{secrets.token_urlsafe(32)}"
-        self._database = database
+        self._writes = open_access(data)
+        try:
+            self._reads = open_access(data)
+        except BaseException:
+            self._writes.close()
+            raise
         self._guard = threading.Lock()
         self._known: Mapping[str, Key] = {}
         self._seen = -1
         self._uses: dict[str, float] = {}
+
+    def close(self) -> None:
+        """Closes the file; may be called twice."""
+        self._reads.close()
+        self._writes.close()
 
     def create(self, name: str, role: Role, expires: float | None = None) -> tuple[Key, str]:
         """Makes a key.
@@ -125,7 +142,7 @@ class KeyStore:
         key_id = secrets.token_hex(4)
         text = f"sk_{key_id}_{secrets.token_urlsafe(32)}"
         key = Key(key_id, name, role, text[-4:], time.time(), expires, None, None, _digest(text))
-        with self._database.transaction() as connection:
+        with self._writes.transaction() as connection:
             ((count,),) = connection.execute("SELECT count(*) FROM keys").fetchall()
             if count >= _MOST:
                 connection.execute("DELETE FROM keys WHERE revoked IS NOT NULL OR expires < ?", (time.time(),))
@@ -136,7 +153,6 @@ class KeyStore:
                 f"INSERT INTO keys ({_COLUMNS}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",  # noqa: S608 - our own names
                 (key.id, name, role.value, key.digest, key.ending, key.created, expires, None, None),
             )
-        self._forget()
         return key, text
 
     def revoke(self, key_id: str, *, open_to_others: bool = False) -> Key:
@@ -150,7 +166,7 @@ class KeyStore:
             UnknownName: There is no such key.
             WrongState: Nobody could make keys any more.
         """
-        with self._database.transaction() as connection:
+        with self._writes.transaction() as connection:
             keys = {key.id: key for key in _keys(connection.execute(f"SELECT {_COLUMNS} FROM keys").fetchall())}  # noqa: S608
             if key_id not in keys:
                 raise UnknownName("key", key_id, list(keys))
@@ -160,7 +176,6 @@ class KeyStore:
                     " make one first, or use 'skiros key revoke' on the server"
                 )
             connection.execute("UPDATE keys SET revoked = coalesce(revoked, ?) WHERE id = ?", (time.time(), key_id))
-        self._forget()
         return self.key(key_id)
 
     def all(self) -> tuple[Key, ...]:
@@ -180,11 +195,12 @@ class KeyStore:
 
     @property
     def needed(self) -> bool:
-        """True once there is a key that is not revoked.
+        """True once a key was ever made.
 
-        One that expired counts: a door that was locked does not open by itself because time passes.
+        Those that expired or were revoked count: a door that was locked does not open because the last key is gone.
+        Whoever may read the data directory opens it again, with the local token or another key.
         """
-        return any(key.revoked is None for key in self._now().values())
+        return bool(self._now())
 
     def is_local(self, text: str) -> bool:
         """Tells whether that is the token of this start of the server."""
@@ -215,16 +231,12 @@ class KeyStore:
             with database.transaction() as connection:
                 connection.executemany("UPDATE keys SET used = ? WHERE id = ?", [(at, key) for key, at in uses.items()])
 
-    def _forget(self) -> None:
-        with self._guard:
-            self._seen = -1
-
     def _now(self) -> Mapping[str, Key]:
-        # data_version tells what other connections wrote, in 3 µs; what this one writes is forgotten in so many words.
-        ((version,),) = self._database.rows("PRAGMA data_version")
+        # data_version tells in 3 µs that other connections wrote; this one only reads, and waits for none of them.
+        ((version,),) = self._reads.rows("PRAGMA data_version")
         if version != self._seen:
             with self._guard:
-                rows = self._database.rows(f"SELECT {_COLUMNS} FROM keys")  # noqa: S608 - our own names
+                rows = self._reads.rows(f"SELECT {_COLUMNS} FROM keys")  # noqa: S608 - our own names
                 self._known, self._seen = {key.id: key for key in _keys(rows)}, version
         return self._known
 

@@ -27,7 +27,7 @@ def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tup
         FileError: The file cannot be opened or made, or is damaged.
     """
     data.mkdir(parents=True, exist_ok=True)
-    keys = KeyStore(stack.enter_context(closing(open_access(data))))
+    keys = stack.enter_context(closing(KeyStore(data)))
     check_access(settings, keys)
     # A connection of its own: a request that asks for its key never waits for what is being written.
     audit = AuditLog(open_access(data), besides=keys.keep_uses)

@@ -12,6 +12,7 @@ from fastapi.sse import format_sse_event
 from skiros_py.geometry import Pose
 from skiros_py.runtime import Session
 from skiros_py.server.events.event import as_text
+from skiros_py.server.kinematics import known_model
 from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import HELD_BY
 
@@ -39,6 +40,8 @@ class LiveState:
 
     def open(self, session: Session) -> None:
         """Shows another session from now on."""
+        for robot in session.spec.robots:
+            known_model(robot.model)  # read now, and not when somebody wants to look
         self._session = session
 
     def close(self, _session: Session) -> None:
@@ -83,7 +86,7 @@ class LiveState:
 def live_state(session: Session) -> dict[str, Any]:
     """Returns what the robots do at this moment as plain data; quick, and for any thread."""
     cycle, index = session.cycle, session.world.snapshot()
-    snapshot = cycle.board.snapshot
+    snapshot, tools = cycle.board.snapshot, _tools(session)
     return {
         "time": snapshot.time,
         "cycle": snapshot.cycle,
@@ -91,7 +94,12 @@ def live_state(session: Session) -> dict[str, Any]:
         "halted": cycle.halted,
         "standing": cycle.board.still,
         "arms": {
-            name: {"positions": arm.positions, "velocities": arm.velocities, "still": arm.still}
+            name: {
+                "positions": arm.positions,
+                "velocities": arm.velocities,
+                "still": arm.still,
+                "tool": tools.get(name),
+            }
             for name, arm in snapshot.arms.items()
         },
         "grippers": {
@@ -110,6 +118,21 @@ def live_state(session: Session) -> dict[str, Any]:
         ],
         "tasks": [{"name": task.name, "status": task.status} for task in session.tasks.undertakings],
     }
+
+
+def _tools(session: Session) -> dict[str, dict[str, tuple[float, ...]]]:
+    """Returns where the tips of the arms are in the map, as far as the robots' models are known."""
+    snapshot = session.cycle.board.snapshot
+    found = {}
+    for robot in session.spec.robots:
+        model, base = known_model(robot.model), snapshot.bases[robot.base.id].pose
+        if model is None:
+            continue
+        for arm in robot.arms:
+            tip = model.tool(arm, snapshot.arms[arm.id].positions)
+            if tip is not None:
+                found[arm.id] = _pose(base @ tip)
+    return found
 
 
 def _held(index: Index, gripper: str) -> str | None:

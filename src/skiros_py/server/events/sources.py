@@ -9,6 +9,7 @@ from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.runtime import Session
 from skiros_py.server.events.event import Kind
 from skiros_py.server.events.log import EventLog
+from skiros_py.server.job_views import state_name
 from skiros_py.skills.questions import Question
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import TraceEntry
@@ -97,8 +98,7 @@ class EventSources:
         undertaking.trace.subscribe(tell)
 
     def _job(self, job: Job) -> None:
-        type_ = job.state.name.lower()
-        self._events.append(Kind.JOB, type_, job.id, job=job.id, data=job_data(job))
+        self._events.append(Kind.JOB, state_name(job.state).value, job.id, job=job.id, data=job_data(job))
 
 
 def _job_finder(session: Session) -> Callable[[str], str]:
@@ -125,7 +125,7 @@ def job_data(job: Job) -> dict[str, Any]:
     return {
         "id": job.id,
         "version": job.version,
-        "state": job.state.name.lower(),
+        "state": state_name(job.state).value,
         "state_number": job.state.value,
         "detail": job.detail,
         "choices": job.choices,

@@ -15,6 +15,10 @@ _FIELDS = ("class", "id", "location", "use")
 """What of a material a placeholder may stand for."""
 _MOST = 2000
 """A template may make no more conditions than these."""
+_LARGEST = 5000
+"""Names, lists and objects that a template may have in all."""
+_MOST_MADE = 20_000
+"""The same, in all that it makes of an order."""
 _DEEPEST = 60
 
 
@@ -39,6 +43,7 @@ def filled(
         if materials:
             raise UsageError(f"materials: goal template '{name}' says nothing of materials; leave them out")
         return goal
+    _check_number(name, template.per_material, materials)
     pieces = [_replaced(template.per_material, values, piece) for piece in _pieces(materials)]
     _check_pieces(name, pieces, bool(goal))
     return goal + pieces
@@ -46,6 +51,9 @@ def filled(
 
 def faults_of(template: GoalTemplateContent) -> list[str]:
     """Returns what is wrong with the placeholders of a template, one sentence each, with its path."""
+    size = _size([*template.goal, template.per_material])
+    if size > _LARGEST:
+        return [f"goal: a template has {_LARGEST} names, lists and objects at most, this one has {size}"]
     names = [parameter.name for parameter in template.parameters]
     twice = sorted({name for name in names if names.count(name) > 1})
     faults = [f"parameters: '{name}' is there twice" for name in twice]
@@ -72,29 +80,46 @@ def _values(name: str, template: GoalTemplateContent, parameters: Mapping[str, s
 
 def _pieces(materials: Sequence[Material]) -> Iterator[dict[str, str]]:
     """Yields each single piece that is ordered."""
-    if sum(material.quantity for material in materials) > _MOST:
-        raise UsageError(f"materials: more than {_MOST} pieces in one order")
     for material in materials:
         fields = material.model_dump(by_alias=True)
         for _ in range(material.quantity):
             yield {field: fields[field] for field in _FIELDS}
 
 
+def _check_number(name: str, condition: object, materials: Sequence[Material]) -> None:
+    """Sees that no more is made of the material than anybody could pursue, before any of it is."""
+    number = sum(material.quantity for material in materials)
+    if number > _MOST:
+        raise UsageError(f"materials: more than {_MOST} pieces in one order")
+    if number * _size(condition) > _MOST_MADE:
+        raise UsageError(
+            f"materials: goal template '{name}' is too large for {number} pieces in one order; for"
+            f" {_MOST_MADE // _size(condition)} it will do"
+        )
+
+
+def _size(data: object) -> int:
+    """Returns how many names, lists and objects some data consists of."""
+    number, left = 0, [data]
+    while left:
+        number += 1
+        one = left.pop()
+        left.extend(one.values() if isinstance(one, dict) else one if isinstance(one, list | tuple) else ())
+    return number
+
+
 def _check_pieces(name: str, pieces: list[Any], has_goal: bool) -> None:
     """Sees that there is a condition for each piece: two that say the same would be fulfilled by one piece."""
     if not pieces and not has_goal:
         raise UsageError(f"materials: goal template '{name}' makes a condition of each material, and none is ordered")
-    texts = [repr(piece) for piece in pieces]
-    same = next((i for i, text in enumerate(texts) if text in texts[:i]), None)
-    if same is not None:
-        raise UsageError(
-            f"materials: two pieces lead to the same condition {_short(pieces[same])}, which one of them would fulfil:"
-            " give each an id or a location of its own, and a template that uses it"
-        )
-
-
-def _short(condition: object) -> str:
-    return str(condition)[:200]
+    seen: set[str] = set()
+    for piece in pieces:
+        if (text := repr(piece)) in seen:
+            raise UsageError(
+                f"materials: two pieces lead to the same condition {text[:200]}, which one of them would fulfil:"
+                " give each an id or a location of its own, and a template that uses it"
+            )
+        seen.add(text)
 
 
 def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, str]) -> Any:

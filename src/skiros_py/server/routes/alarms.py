@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import APIRouter, Path, Query, Request
 
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
-from skiros_py.errors import UnknownName, WrongState
+from skiros_py.errors import StaleVersion, UnknownName, WrongState
+from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.alarms import Alarm, alarm_info
 from skiros_py.server.problems import Problem, found
@@ -52,31 +53,57 @@ def acknowledge_alarm(alarm: AlarmId, services: ServicesDep, caller: CallerDep) 
 
 
 @router.post("/{alarm}/answer", summary="Answer an alarm", dependencies=[needs(Role.OPERATOR, mes=True)])
-def answer_alarm(alarm: AlarmId, answer: AlarmAnswer, services: ServicesDep, caller: CallerDep) -> AlarmInfo:
-    """Passes an answer on to the job or the robot that waits for it; the alarm goes when they have taken it."""
+def answer_alarm(
+    alarm: AlarmId, answer: AlarmAnswer, request: Request, services: ServicesDep, caller: CallerDep
+) -> AlarmInfo:
+    """Passes an answer on to the job or the robot that waits for it; the alarm goes when they have taken it.
+
+    It is an answer to what this alarm asks and to nothing later: who names the `question` that they have seen is told
+    (409) where another is asked by now.
+    """
     with found(_UNKNOWN):
         known = services.alarms.alarm(alarm)
+    note(request, job=known.job, comment=answer.answer)
     if caller.role is Role.MES and not known.job:
         raise Problem(403, "RoleTooLow", f"{caller.name} is mes, and answers for jobs; this is for an operator")
-    known = services.alarms.require_choice(alarm, answer.answer)
-    _pass_on(services, known, answer.answer, caller.name)
+    if known.job:
+        _answer_job(services, known, answer, caller.name)
+    else:
+        _answer_question(services, known, answer, caller.name)
     return alarm_info(services.alarms.note_answer(alarm, answer.answer, caller.name))
 
 
-def _pass_on(services: Services, alarm: Alarm, answer: str, by: str) -> None:
-    """Gives an answer to who waits for it.
+def _answer_job(services: Services, alarm: Alarm, answer: AlarmAnswer, by: str) -> None:
+    """Gives an answer to a job, which may have gone on and ask something else while this alarm is looked at.
 
     Raises:
-        WrongState: They wait for it no longer.
+        UnknownName: The alarm does not offer that answer.
+        WrongState: The job waits for it no longer.
     """
-    session = services.session
-    if alarm.job:
-        session.jobs.answer(alarm.job, answer, by=by)
-    elif alarm.question is not None:
-        try:
-            session.questions.answer(alarm.question, answer, by=by)
-        except UnknownName as error:
-            raise WrongState(f"the question is not open any more: {error}") from None
+    jobs = services.session.jobs
+    job = jobs.open.get(alarm.job)  # before the alarm, which is then of this version or a later one
+    now = services.alarms.require_choice(alarm.id, answer.answer, answer.question)
+    if job is None or job.question != now.question:
+        raise WrongState(f"job '{alarm.job}' does not wait for that answer any more: look what it asks now")
+    try:
+        jobs.answer(alarm.job, answer.answer, by=by, expects=job.version)
+    except StaleVersion:
+        raise WrongState(f"job '{alarm.job}' has gone on meanwhile: look what it asks now") from None
+
+
+def _answer_question(services: Services, alarm: Alarm, answer: AlarmAnswer, by: str) -> None:
+    """Gives an answer to a robot.
+
+    Raises:
+        UnknownName: The alarm does not offer that answer.
+        WrongState: It waits for it no longer.
+    """
+    now = services.alarms.require_choice(alarm.id, answer.answer, answer.question)
+    assert now.question is not None, "alarms that offer choices are those of jobs and of questions"
+    try:
+        services.session.questions.answer(now.question, answer.answer, by=by)
+    except UnknownName as error:
+        raise WrongState(f"the question is not open any more: {error}") from None
 
 
 def _number(cursor: str) -> int:

@@ -32,7 +32,7 @@ Kinds = Annotated[list[Kind] | None, Query(max_length=20, description="Only of t
 Types = Annotated[
     list[Annotated[str, Query(max_length=50)]] | None,
     Query(
-        alias="type", max_length=50, description="Only where this happened; several may be given.", examples=["ended"]
+        alias="type", max_length=50, description="Only where this happened; several may be given.", examples=["Ended"]
     ),
 ]
 JobId = Annotated[str, Query(max_length=200, description="Only what belongs to this job.")]

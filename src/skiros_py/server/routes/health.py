@@ -17,6 +17,7 @@ __all__ = ["router"]
 router = APIRouter(tags=["operation"])
 
 
+@router.head("/healthz", include_in_schema=False)
 @router.get("/healthz", summary="Is the server alive?", responses={503: {"model": Health}})
 async def get_health(services: ServicesDep, response: Response) -> Health:
     """Answers 200 while the control cycle goes round or the station is being opened, else 503. Needs no key."""
@@ -41,6 +42,7 @@ def _unhealthy(response: Response, why: str) -> Health:
     return Health(alive=False, why=why)
 
 
+@router.head("/readyz", include_in_schema=False)
 @router.get("/readyz", summary="Can orders be fulfilled?", responses={503: {"model": Readiness}})
 async def get_readiness(services: ServicesDep, response: Response) -> Readiness:
     """Answers 200 while the station runs, halted or not, and what is ordered can be kept; else 503. Needs no key."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Body, Depends, Request, Response
+from fastapi import APIRouter, Body, Depends, Query, Request, Response
 
 from skiros_py.api.jobs import Job, JobAnswer, JobComment
 from skiros_py.errors import StaleVersion, WrongState
@@ -152,11 +152,14 @@ def clear_job(
 @router.delete("/jobs/{id}", summary="Remove a job", dependencies=_NEEDS)
 def remove_job(
     id: JobId,  # noqa: A002 - the name in the address
+    request: Request,
     jobs: JobsDep,
     expected: ExpectedDep,
     response: Response,
+    comment: Annotated[str, Query(max_length=1000, description="Why, for the audit log.")] = "",
 ) -> Job:
     """Removes a job that has not begun, or is over: cancel or clear, whichever fits."""
+    note(request, job=id, comment=comment)
     with job_faults():
         remove = jobs.cancel if jobs.job(id).state.is_open else jobs.clear
         return shown(remove(id, expects=expected), response)

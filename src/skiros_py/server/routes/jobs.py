@@ -6,10 +6,11 @@ import re
 import time
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Query, Response
+from fastapi import APIRouter, Header, Query, Request, Response
 
 from skiros_py.api.jobs import Job, JobOrder, JobPage, StateName
 from skiros_py.api.wire import Moment
+from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.job_faults import UNABLE_TO_ACCEPT, job_faults
@@ -50,6 +51,7 @@ PreferHeader = Annotated[
 )
 def order_job(
     order: JobOrder,
+    request: Request,
     services: ServicesDep,
     jobs: JobsDep,
     templates: TemplatesDep,
@@ -71,7 +73,9 @@ def order_job(
         known = _ordered_before(jobs, order, receipt)
         if known is not None:
             response.headers["Idempotency-Replayed"] = "true"
+            response.status_code = 200
         job = known or _submit(jobs, templates, order, order.id or new_id(), start, caller, receipt)
+    note(request, job=job.id)
     return _taken(services.desk, jobs, job, response, prefer)
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from skiros_py.api.webhooks import DeliveryState
 from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName
+from skiros_py.server.job_views import state_name
 from skiros_py.server.webhooks.letter import JOB_STATE, PING, letter
 from skiros_py.tasks.jobs.announcements import Announcement
 
@@ -282,8 +283,8 @@ class WebhookStore:
         """Makes dead letters of what is more than may wait; returns how many became so."""
         with self._database.transaction() as connection:
             dropped = connection.execute(
-                "UPDATE deliveries SET state = 'dead', error = 'too many were waiting' WHERE state = 'pending' AND number <="
-                " (SELECT last FROM subscriptions WHERE id = webhook) - ? RETURNING webhook, number, job",
+                "UPDATE deliveries SET state = 'dead', error = 'too many were waiting'"
+                " WHERE state = 'pending' AND number <= (SELECT last FROM subscriptions WHERE id = webhook) - ? RETURNING webhook, number, job",
                 (_LETTERBOX,),
             ).fetchall()
             for webhook, number, job in dropped:
@@ -367,7 +368,7 @@ def state_of(announcement: Announcement) -> str:
     """Returns the state to which a job came, as webhooks name it."""
     if announcement.trigger in ("cancelled", "cleared"):
         return "Removed"
-    return announcement.job.state.name.title().replace("_", "")
+    return state_name(announcement.job.state).value
 
 
 def new_secret() -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from math import prod
 
 from skiros_py.errors import DescriptionError, UnknownName, UsageError
-from skiros_py.skills.conditions import Condition, ConditionType, Junction, all_of, any_of, exists, for_all
+from skiros_py.skills.conditions import Condition, ConditionType, Junction, Quantified, all_of, any_of, exists, for_all
 from skiros_py.tasks.goals.lexicon import Lexicon
 from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Said, Word
 from skiros_py.world.element import is_abstract
@@ -19,8 +19,11 @@ __all__ = ["DEEPEST", "MOST_LOOKED_AT", "Meaning", "goal_of"]
 DEEPEST = 50
 """Conditions nested deeper than this are refused: nobody could read why they do not hold."""
 
-MOST_LOOKED_AT = 100_000
-"""Quantifiers in one another may have no more combinations of elements than this: it takes seconds to try them."""
+MOST_LOOKED_AT = 2_000
+"""So often the words of a goal may be looked at to tell whether it holds: the control cycle waits for that."""
+
+_OF_A_CLASS = 10
+"""So many elements of a class that stands for any of them are looked at in the time of a condition."""
 
 _Scope = Mapping[str, str]
 """Class by variable."""
@@ -40,12 +43,36 @@ def goal_of(said: Iterable[Said], view: WorldView, conditions: Mapping[str, Cond
     """
     meaning = Meaning(view, conditions)
     found = (condition for one in said for condition in _split(meaning.of(one, {})))
-    return tuple(dict.fromkeys(found))
+    goal = tuple(dict.fromkeys(found))
+    _check_work(sum(_work(condition, view) for condition in goal))
+    return goal
 
 
 def _split(condition: Condition) -> tuple[Condition, ...]:
     together = isinstance(condition, Junction) and condition.word == "and" and not condition.negated
     return condition.parts if isinstance(condition, Junction) and together else (condition,)
+
+
+def _check_work(number: int) -> None:
+    """Refuses what nobody could evaluate in time."""
+    if number > MOST_LOOKED_AT:
+        raise UsageError(
+            f"the goal has to be looked at in {number} places to tell whether it holds, and {MOST_LOOKED_AT} are"
+            " allowed: each element that a quantifier stands for counts, in nested ones each combination of them;"
+            " choose narrower classes, or say it in several goals"
+        )
+
+
+def _work(condition: Condition, view: WorldView) -> int:
+    """Returns how often words are looked at to tell whether a condition holds."""
+    match condition:
+        case Junction(parts=parts):
+            return sum(_work(part, view) for part in parts)
+        case Quantified(class_=class_, part=part):
+            return max(1, len(view.instances(class_))) * _work(part, view)
+        case _:
+            classes = (name for name in condition.arguments if name in view.ontology.classes)
+            return 1 + prod(len(view.instances(class_)) for class_ in classes) // _OF_A_CLASS
 
 
 class Meaning:
@@ -99,20 +126,12 @@ class Meaning:
         if self._lexicon.is_taken(said.variable):
             raise UsageError(f"{where}: something else is called {said.variable}; call the variable otherwise")
         inner = {**scope, said.variable: class_}
-        self._check_number(inner, where)
         part = self.of(said.part, inner, depth + 1)
         make = for_all if said.quantifier == "for all" else exists
         try:
             return make(said.variable, class_, part)
         except DescriptionError as error:
             raise UsageError(f"goal: {error}") from error
-
-    def _check_number(self, scope: _Scope, where: str) -> None:
-        """Refuses what nobody could evaluate in time: each variable multiplies what has to be looked at."""
-        number = prod(max(1, len(self._view.instances(class_))) for class_ in scope.values())
-        if len(scope) > 1 and number > MOST_LOOKED_AT:
-            many = f"its variables stand for {number} combinations of elements, and {MOST_LOOKED_AT} are looked at"
-            raise UsageError(f"{where}: {many}; choose narrower classes")
 
     def _word(self, said: Word, scope: _Scope) -> Condition:
         type_ = self._lexicon.word(said.word)

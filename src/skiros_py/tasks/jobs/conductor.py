@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 from skiros_py.errors import SkirosError
 from skiros_py.execution.station import Station
@@ -152,13 +153,16 @@ class Conductor:
             job = self._book.open.get(id_)
             if job is None or self._turns.next() != id_:  # somebody was quicker
                 return
-            begun = {"detail": "planning", "attempts": job.attempts + 1, "seen": self._station.world.version}
             if job.state is JobState.RUNNING:
-                self._begin(self._book.change(job.but(**begun)))
+                self._begin(self._book.change(job.but(**self._begun(job))))
             elif job.order.expires and job.order.deadline and job.order.deadline.timestamp() < self._clock():
                 self._book.move(job, Trigger.FAIL, "its deadline has passed", outcome=Outcome.EXPIRED, detail="")
             else:
-                self._begin(self._book.move(job, Trigger.DISPATCH, started=self._clock(), **begun))
+                self._begin(self._book.move(job, Trigger.DISPATCH, started=self._clock(), **self._begun(job)))
+
+    def _begun(self, job: Job) -> dict[str, Any]:
+        """Returns what changes of a job that begins: written down together, for the disk is waited for."""
+        return {"detail": "planning", "attempts": job.attempts + 1, "seen": self._station.world.version}
 
     def _go_on(self, id_: str) -> None:
         with self._guard.control():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from skiros_py.errors import WrongState
+from skiros_py.errors import UnknownName, WrongState
 from skiros_py.execution.station import Station
 from skiros_py.planning.plan import Step
 from skiros_py.skills.outcome import Failure
@@ -110,7 +110,10 @@ class JobRun:
         if question is None or question.id != asked:
             now = "waits for no answer any more" if question is None else f"asks something else by now: {question.text}"
             raise WrongState(f"job '{self._undertaking.name}' {now}")
-        self._station.questions.answer(question.id, choice, by=by)
+        try:
+            self._station.questions.answer(question.id, choice, by=by)
+        except UnknownName:  # somebody has answered, and it has not heard that yet
+            raise WrongState(f"job '{self._undertaking.name}' has its answer already") from None
 
     # ------------------------------------------------------------------ what is written down
 

@@ -11,7 +11,6 @@ from starlette.datastructures import Headers
 
 from skiros_py.errors import UsageError
 from skiros_py.server.access.doorkeeper import Doorkeeper, check_access
-from skiros_py.server.access.file import open_access
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.logins import COOKIE
 from skiros_py.server.access.roles import Caller, Role
@@ -21,8 +20,8 @@ from skiros_py.server.settings import ServerSettings
 
 @pytest.fixture
 def keys(tmp_path: Path) -> Iterator[KeyStore]:
-    with closing(open_access(tmp_path)) as database:
-        yield KeyStore(database)
+    with closing(KeyStore(tmp_path)) as opened:
+        yield opened
 
 
 def _caller(doorkeeper: Doorkeeper, address: str = "127.0.0.1", **headers: str) -> Caller:
@@ -116,6 +115,17 @@ def test_who_came_in_may_stay_until_their_key_is_revoked(keys: KeyStore) -> None
     assert doorkeeper.still(_caller(doorkeeper, x_api_key=keys.local_token))
     keys.revoke(key.id)
     assert not doorkeeper.still(anna)
+
+
+def test_who_locks_themselves_out_comes_in_again_with_the_token_of_this_machine(keys: KeyStore) -> None:
+    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    key, text = keys.create("anna", Role.ADMIN)
+
+    keys.revoke(key.id)
+
+    assert _refused(doorkeeper).status == 401
+    assert _refused(doorkeeper, x_api_key=text).status == 401
+    assert _caller(doorkeeper, x_api_key=keys.local_token).role == Role.ADMIN
 
 
 def test_programs_that_may_read_the_data_directory_are_administrators(keys: KeyStore) -> None:

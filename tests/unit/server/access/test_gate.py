@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import json
 import logging
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -92,7 +93,11 @@ def _application() -> FastAPI:
 
     @app.get("/faulty", dependencies=[needs(Role.VIEWER)])
     def faulty() -> None:
-        raise FileError(Path("jobs.db"), "the disk is full")
+        raise FileError(Path("/home/anna/plant/jobs.db"), "another program uses /home/anna/plant/jobs.db")
+
+    @app.get("/full", dependencies=[needs(Role.VIEWER)])
+    def full() -> None:
+        raise FileError(Path("/home/anna/plant/jobs.db"), "no room") from OSError(errno.ENOSPC, "no room")
 
     @app.get("/jobs/{job_id}", dependencies=[needs(Role.VIEWER)])
     def job(job_id: str) -> None:
@@ -266,13 +271,17 @@ def test_what_breaks_inside_is_told_without_how_and_logged_with_the_request(
     assert any("mes-17" in record.getMessage() and record.exc_info for record in caplog.records)
 
 
-def test_a_fault_of_the_platform_is_told_in_its_words_and_logged(
-    door: _Doors, caplog: pytest.LogCaptureFixture
+@pytest.mark.parametrize(("path", "status", "code"), [("/faulty", 503, "FileFault"), ("/full", 507, "DiskFull")])
+def test_a_file_that_fails_is_told_without_its_place_which_the_log_has(
+    door: _Doors, caplog: pytest.LogCaptureFixture, path: str, status: int, code: str
 ) -> None:
-    answer = door().client.get("/faulty")
+    answer = door().client.get(path)
 
-    assert (answer.status_code, answer.json()["detail"]) == (500, "jobs.db: the disk is full")
-    assert any("the disk is full" in record.getMessage() for record in caplog.records)
+    assert (answer.status_code, answer.json()["code"]) == (status, code)
+    assert answer.json()["detail"].startswith("jobs.db: ")
+    assert "anna" not in answer.text
+    assert ("Retry-After" in answer.headers) == (status == 503)
+    assert any("/home/anna/plant/jobs.db" in record.getMessage() for record in caplog.records)
 
 
 def test_problems_of_jobs_have_a_return_status_and_others_have_none(door: _Doors) -> None:
@@ -331,12 +340,24 @@ def test_who_changed_something_and_who_was_refused_is_written_down(door: _Doors)
     assert "secret" not in str(done)
 
 
-def test_nobody_pushes_out_the_audit_log_by_being_refused(door: _Doors) -> None:
-    at = door()
-    for _ in range(100):
-        at.client.get("/caller", headers={"X-API-Key": "wrong"})
+def _refusals(at: _Door, addresses: Iterable[str]) -> int:
+    """Is refused from some addresses, and returns how much of that was written down."""
+    for address in addresses:
+        client = TestClient(at.client.app, base_url="http://127.0.0.1:8000", client=(address, 1))
+        client.get("/caller", headers={"X-API-Key": "wrong"})
+    return len(at.guarded.audit.page(limit=1000))
 
-    assert len(at.guarded.audit.page(limit=1000)) <= 31
+
+def test_nobody_fills_the_audit_log_by_being_refused(door: _Doors) -> None:
+    assert _refusals(door(), ["192.0.2.1"] * 100) <= 31
+
+
+def test_nobody_fills_the_audit_log_from_all_the_addresses_of_a_network(door: _Doors) -> None:
+    assert _refusals(door(), [f"2001:db8::{number:x}" for number in range(100)]) <= 31
+
+
+def test_many_together_do_not_fill_the_audit_log_either(door: _Doors) -> None:
+    assert _refusals(door(), [f"192.0.2.{number}" for number in range(200)] * 2) <= 330
 
 
 def test_a_websocket_is_closed_before_it_is_open(door: _Doors) -> None:

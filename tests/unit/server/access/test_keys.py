@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from skiros_py.database import Database
 from skiros_py.errors import UnknownName, UsageError, WrongState
 from skiros_py.server.access.file import FILE, open_access
 from skiros_py.server.access.keys import KeyStore, shown, without_keys
@@ -17,14 +17,9 @@ from skiros_py.server.access.roles import Role
 
 
 @pytest.fixture
-def database(tmp_path: Path) -> Iterator[Database]:
-    with closing(open_access(tmp_path)) as opened:
+def keys(tmp_path: Path) -> Iterator[KeyStore]:
+    with closing(KeyStore(tmp_path)) as opened:
         yield opened
-
-
-@pytest.fixture
-def keys(database: Database) -> KeyStore:
-    return KeyStore(database)
 
 
 def test_a_key_that_was_made_is_known_again(keys: KeyStore) -> None:
@@ -75,8 +70,8 @@ def test_what_another_process_revokes_counts_at_once(keys: KeyStore, tmp_path: P
     key, text = keys.create("anna", Role.ADMIN)
     assert keys.check(text) is not None
 
-    with closing(open_access(tmp_path)) as elsewhere:
-        KeyStore(elsewhere).revoke(key.id)
+    with closing(KeyStore(tmp_path)) as elsewhere:
+        elsewhere.revoke(key.id)
 
     assert keys.check(text) is None
 
@@ -84,24 +79,44 @@ def test_what_another_process_revokes_counts_at_once(keys: KeyStore, tmp_path: P
 def test_what_another_process_makes_counts_at_once(keys: KeyStore, tmp_path: Path) -> None:
     assert not keys.needed
 
-    with closing(open_access(tmp_path)) as elsewhere:
-        _, text = KeyStore(elsewhere).create("anna", Role.ADMIN)
+    with closing(KeyStore(tmp_path)) as elsewhere:
+        _, text = elsewhere.create("anna", Role.ADMIN)
 
     assert keys.needed
     assert keys.check(text) is not None
 
 
-def test_a_key_that_expired_is_none_and_the_door_stays_locked(keys: KeyStore, database: Database) -> None:
+def test_a_key_that_expired_is_none_and_the_door_stays_locked(keys: KeyStore, tmp_path: Path) -> None:
     key, text = keys.create("anna", Role.ADMIN, time.time() + 100)
     assert keys.check(text) is not None
 
-    with database.transaction() as connection:
+    with closing(open_access(tmp_path)) as database, database.transaction() as connection:
         connection.execute("UPDATE keys SET expires = ?", (time.time() - 1,))
-    younger = KeyStore(database)
 
-    assert younger.check(text) is None
-    assert younger.still(key.id) is None
-    assert younger.needed
+    assert keys.check(text) is None
+    assert keys.still(key.id) is None
+    assert keys.needed
+
+
+def test_the_door_stays_locked_when_the_last_key_is_revoked(keys: KeyStore) -> None:
+    key, _ = keys.create("anna", Role.ADMIN)
+
+    keys.revoke(key.id)
+
+    assert keys.needed
+
+
+def test_a_key_is_checked_while_another_is_being_made(keys: KeyStore, tmp_path: Path) -> None:
+    _, text = keys.create("anna", Role.ADMIN)
+    with closing(open_access(tmp_path)) as elsewhere, ThreadPoolExecutor(2) as pool:
+        with elsewhere.transaction():  # so that whoever makes a key waits
+            making = pool.submit(keys.create, "bert", Role.VIEWER)
+            checked = pool.submit(keys.check, text).result()
+            made_meanwhile = making.done()
+        making.exception()
+
+    assert checked is not None
+    assert not made_meanwhile
 
 
 @pytest.mark.parametrize("expires", [0.0, 1e300, float("nan"), float("inf")])
@@ -137,9 +152,10 @@ def test_a_key_that_there_is_not_is_told_with_those_that_there_are(keys: KeyStor
     assert caught.value.known == (key.id,)
 
 
-def test_the_token_of_this_start_is_no_other_starts(keys: KeyStore, database: Database) -> None:
+def test_the_token_of_this_start_is_no_other_starts(keys: KeyStore, tmp_path: Path) -> None:
     assert keys.is_local(keys.local_token)
-    assert not keys.is_local(KeyStore(database).local_token)
+    with closing(KeyStore(tmp_path)) as other:
+        assert not keys.is_local(other.local_token)
     assert keys.check(keys.local_token) is None
 
 

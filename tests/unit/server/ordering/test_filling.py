@@ -71,6 +71,18 @@ def test_more_pieces_than_anybody_can_plan_for_are_refused():
         filled("fill", KIT, {"kit": "kit_1"}, (material(quantity=1000),) * 3)
 
 
+def test_a_template_that_would_make_too_much_of_an_order_is_refused_before_it_makes_anything():
+    atom = {"condition": "In", "arguments": [{"material": "class"}, {"material": "location"}]}
+    large = KIT.model_copy(update={"per_material": {"all_of": [atom] * 500}})
+    with pytest.raises(UsageError, match="'fill' is too large for 6 pieces in one order; for 5 it will do"):
+        filled("fill", large, {"kit": "kit_1"}, tuple(material(location=f"place {n}") for n in range(6)))
+
+
+def test_a_template_has_a_greatest_size():
+    (fault,) = faults_of(GoalTemplateContent.model_validate({"per_material": {"all_of": [{"a": ["x"]}] * 2000}}))
+    assert "5000 names, lists and objects at most, this one has 60" in fault
+
+
 @pytest.mark.parametrize(
     ("fields", "said"),
     [

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py.errors import WrongState
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.jobs import JobManager, JobOrder, JobState, JobStore, Outcome
@@ -201,3 +202,13 @@ def test_a_job_that_is_set_aside_is_stopped_at_once(tmp_path: Path) -> None:
         one.jobs.stop("asks")
         one.until("asks", JobState.ENDED)
         assert one.jobs.job("next").state is JobState.RUNNING
+
+
+def test_a_question_is_answered_once(tmp_path: Path) -> None:
+    with cell(tmp_path, GIANT) as one:
+        one.order("asks", UNREACHABLE, policy=ASKING)
+        one.until("asks", JobState.INTERRUPTED)
+        one.jobs.answer("asks", "skip", by="ann")
+        with pytest.raises(WrongState, match="'asks' has its answer already"):
+            one.jobs.answer("asks", "retry", by="bob")
+        one.until_over("asks")
