@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,7 +100,9 @@ class Database:
         path: The file.
     """
 
-    def __init__(self, path: Path, schema: Schema, *, durable: bool = False, shared: bool = False) -> None:
+    def __init__(
+        self, path: Path, schema: Schema, *, durable: bool = False, shared: bool = False, lookups: bool = False
+    ) -> None:
         """Opens the file.
 
         Args:
@@ -108,6 +110,7 @@ class Database:
             schema: Its tables.
             durable: True where what is committed has to outlive a power cut as well; each commit waits for the disk.
             shared: True where other processes may read what is committed meanwhile.
+            lookups: True where :meth:`looked_up` is used; others may then read, too.
 
         Raises:
             FileError: It cannot be opened or made, is damaged or another program's, or younger than this program.
@@ -117,6 +120,8 @@ class Database:
         self._durable = durable
         self._guard = threading.RLock()
         self._connection: sqlite3.Connection | None = None
+        self._looking = threading.Lock()
+        self._looker: sqlite3.Connection | None = None
         with self._faults():
             if not path.exists():
                 _make(path, schema)
@@ -124,13 +129,16 @@ class Database:
                 raise FileError(path, schema.damaged)
             self._connection = _connect(path)
             try:
-                if not shared:
+                if not (shared or lookups):
                     _run(self._connection, "locking_mode = EXCLUSIVE")
                 schema.check(self._connection, path)
                 _run(self._connection, "journal_mode = WAL")
                 _run(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
                 _run(self._connection, f"wal_autocheckpoint = {_PAGES_BETWEEN_CHECKPOINTS}")
                 schema.upgrade(self._connection)
+                if lookups:
+                    self._looker = _connect(path)
+                    _run(self._looker, "query_only = ON")
             except BaseException:
                 self.close()
                 raise
@@ -175,6 +183,26 @@ class Database:
         with self._guard, self._faults():
             return self._open().execute(sql, values).fetchall()
 
+    def looked_up(self, sql: str, values: Sequence[object] = (), *, room: int | None = None) -> list[tuple[Any, ...]]:
+        """Returns the answer to a query that may take its time: whoever writes does not wait for it.
+
+        It sees all that was committed before, and nothing of a transaction that is going on.
+
+        Args:
+            sql: The query.
+            values: What is bound to its question marks.
+            room: After so many characters in the first column no further row is read; None for all rows.
+
+        Raises:
+            FileError: The file cannot be read.
+            WorldError: The file is closed.
+        """
+        with self._looking, self._faults():
+            if self._looker is None:
+                raise self._closed()
+            with closing(self._looker.execute(sql, values)) as cursor:
+                return cursor.fetchall() if room is None else list(_fitting(cursor, room))
+
     def shrink(self) -> None:
         """Gives back the room of what was deleted.
 
@@ -188,6 +216,10 @@ class Database:
 
     def close(self) -> None:
         """Closes the file; may be called twice."""
+        with self._looking, self._faults():
+            looker, self._looker = self._looker, None
+            if looker is not None:
+                looker.close()
         with self._guard, self._faults():
             connection, self._connection = self._connection, None
             if connection is not None:
@@ -195,8 +227,11 @@ class Database:
 
     def _open(self) -> sqlite3.Connection:
         if self._connection is None:
-            raise WorldError(f"{self.path.parent}: the data directory is closed, nothing is read or written any more")
+            raise self._closed()
         return self._connection
+
+    def _closed(self) -> WorldError:
+        return WorldError(f"{self.path.parent}: the data directory is closed, nothing is read or written any more")
 
     @contextmanager
     def _faults(self) -> Iterator[None]:
@@ -224,6 +259,15 @@ def _make(path: Path, schema: Schema) -> None:
 def _connect(path: Path) -> sqlite3.Connection:
     # No transaction but those that are begun in so many words; threads take turns by our own lock.
     return sqlite3.connect(path, timeout=1.0, isolation_level=None, check_same_thread=False)
+
+
+def _fitting(rows: Iterable[tuple[Any, ...]], room: int) -> Iterator[tuple[Any, ...]]:
+    """Yields rows until there is no room left; the first in any case."""
+    for row in rows:
+        yield row
+        room -= len(row[0])
+        if room <= 0:
+            return
 
 
 @contextmanager

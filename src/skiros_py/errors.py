@@ -8,6 +8,7 @@
     │   ├── GoalSyntaxError   ... at this column of the goal
     │   ├── KeyReused         ... with the key of an earlier request, which was another one
     │   └── WrongState        ... that cannot be done now, in the state things are in
+    │       └── Removed       ... since it was done before, and what came of it was removed
     ├── FileError             a file cannot be read or understood: path, line, reason
     ├── WorldError            a write to the world model was refused
     │   ├── StaleVersion      ... because the author had not seen the latest change
@@ -44,6 +45,7 @@ __all__ = [
     "MissingSystemLibrary",
     "ModuleError",
     "PlanningError",
+    "Removed",
     "SkirosError",
     "StaleVersion",
     "UnknownName",
@@ -162,6 +164,10 @@ class KeyReused(UsageError):
 
 class WrongState(UsageError):
     """Something that cannot be done now: a job that is over takes no pause, what is halted starts nothing."""
+
+
+class Removed(WrongState):
+    """Something that was there and was removed: asking for it once more does not bring it back."""
 
 
 class FileError(SkirosError):

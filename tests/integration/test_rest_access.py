@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import logging
 import socket
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -198,6 +201,61 @@ def test_a_body_that_is_longer_than_it_says_is_cut_off(served: Served, admin: ht
     assert len(admin.get("/keys").json()) == keys
 
 
+def test_strangers_who_log_in_slowly_take_no_places_of_others(served: Served, admin: httpx2.Client) -> None:
+    address = urlsplit(served.url)
+    head = (
+        b"POST /api/v1/session HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        b"Content-Length: 100\r\n\r\n"
+    )
+    with ExitStack() as stack:
+        slow = [
+            stack.enter_context(socket.create_connection((address.hostname, address.port), timeout=20))
+            for _ in range(served.services.settings.requests + 10)
+        ]
+        for connection in slow:
+            connection.sendall(head)
+        answers = {connection.recv(65_536).split()[1] for connection in slow[20:]}
+        assert admin.get("/session").status_code == 200
+
+    assert answers <= {b"503", b"408"}
+    assert b"503" in answers
+
+
+def test_a_login_longer_than_any_key_is_not_read(served: Served) -> None:
+    with httpx2.Client(base_url=f"{served.url}/api/v1") as client:
+        assert client.post("/session", json={"key": "x" * 5000}).status_code == 413
+
+
+def test_health_and_what_needs_no_turn_are_answered_while_very_many_wait_for_the_cycle(
+    served: Served, admin: httpx2.Client
+) -> None:
+    held, go_on = threading.Event(), threading.Event()
+    served.services.control.soon(lambda _: (held.set(), go_on.wait(20)))
+    assert held.wait(20)
+    try:
+        with ThreadPoolExecutor(60) as pool:
+            waiting = [pool.submit(admin.get, "/managers") for _ in range(60)]
+            while sum(one.done() for one in waiting) < 20:  # so many at least have no place
+                threading.Event().wait(0.01)
+            health = httpx2.get(f"{served.url}/healthz")
+            keys = admin.get("/keys")
+            unanswered = not all(one.done() for one in waiting)
+            go_on.set()
+            statuses = {one.result().status_code for one in waiting}
+    finally:
+        go_on.set()
+
+    assert (health.status_code, keys.status_code, unanswered) == (200, 200, True)
+    assert statuses == {200, 503}
+
+
+def test_two_versions_in_one_condition_are_refused_as_such(admin: httpx2.Client) -> None:
+    answer = admin.post("/jobs/nothing/start", headers={"If-Match": '"1", "7"'})
+
+    assert (answer.status_code, answer.json()["code"]) == (400, "InvalidRequest")
+    assert admin.post("/jobs/nothing/start", headers={"If-Match": '"1"'}).status_code == 404
+
+
 def test_a_body_that_is_announced_as_too_long_is_not_waited_for(served: Served) -> None:
     token = served.services.keys.local_token.encode()
     head = (
@@ -233,8 +291,12 @@ def test_without_keys_programs_of_this_machine_are_let_in_and_pages_of_others_ar
             "/keys", content=json.dumps({"name": "a", "role": "admin"}), headers={"Content-Type": "text/plain"}
         )
         wrong = client.get("/session", headers={"X-API-Key": "wrong"})
-        client.post("/keys", json={"name": "a", "role": "admin"})
+        key = client.post("/keys", json={"name": "a", "role": "admin"}).json()
         locked = client.get("/session")
+        client.delete(f"/keys/{key['key']['id']}", headers={"X-API-Key": key["secret"]})
+        still_locked = client.get("/keys")
+        again = client.get("/keys", headers={"X-API-Key": open_.services.keys.local_token})
 
     assert (me["name"], me["role"], me["keys_needed"]) == ("anna", "admin", False)
     assert (refused.status_code, form.status_code, wrong.status_code, locked.status_code) == (403, 415, 401, 401)
+    assert (still_locked.status_code, again.status_code) == (401, 200)

@@ -199,20 +199,16 @@ def test_whoever_jogs_a_robot_that_a_job_has_is_refused_and_the_job_goes_on(api:
 # ------------------------------------------------------------------ case 20: many orders, and clocks that jump
 
 
-def test_behind_ten_thousand_queued_jobs_an_urgent_one_is_begun_and_done(served: Served, api: httpx2.Client) -> None:
-    jobs, many = served.services.session.jobs, 10_000
-    ordered = [JobOrder(id=f"q-{n}", goal=("EmptyHanded(gripper_1)",), not_before=4e9) for n in range(many)]
-    with ThreadPoolExecutor(16) as pool:
-        list(pool.map(jobs.submit, ordered))
-
-    api.put("/jobs/urgent", json={**STARTER, "priority": 9}).raise_for_status()
-    assert over(api, "urgent")["outcome"] == "succeeded"
-    page = api.get("/jobs", params={"limit": 1000, "cursor": "9000"}).json()
-    assert len(page["items"]) > 500
-    assert job_of(api, "q-9999")["state"]["text"] == "AllowedToStart"
-    with ThreadPoolExecutor(16) as pool:
-        list(pool.map(jobs.cancel, (order.id for order in ordered)))
-    assert [job["id"] for job in api.get("/jobs").json()["items"]] == ["urgent"]
+def test_behind_ten_thousand_queued_jobs_an_urgent_one_is_begun_and_done(tmp_path: Path) -> None:
+    with serving("kitting", tmp_path / "data", SLOWLY) as served, api_of(served) as api:
+        jobs = served.services.session.jobs
+        ordered = [JobOrder(id=f"q-{n}", goal=(HOLDS["goal"],), not_before=4e9) for n in range(10_000)]
+        with ThreadPoolExecutor(16) as pool:
+            list(pool.map(jobs.submit, ordered))
+        api.put("/jobs/urgent", json={**STARTER, "priority": 9}).raise_for_status()
+        assert over(api, "urgent")["outcome"] == "succeeded"
+        assert len(api.get("/jobs", params={"limit": 1000, "cursor": "9000"}).json()["items"]) == 1000
+        assert job_of(api, "q-9999")["state"]["text"] == "AllowedToStart"
 
 
 def iso(seconds: float) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -51,8 +51,10 @@ def serving(
         The server, ready.
     """
     chosen = replace(options, data=data)
-    listening = bind(replace(settings, port=0))
-    with Services(lambda: Session(scene, chosen), data, settings) as services:
+    with (
+        closing(bind(replace(settings, port=0))) as listening,
+        Services(lambda: Session(scene, chosen), data, settings) as services,
+    ):
         ready = threading.Event()
         server = Serving(services, listening, ready.set)
         thread = threading.Thread(target=server.run, name="skiros-test-server")

@@ -86,6 +86,9 @@ def test_an_answer_has_to_be_one_of_the_choices_of_an_active_alarm(alarms):
     assert alarms.require_choice(asks.id, "done") == asks
     with pytest.raises(UnknownName, match="done, skip"):
         alarms.require_choice(asks.id, "maybe")
+    assert alarms.require_choice(asks.id, "done", question=1) == asks
+    with pytest.raises(WrongState, match="question 7"):
+        alarms.require_choice(asks.id, "done", question=7)
     with pytest.raises(WrongState, match="asks nothing"):
         alarms.require_choice(plain.id, "done")
     alarms.clear(AlarmKind.QUESTION, "q")

@@ -55,6 +55,10 @@ class JobLookups:
             raise UnknownName("job", job, self._book.open)
         return found
 
+    def removed(self, job: str) -> Job | None:
+        """Returns a job of that id that was removed in the last days, as it was last but for its details; or None."""
+        return self.store.removed(job)
+
     def page(
         self,
         *,
@@ -97,13 +101,18 @@ class JobLookups:
         """
         return self.store.transitions(self.job(job).id)
 
-    def trace(self, job: str) -> tuple[Mapping[str, Any], ...]:
+    def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[Mapping[str, Any], ...]:
         """Returns what happened for a job, as plain data, in order; the last second of what runs may be missing.
+
+        Args:
+            job: Its id.
+            skip: So many entries are left out at the beginning.
+            limit: How many at most; None for all.
 
         Raises:
             UnknownName: There is no such job.
         """
-        return self.store.trace(self.job(job).id)
+        return self.store.trace(self.job(job).id, skip=skip, limit=limit)
 
     def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
         """Returns what is to be told to others; see :meth:`JobStore.announcements`."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from skiros_py.errors import Busy, WrongState
+from skiros_py.errors import Busy, Removed, WrongState
 from skiros_py.execution.station import Station
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.commands import JobCommands
@@ -71,7 +71,15 @@ class JobManager(JobCommands):
         """True when nothing is under way, and nothing would start by itself now."""
         return self._conductor.idle
 
-    def submit(self, order: JobOrder, *, start: bool = True, comment: str = "", receipt: Receipt | None = None) -> Job:
+    def submit(
+        self,
+        order: JobOrder,
+        *,
+        start: bool = True,
+        comment: str = "",
+        receipt: Receipt | None = None,
+        again: bool = False,
+    ) -> Job:
         """Takes an order; when this returns, it is on the disk.
 
         Args:
@@ -79,6 +87,7 @@ class JobManager(JobCommands):
             start: True where it may start by itself when its turn comes.
             comment: Why, for the record.
             receipt: Marks the request: the very same request once more changes nothing, whatever id the order has.
+            again: True where it is meant although there was a job of that id that was removed.
 
         Returns:
             The job; where the order or the request was known, as that job is now.
@@ -86,15 +95,18 @@ class JobManager(JobCommands):
         Raises:
             UsageError: Its goal cannot be understood.
             KeyReused: The receipt's key was used for another request.
-            WrongState: There is another order of that id.
+            WrongState: There is another order of that id, or there was one.
+            Removed: The same order came before, and its job was removed.
             Busy: Too many jobs are open.
         """
-        known = self._known(order, receipt)  # what was taken once is not read again: the world has gone on since
+        known = self._known(
+            order, receipt, again=again
+        )  # what was taken once is not read again: the world has gone on since
         if known is not None:
             return known
         self._parse(order.goal)
         with self._guard.command():
-            known = self._known(order, receipt)
+            known = self._known(order, receipt, again=again)
             if known is not None:
                 return known
             if len(self.open) >= self.limit:
@@ -122,13 +134,14 @@ class JobManager(JobCommands):
                 return now
             return self._book.move(now, Trigger.UPDATE, comment, order=order)
 
-    def _known(self, order: JobOrder, receipt: Receipt | None) -> Job | None:
+    def _known(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Job | None:
         """Returns the job of an order or request that comes once more; None where both are new."""
         with self._guard.command():
             if receipt is not None and (before := self.known(receipt)) is not None:
                 return before
             known = self.jobs.get(order.id)
             if known is None:
+                _check_removed(order, None if again else self.removed(order.id))
                 return None
             if known.order != order:
                 raise WrongState(
@@ -137,3 +150,15 @@ class JobManager(JobCommands):
             if receipt is not None:
                 self._book.note(receipt, known)
             return known
+
+
+def _check_removed(order: JobOrder, last: Job | None) -> None:
+    """Refuses an order that was done and removed before: it may come late, from somebody who got no answer."""
+    if last is None:
+        return
+    if last.order == order:
+        came = f" ({last.outcome})" if last.outcome else ""
+        raise Removed(
+            f"job '{order.id}' was removed{came}, and its order is not taken twice: say that it is meant again"
+        )
+    raise WrongState(f"there was a job '{order.id}' with another order, and it was removed: take another id")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,6 +16,7 @@ from skiros_py.errors import FileError, UnknownName
 from skiros_py.tasks.jobs.announcements import Announcement, keep_announcement
 from skiros_py.tasks.jobs.job import Intent, Job, Transition
 from skiros_py.tasks.jobs.receipts import Receipt, keep_receipt, leave_receipts
+from skiros_py.tasks.jobs.removals import keep_removal
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.tables import SCHEMA
 
@@ -25,6 +26,9 @@ T = TypeVar("T")
 
 _LAST = 2**63 - 1
 """The greatest number that the file can hold."""
+
+_ROOM = 4 << 20
+"""So many characters make a page, and what would come after them the next one."""
 
 _TRACE = TypeAdapter(dict[str, Any])
 
@@ -53,7 +57,7 @@ class JobStore:
     """
 
     def __init__(self, path: Path) -> None:
-        self._database = Database(path, SCHEMA, durable=True)
+        self._database = Database(path, SCHEMA, durable=True, lookups=True)
         self._path = path
 
     # ------------------------------------------------------------------ jobs
@@ -74,11 +78,16 @@ class JobStore:
 
     def ids(self) -> tuple[str, ...]:
         """Returns the ids of all jobs, in the order in which they were ordered."""
-        return tuple(job for (job,) in self._database.rows("SELECT id FROM jobs ORDER BY number"))
+        return tuple(job for (job,) in self._database.looked_up("SELECT id FROM jobs ORDER BY number"))
 
     def __len__(self) -> int:
-        ((number,),) = self._database.rows("SELECT count(*) FROM jobs")
+        ((number,),) = self._database.looked_up("SELECT count(*) FROM jobs")
         return int(number)
+
+    def removed(self, job: str) -> Job | None:
+        """Returns a job of that id that was removed in the last days, as it was last but for its details; or None."""
+        rows = self._database.rows("SELECT data FROM removed WHERE id = ?", (job,))
+        return self._job(rows[0][0]) if rows else None
 
     def page(
         self,
@@ -94,15 +103,22 @@ class JobStore:
             states: Those in these states only; None for all.
             since: Those only that changed at that time or later [s since 1970]; None for all.
             after: Those only whose number is greater.
-            limit: How many at most.
+            limit: How many at most; fewer where they are very large.
         """
         wanted = tuple(JobState) if states is None else tuple(states)
         # Numbers of our own, and no text of anybody's: they need not be bound.
         among = "1" if states is None else f"state IN ({', '.join(str(state.value) for state in wanted)})"
-        sql = f"SELECT data FROM jobs WHERE number > ? AND changed >= ? AND {among} ORDER BY number LIMIT ?"  # noqa: S608
-        rows = self._database.rows(sql, (min(after, _LAST), 0.0 if since is None else since, limit + 1))
-        jobs = tuple(self._job(data) for (data,) in rows[:limit])
-        return Page(jobs, jobs[-1].number if len(rows) > limit else None)
+        where, values = f"number > ? AND {among}", (min(after, _LAST),)
+        if since is not None:  # found in the index alone, however many there are
+            where = f"id IN (SELECT id FROM jobs WHERE changed >= ? AND {where} ORDER BY number LIMIT {limit + 1})"  # noqa: S608
+            values = (since, *values)
+        sql = f"SELECT data, number FROM jobs WHERE {where} ORDER BY number LIMIT ?"  # noqa: S608
+        rows = self._database.looked_up(sql, (*values, limit + 1), room=_ROOM)
+        return self._paged(rows[:limit], whole=len(rows) <= limit and _size(rows) < _ROOM)
+
+    def _paged(self, rows: Sequence[tuple[str, int]], *, whole: bool) -> Page:
+        jobs = tuple(self._job(data) for data, _ in rows)
+        return Page(jobs, None if whole else jobs[-1].number)
 
     def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
         """Takes a new job, and gives it a number that none had before; when this returns, it is on the disk.
@@ -139,7 +155,7 @@ class JobStore:
             _write(connection, job, trigger, comment)
 
     def forget(self, job: Job, why: str) -> None:
-        """Removes a job with all that is known of it, apart from announcements and receipts.
+        """Removes a job with all that is known of it, apart from announcements and receipts, and that it was there.
 
         Args:
             job: The job as it is now.
@@ -152,6 +168,7 @@ class JobStore:
             for table in ("transitions", "intents", "trace"):
                 connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - our own names
             leave_receipts(connection, job.id, data)
+            keep_removal(connection, job)
             keep_announcement(connection, data, why, job.changed)
 
     # ------------------------------------------------------------------ requests and announcements
@@ -185,7 +202,7 @@ class JobStore:
             most: How many at most.
         """
         sql = "SELECT number, wall, data, trigger FROM announcements WHERE number > ? ORDER BY number LIMIT ?"
-        rows = self._database.rows(sql, (after, most))
+        rows = self._database.looked_up(sql, (after, most))
         return tuple(Announcement(number, wall, self._job(data), trigger) for number, wall, data, trigger in rows)
 
     @property
@@ -231,7 +248,7 @@ class JobStore:
 
     def transitions(self, job: str) -> tuple[Transition, ...]:
         """Returns a job's changes of state, in order."""
-        rows = self._database.rows("SELECT data FROM transitions WHERE job = ? ORDER BY rowid", (job,))
+        rows = self._database.looked_up("SELECT data FROM transitions WHERE job = ? ORDER BY rowid", (job,))
         return tuple(self._read(Transition.model_validate_json, data) for (data,) in rows)
 
     def tell(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
@@ -239,9 +256,16 @@ class JobStore:
         with self._database.transaction(waits=False) as connection:
             connection.executemany("INSERT INTO trace VALUES (?, ?)", ((job, json.dumps(dict(e))) for e in entries))
 
-    def trace(self, job: str) -> tuple[dict[str, Any], ...]:
-        """Returns a job's trace as plain data, in order."""
-        rows = self._database.rows("SELECT data FROM trace WHERE job = ? ORDER BY rowid", (job,))
+    def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[dict[str, Any], ...]:
+        """Returns a job's trace as plain data, in order.
+
+        Args:
+            job: Its id.
+            skip: So many entries are left out at the beginning.
+            limit: How many at most; None for all.
+        """
+        sql = "SELECT data FROM trace WHERE job = ? ORDER BY rowid LIMIT ? OFFSET ?"
+        rows = self._database.looked_up(sql, (job, -1 if limit is None else limit, min(skip, _LAST)))
         return tuple(self._read(_TRACE.validate_json, data) for (data,) in rows)
 
     def close(self) -> None:
@@ -258,6 +282,10 @@ class JobStore:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
             raise FileError(self._path, f"a job in it cannot be read: {where}: {first['msg']}") from error
+
+
+def _size(rows: Iterable[tuple[str, int]]) -> int:
+    return sum(len(data) for data, _ in rows)
 
 
 def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, comment: str) -> None:

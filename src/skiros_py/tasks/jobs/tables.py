@@ -44,5 +44,12 @@ ALTER TABLE numbers ADD COLUMN version INTEGER NOT NULL DEFAULT 0;
 """
 """The greatest version that a job had that was removed: whoever remembers one does not take a later job for it."""
 
-SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_FIRST, _SECOND, _THIRD))
+_FOURTH = """
+CREATE TABLE removed (id TEXT PRIMARY KEY, wall REAL NOT NULL, data TEXT NOT NULL) WITHOUT ROWID;
+CREATE INDEX removed_by_age ON removed (wall);
+CREATE INDEX jobs_by_change ON jobs (changed, number, state);
+"""
+"""What was removed; pages of what has changed without reading all jobs."""
+
+SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_FIRST, _SECOND, _THIRD, _FOURTH))
 """Such a file is marked "skjo"."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import Busy, KeyReused, StaleVersion, UnknownName, WrongState
+from skiros_py.errors import Busy, KeyReused, Removed, StaleVersion, UnknownName, WrongState
 from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Outcome, Receipt
 from skiros_py.testing import Bench, tiny_world
 
@@ -184,7 +184,7 @@ def test_an_order_is_updated_by_whoever_has_seen_its_latest_version(jobs):
 def test_an_id_that_is_ordered_anew_has_no_version_that_an_earlier_job_had(jobs):
     first = jobs.submit(order())
     cleared = jobs.cancel("a")
-    again = jobs.submit(order())
+    again = jobs.submit(order(), again=True)
     assert again.version > cleared.version >= first.version
     with pytest.raises(StaleVersion):
         jobs.cancel("a", expects=first.version)
@@ -232,13 +232,47 @@ def test_what_is_over_is_cleared_and_not_cancelled(jobs, bench, store):
         jobs.job("a")
 
 
-def test_the_id_of_a_cancelled_job_is_free_for_another_order(jobs, bench):
+def test_under_the_id_of_a_cancelled_job_something_else_is_ordered_where_that_is_meant(jobs, bench):
     first = jobs.submit(order(goal="In(ball_1, slot_2)", priority=5))
     jobs.cancel("a")
-    second = jobs.submit(order(goal=HOLDS))
+    with pytest.raises(WrongState, match="there was a job 'a' with another order"):
+        jobs.submit(order(goal=HOLDS))
+    second = jobs.submit(order(goal=HOLDS), again=True)
     assert second.number == first.number + 1
     bench.until(lambda: not jobs.open)
     assert jobs.job("a").outcome is Outcome.ALREADY_SATISFIED
+
+
+@pytest.mark.parametrize("removed", ["cancelled", "cleared"])
+def test_an_order_that_comes_late_brings_no_removed_job_back_to_life(jobs, bench, store, removed):
+    last = jobs.submit(order()) if removed == "cancelled" else done(jobs, bench)
+    last = jobs.cancel("a") if removed == "cancelled" else jobs.clear("a")
+    with pytest.raises(Removed, match="'a' was removed"):
+        jobs.submit(last.order)
+    assert not jobs.open
+    assert jobs.removed("a").state is last.state
+    assert jobs.removed("a").outcome is last.outcome
+
+
+def test_that_a_job_was_removed_is_known_over_restarts_and_for_a_week(tmp_path, bench):
+    now = [1e9]
+
+    def life(store: JobStore) -> JobManager:
+        return JobManager(bench.tasks, bench.station, store, lambda t: bench.goal(*t), clock=lambda: now[0])
+
+    with closing(JobStore(tmp_path / "jobs.db")) as store:
+        first = life(store)
+        first.submit(order(goal="In(ball_1, slot_2)"), start=False)
+        first.cancel("a")
+    with closing(JobStore(tmp_path / "jobs.db")) as store:
+        second = life(store)
+        now[0] += 6 * 24 * 3600
+        with pytest.raises(Removed):
+            second.submit(order(goal="In(ball_1, slot_2)"))
+        now[0] += 2 * 24 * 3600
+        second.submit(order("b"), start=False)
+        second.cancel("b")
+        assert second.removed("a") is None
 
 
 # ---------------------------------------------------------------------- what is over

@@ -1,10 +1,12 @@
 """Jobs are read in pages, open or over; what is over is in the file only."""
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from skiros_py.tasks.jobs import Job, JobOrder, JobState, JobStore, Trigger
+from skiros_py.tasks.jobs import store as module
 
 S = JobState
 
@@ -53,6 +55,46 @@ def test_a_page_has_what_changed_since_then(store):
     store.keep(first.but(state=S.ENDED, changed=30.0))
     assert [job.id for job in store.page(since=20.0).jobs] == ["a", "b"]
     assert [job.id for job in store.page(since=25.0).jobs] == ["a"]
+
+
+def test_pages_of_what_has_changed_are_in_the_order_of_the_numbers_and_follow_each_other(store):
+    jobs = [add(store, name, S.RUNNING, changed=1.0) for name in "abcdef"]
+    for at, job in enumerate(reversed(jobs[1:])):
+        store.keep(job.but(state=S.ENDED, changed=10.0 + at))
+    first = store.page(since=5.0, limit=3)
+    assert [job.id for job in first.jobs] == ["b", "c", "d"]
+    rest = store.page(since=5.0, limit=3, after=first.next)
+    assert ([job.id for job in rest.jobs], rest.next) == (["e", "f"], None)
+    assert [job.id for job in store.page(since=12.0, states=[S.ENDED]).jobs] == ["b", "c", "d"]
+
+
+def test_a_page_of_very_large_jobs_has_fewer_of_them_and_none_is_left_out(store, monkeypatch):
+    monkeypatch.setattr(module, "_ROOM", 3000)
+    for name in "abcd":
+        store.add(Job(order=JobOrder(id=name, goal=("x" * 2000,)), number=0, state=S.ENDED), Trigger.START)
+    seen, after = [], 0
+    while after is not None:
+        page = store.page(after=after)
+        assert len(page.jobs) <= 2
+        seen += [job.id for job in page.jobs]
+        after = page.next
+    assert seen == list("abcd")
+
+
+def test_pages_are_read_while_somebody_else_writes(store):
+    add(store, "a", S.ENDED)
+    with store._database.transaction() as connection, ThreadPoolExecutor(1) as pool:
+        connection.execute("DELETE FROM jobs")
+        assert [job.id for job in pool.submit(store.page).result(30.0).jobs] == ["a"]  # nothing is committed yet
+    assert store.page().jobs == ()
+
+
+def test_a_trace_is_read_piece_by_piece(store):
+    store.tell("a", [{"n": number} for number in range(7)])
+    assert [entry["n"] for entry in store.trace("a", skip=2, limit=3)] == [2, 3, 4]
+    assert [entry["n"] for entry in store.trace("a", skip=5, limit=3)] == [5, 6]
+    assert len(store.trace("a")) == 7
+    assert store.trace("a", skip=10**30) == ()
 
 
 @pytest.mark.parametrize("after", [2**63, 10**30])
