@@ -383,3 +383,11 @@ def test_the_client_says_the_same(served):
         kept = client.send(calls.put_job("by-client", JobOrder(goal="EmptyHanded(gripper_1)"), start=False))
         assert kept.state.number == 1
         assert client.send(calls.start_job(kept.id, "go")).state.number in (2, 3, 5)
+
+
+def test_a_query_parameter_that_nobody_knows_is_refused_before_anything_is_ordered(api):
+    answer = problem(api.put("/jobs/mistyped", params={"strt": "false"}, json=HOLDS), 422)
+
+    assert "did you mean 'start'" in answer["detail"].lower()
+    assert api.get("/jobs/mistyped").status_code == 404
+    assert api.get("/jobs", params={"foo": 1}).status_code == 422

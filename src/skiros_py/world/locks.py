@@ -39,13 +39,18 @@ class Locks:
     Args:
         clock: Gives the time [s]; must never go back.
         known: Tells whether there is an element of an id.
+        related: Gives what some elements are pieces of, and their own pieces, over all levels.
     """
 
     def __init__(
-        self, clock: Callable[[], float] = time.monotonic, known: Callable[[str], bool] = lambda _: True
+        self,
+        clock: Callable[[], float] = time.monotonic,
+        known: Callable[[str], bool] = lambda _: True,
+        related: Callable[[Iterable[str]], Iterable[str]] = lambda _: (),
     ) -> None:
         self._clock = clock
         self._known = known
+        self._related = related
         self._guard = threading.RLock()
         self._locks: dict[str, Lock] = {}
 
@@ -58,7 +63,7 @@ class Locks:
             seconds: After how long the lock ends by itself [s].
 
         Raises:
-            Locked: Somebody else has one of them.
+            Locked: Somebody else has one of them, or what it is a piece of, or one of its pieces.
             UsageError: The time is none, or too long, nobody wants them, or there is no such element.
         """
         if not isinstance(seconds, int | float) or not 0.0 < seconds <= _LONGEST:
@@ -70,7 +75,7 @@ class Locks:
         if unknown:
             raise UsageError(f"there is nothing to lock by the name of {', '.join(unknown)}")
         with self._guard:
-            problems = self._problems(names, owner)
+            problems = self._problems([*names, *sorted({*self._related(names)}.difference(names))], owner)
             if problems:
                 raise Locked("; ".join(problems))
             until = self._clock() + seconds

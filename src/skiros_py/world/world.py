@@ -23,6 +23,7 @@ from skiros_py.world.reasoners.reasoner import Proposal
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.sensors import NO_SENSORS, Sensors
 from skiros_py.world.transaction import Transaction
+from skiros_py.world.vocabulary import STRUCTURE
 
 if TYPE_CHECKING:
     from skiros_py.world.store import TripleStore
@@ -69,7 +70,9 @@ class World:
         """
         self.clock = clock
         self.sensors: Sensors = NO_SENSORS
-        self.locks = Locks(known=lambda name: self._index.has(name))
+        self.locks = Locks(
+            known=lambda name: self._index.has(name), related=lambda names: _related(self._index, names)
+        )
         past = past or Past(abstract_individuals(ontology, reasoners))
         self._index = past.index.copy()
         self._index.version = past.log.version
@@ -396,6 +399,18 @@ def _wholes(before: Index, after: Index, names: Iterable[str]) -> set[str]:
         owners = {*before.owners(name), *after.owners(name)} - found
         found |= owners
         waiting += owners
+    return found
+
+
+def _related(index: Index, names: Iterable[str]) -> set[str]:
+    """What the named elements are pieces of, and their pieces, over all levels."""
+    given = set(names)
+    found = _wholes(index, index, given)
+    waiting = list(given)
+    while waiting:
+        pieces = {*index.objects(waiting.pop(), STRUCTURE)} - found
+        found |= pieces
+        waiting += pieces
     return found
 
 

@@ -201,6 +201,17 @@ def test_the_whole_of_a_locked_piece_is_edited_but_not_removed(world: World) -> 
     assert world.element("kit_1").label == "mine"
 
 
+@pytest.mark.parametrize(("first", "second"), [("kit_1", "kit_1_a"), ("kit_1_a", "kit_1")])
+def test_nobody_locks_a_piece_of_what_another_has_locked_nor_the_whole_of_it(
+    world: World, first: str, second: str
+) -> None:
+    world.locks.acquire([first], "ann", 60)
+
+    with pytest.raises(Locked, match=f"{first} is locked by ann"):
+        world.locks.acquire([second], "bob", 60)
+    world.locks.acquire([second], "ann", 60)
+
+
 def test_a_lock_taken_while_an_edit_is_written_down_still_counts(world: World) -> None:
     def write_slowly() -> None:
         with world.transaction("bob", "because", writer=Writer.PERSON) as tx:

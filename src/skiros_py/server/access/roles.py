@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Request
 
+from skiros_py.server.access.parameters import check_query
 from skiros_py.server.problems import Problem
 
 __all__ = ["Caller", "CallerDep", "Need", "Role", "needs"]
@@ -74,6 +75,7 @@ class Need:
             raise Problem(
                 403, "RoleTooLow", f"that takes the role {self.least}{also} at least; {caller.name} is {caller.role}"
             )
+        check_query(request)  # for all that ask for a role, which is all that do something
         return caller
 
 

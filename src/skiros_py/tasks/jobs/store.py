@@ -110,7 +110,8 @@ class JobStore:
         among = "1" if states is None else f"state IN ({', '.join(str(state.value) for state in wanted)})"
         where, values = f"number > ? AND {among}", (min(after, _LAST),)
         if since is not None:  # found in the index alone, however many there are
-            where = f"id IN (SELECT id FROM jobs WHERE changed >= ? AND {where} ORDER BY number LIMIT {limit + 1})"  # noqa: S608
+            changed = f"FROM jobs INDEXED BY jobs_by_change WHERE changed >= ? AND {where} ORDER BY number"
+            where = f"id IN (SELECT id {changed} LIMIT {limit + 1})"  # noqa: S608
             values = (since, *values)
         sql = f"SELECT data, number FROM jobs WHERE {where} ORDER BY number LIMIT ?"  # noqa: S608
         rows = self._database.looked_up(sql, (*values, limit + 1), room=_ROOM)
