@@ -249,6 +249,27 @@ def test_health_and_what_needs_no_turn_are_answered_while_very_many_wait_for_the
     assert statuses == {200, 503}
 
 
+def test_two_people_of_one_name_do_not_share_their_locks(admin: httpx2.Client, served: Served) -> None:
+    made = [admin.post("/keys", json={"name": "anna", "role": "engineer"}).json()["secret"] for _ in range(2)]
+    with ExitStack() as stack:
+        one, other = [
+            stack.enter_context(httpx2.Client(base_url=f"{served.url}/api/v1", headers={"X-API-Key": secret}))
+            for secret in made
+        ]
+        (lock,) = one.post("/locks", json={"elements": ["kit_1"], "seconds": 60}).json()["items"]
+        refused = other.patch("/elements/kit_1", json={"label": "x"}, headers={"If-Match": "*"})
+        other.delete("/locks", params={"owner": "anna"})
+        kept = [lock["owner"] for lock in one.get("/locks").json()["items"]]
+        written = one.patch("/elements/kit_1", json={"label": "kit_1"}, headers={"If-Match": "*"})
+        admin.delete("/locks", params={"owner": "anna"})
+
+    assert lock["owner"] == "anna"
+    assert (refused.status_code, written.status_code) == (423, 200)
+    assert refused.json()["locks"][0]["owner"] == "anna"
+    assert kept == ["anna"]
+    assert admin.get("/locks").json()["items"] == []
+
+
 def test_two_versions_in_one_condition_are_refused_as_such(admin: httpx2.Client) -> None:
     answer = admin.post("/jobs/nothing/start", headers={"If-Match": '"1", "7"'})
 

@@ -11,6 +11,8 @@ import pytest
 from skiros_py.api.jobs import JobOrder, JobResponse
 from skiros_py.client.calls import jobs as calls
 from skiros_py.client.client import Client
+from skiros_py.errors import UsageError
+from skiros_py.tasks.jobs import JobOrder as Order
 from skiros_py.tasks.jobs import Outcome
 from skiros_py.testing.serving import Served, serving
 from skiros_py.world.element import Placement
@@ -283,8 +285,8 @@ def test_removing_cancels_what_has_not_begun_and_clears_what_is_over(api):
     api.put("/jobs/remove", json={**HOLDS, **LATER})
     assert state(api.delete("/jobs/remove").json())[0] == "AllowedToStart"
     problem(api.delete("/jobs/remove"), 404)
-    api.put("/jobs/remove", json=HOLDS, headers=DONE)
-    assert state(api.delete("/jobs/remove").json())[0] == "Ended"
+    api.put("/jobs/remove-2", json=HOLDS, headers=DONE)
+    assert state(api.delete("/jobs/remove-2").json())[0] == "Ended"
 
 
 def test_why_somebody_commands_is_in_the_audit_log_also_when_the_job_is_gone(api):
@@ -301,6 +303,74 @@ def test_the_audit_log_names_the_job_that_was_ordered_without_an_id_and_why_one_
     deleted = api.get("/audit", params={"limit": 1}).json()["items"][0]
     assert (ordered["operation"], ordered["job"]) == ("order_job", job)
     assert (deleted["operation"], deleted["job"], deleted["comment"]) == ("remove_job", job, "ordered twice")
+
+
+@pytest.mark.parametrize("by", ["cancel", "clear"])
+def test_an_order_that_comes_late_brings_no_removed_job_back_to_life(api, by):
+    id_ = f"late-{by}"
+    order = HOLDS | (LATER if by == "cancel" else {})
+    first = api.put(f"/jobs/{id_}", json=order, headers=DONE if by == "clear" else None).json()
+    last = api.post(f"/jobs/{id_}/{by}").json()
+
+    for late in (api.put(f"/jobs/{id_}", json=order), api.post("/jobs", json=order | {"id": id_})):
+        told = problem(late, 410)
+        assert (told["code"], told["return_status"]) == ("JobOrderRemoved", 16)
+        assert (told["last"]["number"], told["last"]["outcome"]) == (first["number"], last["outcome"])
+    assert problem(api.put(f"/jobs/{id_}", json=OTHER | LATER), 409)["code"] == "UnableToAcceptJobOrder"
+    problem(api.get(f"/jobs/{id_}"), 404)
+
+    meant = api.put(f"/jobs/{id_}", json=OTHER | LATER, params={"again": "true"})
+    assert meant.status_code == 202
+    assert meant.json()["number"] > first["number"]
+    assert api.put(f"/jobs/{id_}", json=OTHER | LATER, params={"again": "true"}).status_code == 200
+
+
+def test_the_same_order_once_more_with_leave_to_start_gives_it(api):
+    assert state(api.put("/jobs/stored", json=HOLDS | LATER, params=STORE).json())[0] == "NotAllowedToStart"
+    assert state(api.put("/jobs/stored", json=HOLDS | LATER, params=STORE).json())[0] == "NotAllowedToStart"
+    assert state(api.put("/jobs/stored", json=HOLDS | LATER).json())[0] == "AllowedToStart"
+
+
+def test_leave_that_was_taken_back_is_not_given_by_an_order_that_comes_late(api):
+    api.put("/jobs/revoked", json=HOLDS | LATER)
+    api.post("/jobs/revoked/revoke-start").raise_for_status()
+    assert state(api.put("/jobs/revoked", json=HOLDS | LATER).json())[0] == "NotAllowedToStart"
+    assert state(api.post("/jobs/revoked/start").json())[0] == "AllowedToStart"
+
+
+def test_a_goal_that_nobody_could_look_at_in_time_is_refused_at_every_door(api, served):
+    variables = "abcdefg"
+    declared = ", ".join(f"{variable}: Manipulatable" for variable in variables)
+    words = " and ".join(f"InKit({variable}, kit_1)" for variable in variables)
+    endless = {"goal": f"for all {declared} (not ({words}))"}
+    for answer in (
+        api.put("/jobs/endless", json=endless),
+        api.post("/jobs", json=endless),
+        api.post("/goals/check", json=endless),
+        api.post("/previews", json=endless),
+    ):
+        assert "546875 places to tell whether it holds, and 2000 are allowed" in problem(answer, 422)["detail"]
+    problem(api.get("/jobs/endless"), 404)
+    with pytest.raises(UsageError, match="546875 places"):
+        served.services.session.jobs.submit(Order(id="endless", goal=(endless["goal"],)))
+
+
+def test_an_order_may_be_so_long_only(api):
+    goal = ["LocationEmpty(kit_1_a) or " * 700 + "LocationEmpty(kit_1_b)"] * 4
+    assert "65536 are allowed" in problem(api.put("/jobs/long", json={"goal": goal}), 422)["detail"]
+    wide = [{"class": "Starter", "id": "x" * 200, "use": "y" * 200}] * 200
+    assert "65536 are allowed" in problem(api.put("/jobs/wide", json=HOLDS | {"materials": wide}), 422)["detail"]
+
+
+def test_a_trace_is_read_page_by_page(api):
+    api.put("/jobs/traced", json=HOLDS, headers=DONE).raise_for_status()
+    whole = api.get("/jobs/traced/trace").json()
+    assert (len(whole["entries"]) > 1, whole["next"]) == (True, None)
+    seen, cursor = [], "0"
+    while cursor is not None:
+        page = api.get("/jobs/traced/trace", params={"limit": 1, "cursor": cursor}).json()
+        seen, cursor = seen + page["entries"], page["next"]
+    assert seen == whole["entries"]
 
 
 def test_a_job_that_asks_is_held_until_it_is_answered(api, served):

@@ -96,13 +96,14 @@ class Repair:
     edits: tuple[Edit, ...] = ()
     without: tuple[Condition, ...] = ()
 
-    def apply(self, world: World, author: str = "repair", writer: Writer = Writer.PERSON) -> None:
+    def apply(self, world: World, author: str = "repair", writer: Writer = Writer.PERSON, holder: str = "") -> None:
         """Makes the changes to the world, as one transaction; the goal is the caller's.
 
         Args:
             world: The world.
             author: Who decided it.
             writer: What kind of author that is.
+            holder: Whose locks let it through, where they are not the author's.
 
         Raises:
             WorldError: The world is no longer such that it can be done; nothing is changed then.
@@ -110,7 +111,7 @@ class Repair:
         """
         if not self.edits:
             return
-        with world.transaction(author, f"so that there is a plan: {self.text}", writer=writer) as tx:
+        with world.transaction(author, f"so that there is a plan: {self.text}", writer=writer, holder=holder) as tx:
             for edit in self.edits:
                 edit.write(tx)
 

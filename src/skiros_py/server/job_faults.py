@@ -10,6 +10,7 @@ from skiros_py.errors import (
     Busy,
     GoalSyntaxError,
     KeyReused,
+    Removed,
     SkirosError,
     StaleVersion,
     UnknownName,
@@ -42,6 +43,8 @@ def _problem(error: SkirosError) -> Problem | None:
             return Problem(404, "UnknownJobOrderID", str(error), return_status=UNKNOWN_ID)
         case KeyReused():
             return _invalid("IdempotencyKeyReused", error)
+        case Removed():
+            return Problem(410, "JobOrderRemoved", str(error), return_status=UNABLE_TO_ACCEPT)
         case WrongState():
             return Problem(409, "InvalidJobOrderStatus", str(error), return_status=INVALID_STATUS)
         case StaleVersion():

@@ -20,7 +20,9 @@ _UPLOAD = "(upload)"
 _FIRST = "read from "
 
 
-def load(control: ControlThread, data: Path, scene: Index, name: str, *, author: str, seen: int | None) -> None:
+def load(
+    control: ControlThread, data: Path, scene: Index, name: str, *, author: str, holder: str = "", seen: int | None
+) -> None:
     """Makes the live world's scene another one; what was learned stays. Returns when the station is up again.
 
     Robots, skill managers and bodies are those of the new scene then. Where they cannot be brought up, the scene is
@@ -32,6 +34,7 @@ def load(control: ControlThread, data: Path, scene: Index, name: str, *, author:
         scene: What it shall be.
         name: What that is called; empty for an upload.
         author: Who wants it.
+        holder: Whose locks let it through, where they are not the author's.
         seen: Version of the world that they have seen; None for any.
 
     Raises:
@@ -47,7 +50,7 @@ def load(control: ControlThread, data: Path, scene: Index, name: str, *, author:
         require_rest(session)
         old = session.world.snapshot()
         expects = None if seen is None else {"": seen}
-        with session.world.transaction(author, reason, writer=Writer.PERSON, expects=expects) as tx:
+        with session.world.transaction(author, reason, writer=Writer.PERSON, expects=expects, holder=holder) as tx:
             tx.apply(changes_to(scene, old))
         before.append((old, tx.change))
 

@@ -22,13 +22,20 @@ class Lock:
 
     Attributes:
         element: Id of the element.
-        owner: Who has it: the author of the edits that it allows.
+        owner: Who has it: the author of the edits that it allows, or what tells them from others of the same name.
         until: When it ends by itself [s, the locks' clock].
+        name: What people call the owner, where that is something else.
     """
 
     element: str
     owner: str
     until: float
+    name: str = ""
+
+    @property
+    def shown(self) -> str:
+        """What people call the owner."""
+        return self.name or self.owner
 
 
 class Locks:
@@ -54,13 +61,14 @@ class Locks:
         self._guard = threading.RLock()
         self._locks: dict[str, Lock] = {}
 
-    def acquire(self, elements: Iterable[str], owner: str, seconds: float) -> tuple[Lock, ...]:
+    def acquire(self, elements: Iterable[str], owner: str, seconds: float, name: str = "") -> tuple[Lock, ...]:
         """Locks all of the elements or none; who has a lock already makes it last longer.
 
         Args:
             elements: Their ids.
             owner: Who wants them.
             seconds: After how long the lock ends by itself [s].
+            name: What people call the owner, where that is something else.
 
         Raises:
             Locked: Somebody else has one of them, or what it is a piece of, or one of its pieces.
@@ -71,7 +79,7 @@ class Locks:
         if not isinstance(owner, str) or not owner.strip():
             raise UsageError("a lock needs an owner: the author of the edits that it allows")
         names = _names(elements)
-        unknown = [name for name in names if not self._known(name)]
+        unknown = [element for element in names if not self._known(element)]
         if unknown:
             raise UsageError(f"there is nothing to lock by the name of {', '.join(unknown)}")
         with self._guard:
@@ -79,7 +87,7 @@ class Locks:
             if problems:
                 raise Locked("; ".join(problems))
             until = self._clock() + seconds
-            taken = tuple(Lock(name, owner, until) for name in names)
+            taken = tuple(Lock(element, owner, until, name) for element in names)
             self._locks.update((lock.element, lock) for lock in taken)
         return taken
 
@@ -105,21 +113,21 @@ class Locks:
         """Lets nobody take or give back a lock while its 'with' block runs: what was found unlocked stays so."""
         return self._guard
 
-    def problems(self, elements: Iterable[str], author: str) -> Sequence[str]:
-        """Returns a sentence for each element that somebody else than the author has locked."""
+    def problems(self, elements: Iterable[str], owner: str) -> Sequence[str]:
+        """Returns a sentence for each element that somebody else has locked."""
         if not self._locks:
             return ()
         with self._guard:
-            return self._problems(sorted(set(elements)), author)
+            return self._problems(sorted(set(elements)), owner)
 
-    def _problems(self, elements: Sequence[str], author: str) -> list[str]:
+    def _problems(self, elements: Sequence[str], owner: str) -> list[str]:
         self._expire()
         found = [self._locks[name] for name in elements if name in self._locks]
         now = self._clock()
         return [
-            f"{lock.element} is locked by {lock.owner} for {lock.until - now:.0f} s more"
+            f"{lock.element} is locked by {lock.shown} for {lock.until - now:.0f} s more"
             for lock in found
-            if lock.owner != author
+            if lock.owner != owner
         ]
 
     def _expire(self) -> None:

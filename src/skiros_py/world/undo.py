@@ -23,13 +23,14 @@ def last_undoable(log: ChangeLog) -> Change | None:
     return None
 
 
-def undo(world: World, author: str, *, expects: int | None = None) -> Change:
+def undo(world: World, author: str, *, expects: int | None = None, holder: str = "") -> Change:
     """Takes back the last edit that a person made, as a new change; called again, it takes back the one before.
 
     Args:
         world: The world.
         author: Who wants it.
         expects: Number of the change that they mean; None for whichever is the last.
+        holder: Whose locks let it through, where they are not the author's.
 
     Raises:
         StaleVersion: It is not the last any more.
@@ -43,7 +44,7 @@ def undo(world: World, author: str, *, expects: int | None = None) -> Change:
         since = f" since change {world.log.first}, from which on changes are remembered" if world.log.first > 1 else ""
         raise WorldError(f"there is nothing to undo: no edit by a person that was not undone already{since}")
     reason = f"undoes change {last.number}: {last.reason}"
-    with world.transaction(author, reason, writer=Writer.PERSON, undoes=last.number) as tx:
+    with world.transaction(author, reason, writer=Writer.PERSON, undoes=last.number, holder=holder) as tx:
         _check(last, world.log.about(subjects_of(last), after=last.number))  # in here nobody else writes
         tx.apply([edit.inverse() for edit in reversed(last.edits)])
     if tx.change is None:

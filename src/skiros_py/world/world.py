@@ -41,6 +41,7 @@ class _Write:
     reason: str
     writer: Writer
     undoes: int | None
+    holder: str
 
 
 class World:
@@ -70,9 +71,7 @@ class World:
         """
         self.clock = clock
         self.sensors: Sensors = NO_SENSORS
-        self.locks = Locks(
-            known=lambda name: self._index.has(name), related=lambda names: _related(self._index, names)
-        )
+        self.locks = Locks(known=lambda name: self._index.has(name), related=lambda names: _related(self._index, names))
         past = past or Past(abstract_individuals(ontology, reasoners))
         self._index = past.index.copy()
         self._index.version = past.log.version
@@ -99,6 +98,7 @@ class World:
         writer: Writer = Writer.SKILL,
         expects: Mapping[str, int] | None = None,
         undoes: int | None = None,
+        holder: str = "",
     ) -> Iterator[Transaction]:
         """Opens a write: ``with world.transaction("pick", "the fingers hold it") as tx: tx.place(...)``.
 
@@ -111,6 +111,7 @@ class World:
             writer: What kind of author that is; locks of others keep people and jobs out.
             expects: For elements by id, the version (:meth:`stamp`) that the author has seen; for "" that of the world.
             undoes: Number of the change that this one takes back.
+            holder: Whose locks let it through, where they are not the author's.
 
         Raises:
             WorldError: The ontology or a reasoner does not allow what was written (the text names everything wrong and
@@ -119,7 +120,7 @@ class World:
             StaleVersion: An element was changed or removed since the author saw it.
             Locked: Somebody else has locked one of the elements.
         """
-        write = _Write(_text("author", author), _text("reason", reason), _kind(writer), undoes)
+        write = _Write(_text("author", author), _text("reason", reason), _kind(writer), undoes, holder or author)
         other = self._author_here()
         if other is not None:
             raise WorldError(f"{author} cannot write: {other} has a transaction open in the same thread")
@@ -347,7 +348,7 @@ class World:
         """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""
         if write.writer in (Writer.PERSON, Writer.JOB):
             concerned = {name for edit in edits for name in edit.concerns()}
-            locked = self.locks.problems((*concerned, *_wholes(before, after, concerned)), write.author)
+            locked = self.locks.problems((*concerned, *_wholes(before, after, concerned)), write.holder)
             if locked:
                 raise Locked(f"refused: {'; '.join(locked)}")
         if self.reasoners.may_veto:

@@ -306,7 +306,7 @@ def _all_of_many(depth: int) -> str:
 
 def test_quantifiers_in_one_another_may_stand_for_so_many_combinations_only() -> None:
     assert len(parse(_all_of_many(7))) == 1  # 7 words for each of 2^7 combinations
-    with pytest.raises(UsageError, match="has to be looked at in 22528 places .*, and 2000 are allowed"):
+    with pytest.raises(UsageError, match=r"has to be looked at in 22528 places .*, and 2000 are allowed"):
         parse(_all_of_many(11))
 
 

@@ -11,7 +11,7 @@ from skiros_py.server.access.keys import Key, KeyStore
 from skiros_py.server.access.logins import COOKIE, Logins
 from skiros_py.server.access.networks import network_of
 from skiros_py.server.access.rates import Rates
-from skiros_py.server.access.roles import Caller, Role
+from skiros_py.server.access.roles import LOCAL, Caller, Role
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings, is_loopback
 
@@ -20,7 +20,6 @@ __all__ = ["Doorkeeper", "check_access"]
 _GUESSES = 10
 """Wrong keys that one address may show in a minute."""
 _LONGEST_USER = 100
-_LOCAL = "local"
 _REALM = {"WWW-Authenticate": 'Bearer realm="skiros"'}
 
 
@@ -115,7 +114,7 @@ class Doorkeeper:
         """Tells whether somebody who came in may stay: their key was not revoked meanwhile; for streams."""
         if not caller.key:
             return not self.keys_needed
-        return caller.key == _LOCAL or self.keys.still(caller.key) is not None
+        return caller.key == LOCAL or self.keys.still(caller.key) is not None
 
     def _by_key(self, shown: str, headers: Headers, address: str) -> Caller:
         # A right key passes however many wrong ones came from the same address: nobody can lock their neighbours out,
@@ -124,7 +123,7 @@ class Doorkeeper:
         if key is not None:
             return Caller(key.name, key.role, key.id)
         if self.keys.is_local(shown):
-            return Caller(_user(headers), Role.ADMIN, _LOCAL)
+            return Caller(_user(headers), Role.ADMIN, LOCAL)
         raise self._wrong(address)
 
     def _wrong(self, address: str) -> Problem:
@@ -163,7 +162,7 @@ def _cookie(headers: Headers) -> str | None:
 def _user(headers: Headers) -> str:
     """Returns how somebody calls themselves who needs no key: for authorship only."""
     given = headers.get("x-skiros-user", "").encode("latin-1").decode("utf-8", "replace")
-    return "".join(c for c in given if c.isprintable())[:_LONGEST_USER].strip() or _LOCAL
+    return "".join(c for c in given if c.isprintable())[:_LONGEST_USER].strip() or LOCAL
 
 
 def _stranger(detail: str) -> Problem:

@@ -18,7 +18,7 @@ from skiros_py.api.wire import moment
 from skiros_py.database import Database
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
 from skiros_py.server.access.file import open_access
-from skiros_py.server.access.roles import Role
+from skiros_py.server.access.roles import LOCAL, Role
 
 __all__ = ["Key", "KeyStore", "shown", "without_keys"]
 
@@ -28,8 +28,6 @@ _MOST = 10_000
 _COLUMNS = "id, name, role, digest, ending, created, expires, revoked, used"
 _TOKEN = re.compile(r"sk_([a-z0-9]{1,32})_[A-Za-z0-9_-]{43}")
 _LIKE_A_TOKEN = re.compile(r"sk(?:_|%5[fF])[A-Za-z0-9]{1,32}(?:_|%5[fF])[A-Za-z0-9_%-]{8,}")
-_LOCAL = "local"
-"""Id of the token of this start of the server; keys are numbered in hexadecimal, so none is called so."""
 
 
 def without_keys(text: str) -> str:
@@ -104,7 +102,7 @@ class KeyStore:
     """
 
     def __init__(self, data: Path) -> None:
-        self.local_token = f"sk_{_LOCAL}_{secrets.token_urlsafe(32)}"
+        self.local_token = f"sk_{LOCAL}_{secrets.token_urlsafe(32)}"
         self._writes = open_access(data)
         try:
             self._reads = open_access(data)

@@ -11,7 +11,11 @@ from fastapi import Depends, Request
 from skiros_py.server.access.parameters import check_query
 from skiros_py.server.problems import Problem
 
-__all__ = ["Caller", "CallerDep", "Need", "Role", "needs"]
+__all__ = ["LOCAL", "Caller", "CallerDep", "Need", "Role", "needs"]
+
+
+LOCAL = "local"
+"""Stands for a key with programs that may read the data directory; they say themselves who they work for."""
 
 
 class Role(enum.StrEnum):
@@ -45,6 +49,11 @@ class Caller:
     name: str
     role: Role
     key: str = ""
+
+    @property
+    def holder(self) -> str:
+        """Whose locks are theirs: people of the same name are told apart by their keys."""
+        return f"key {self.key}" if self.key not in ("", LOCAL) else self.name
 
 
 @dataclass(frozen=True, slots=True)

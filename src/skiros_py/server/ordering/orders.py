@@ -16,7 +16,10 @@ from skiros_py.tasks.jobs import JobOrder
 from skiros_py.tasks.jobs.order import Material
 from skiros_py.tasks.policy import Policy
 
-__all__ = ["digest_of", "is_same", "job_order", "new_id", "texts_of"]
+__all__ = ["LONGEST", "digest_of", "is_same", "job_order", "new_id", "texts_of"]
+
+LONGEST = 64 << 10
+"""Length of an order, with its goal and everything else that it says [bytes]."""
 
 _NO_IDS = frozenset({".", ".."})
 """Parts of an address that mean something else."""
@@ -37,11 +40,20 @@ def texts_of(ordered: GoalOrder, templates: TemplateStore) -> tuple[str, ...]:
 
     Raises:
         UnknownName: There is no such template, or it has no such parameter.
-        UsageError: The goal is built wrongly, a parameter is missing, or the material does not fit.
+        UsageError: The goal is built wrongly, a parameter is missing, the material does not fit, or it is too long.
     """
-    if ordered.work_master:
-        return templates.texts(ordered.work_master, ordered.parameters, ordered.materials)
-    return goal_texts(ordered.goal)
+    _check_length("the order", len(ordered.model_dump_json(by_alias=True).encode()))
+    if not ordered.work_master:
+        return goal_texts(ordered.goal)
+    texts = templates.texts(ordered.work_master, ordered.parameters, ordered.materials)
+    _check_length(f"what goal template '{ordered.work_master}' makes of it", sum(len(text.encode()) for text in texts))
+    return texts
+
+
+def _check_length(what: str, number: int) -> None:
+    """Refuses what would fill memory, disk and every answer, job by job."""
+    if number > LONGEST:
+        raise UsageError(f"{what} has {number} bytes, and {LONGEST} are allowed: order it in several jobs")
 
 
 def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:

@@ -52,7 +52,7 @@ def put_goals(
     with job_faults():
         texts = goal_texts(body.goals)
         services.session.parse(texts)
-    with world.transaction(caller.name, "the goals of the scene", writer=Writer.PERSON) as tx:
+    with world.transaction(caller.name, "the goals of the scene", writer=Writer.PERSON, holder=caller.holder) as tx:
         if world.goals != seen:
             raise StaleVersion("the goals of the scene were changed meanwhile: look again")
         tx.set_goals(texts)

@@ -49,11 +49,10 @@ def get_job_trace(
 ) -> JobTrace:
     """Lists what happened, in sentences and as data; of what runs, the last second may be missing."""
     with job_faults():
-        entries = jobs.trace(id)
-    end = int(cursor) + limit
+        entries = jobs.trace(id, skip=int(cursor), limit=limit + 1)
     return JobTrace(
-        entries=tuple(dict(entry) for entry in entries[int(cursor) : end]),
-        next=str(end) if end < len(entries) else None,
+        entries=tuple(dict(entry) for entry in entries[:limit]),
+        next=str(int(cursor) + limit) if len(entries) > limit else None,
     )
 
 

@@ -9,7 +9,9 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Request, Response
 
 from skiros_py.api.jobs import Job, JobOrder, JobPage, StateName
+from skiros_py.api.problem import ProblemDetails
 from skiros_py.api.wire import Moment
+from skiros_py.errors import StaleVersion, WrongState
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.job_desk import JobDesk
@@ -22,7 +24,8 @@ from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, Temp
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.templates import TemplateStore
 from skiros_py.tasks.jobs import Job as Known
-from skiros_py.tasks.jobs import JobManager, Receipt
+from skiros_py.tasks.jobs import JobManager, Receipt, Trigger
+from skiros_py.tasks.jobs import JobState as State
 
 __all__ = ["router"]
 
@@ -36,7 +39,14 @@ _TAKEN: dict[int | str, dict[str, Any]] = {
     200: {"model": Job, "description": "It was there already, or it is over (Prefer: wait)."}
 }
 
+_REMOVED: dict[int | str, dict[str, Any]] = {
+    410: {"model": ProblemDetails, "description": "The same order came before, and its job was removed (`last`)."}
+}
+
 StartQuery = Annotated[bool, Query(description="False to keep it until somebody gives leave to start.")]
+AgainQuery = Annotated[
+    bool, Query(description="True where it is meant although there was a job of that id that was removed.")
+]
 PreferHeader = Annotated[
     str | None, Header(max_length=200, description="wait=N: answer when it is over or stands, after N s at the latest.")
 ]
@@ -47,7 +57,7 @@ PreferHeader = Annotated[
     status_code=202,
     summary="Order a job",
     dependencies=[needs(Role.OPERATOR, mes=True)],
-    responses=_TAKEN,
+    responses=_TAKEN | _REMOVED,
 )
 def order_job(
     order: JobOrder,
@@ -58,6 +68,7 @@ def order_job(
     caller: CallerDep,
     response: Response,
     start: StartQuery = True,
+    again: AgainQuery = False,
     idempotency_key: Annotated[
         str | None,
         Header(max_length=202, description="Marks the request: the same one again leads to no second job."),
@@ -70,11 +81,12 @@ def order_job(
     """
     with job_faults():
         receipt = _receipt(idempotency_key, caller, digest_of(order, start=start))
-        known = _ordered_before(jobs, order, receipt)
+        known = _ordered_before(jobs, order, receipt, again=again)
         if known is not None:
+            known = _with_leave(jobs, known, start, caller)
             response.headers["Idempotency-Replayed"] = "true"
             response.status_code = 200
-        job = known or _submit(jobs, templates, order, order.id or new_id(), start, caller, receipt)
+        job = known or _submit(jobs, templates, order, order.id or new_id(), start, again, caller, receipt)
     note(request, job=job.id)
     return _taken(services.desk, jobs, job, response, prefer)
 
@@ -84,7 +96,7 @@ def order_job(
     status_code=202,
     summary="Order a job under an id of one's own, or change its order",
     dependencies=[needs(Role.OPERATOR, mes=True)],
-    responses=_TAKEN,
+    responses=_TAKEN | _REMOVED,
 )
 def put_job(
     id: JobId,  # noqa: A002 - the name in the address
@@ -96,10 +108,14 @@ def put_job(
     expected: ExpectedDep,
     response: Response,
     start: StartQuery = True,
+    again: AgainQuery = False,
     if_match: Annotated[str | None, Header()] = None,
     prefer: PreferHeader = None,
 ) -> Job:
     """Takes a job order. The same order again is answered with the same job (200), whatever has become of it.
+
+    Where that was removed, it is refused for at least 7 days (410, with what the job was last), unless `again` is true.
+    A job that was kept from starting is given leave by the same order with `start=true`, once.
 
     Another order under the same id is refused (409), unless the job has not begun and `If-Match` names its version:
     then it is ordered instead.
@@ -111,10 +127,14 @@ def put_job(
         if known is None and if_match is not None:
             raise Problem(412, "StaleVersion", f"there is no job '{id}' (any more): leave out If-Match to order it")
         if known is None:
-            job = _submit(jobs, templates, order, id, start, caller, None)
+            _check_removed(None if again else jobs.removed(id), order)
+            job = _submit(jobs, templates, order, id, start, again, caller, None)
             return _taken(services.desk, jobs, job, response, prefer)
-        if not is_same(order, known.order):
-            _require_match(known, if_match)
+        if is_same(order, known.order):
+            known = _with_leave(jobs, known, start, caller)
+        elif if_match is None:  # whoever orders something else under the id of a job must have seen that
+            raise _taken_already(known)
+        else:
             changed = job_order(order, id, texts_of(order, templates))
             known = jobs.update(changed, said_by(caller, ""), expects=expected)
     response.status_code = 200
@@ -150,12 +170,14 @@ router.include_router(job_commands.router)
 router.include_router(job_results.router)
 
 
-def _ordered_before(jobs: JobManager, order: JobOrder, receipt: Receipt | None) -> Known | None:
+def _ordered_before(jobs: JobManager, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Known | None:
     """Returns the job that the same request, or the same order, has led to before."""
     before = None if receipt is None else jobs.known(receipt)
     if before is not None or order.id is None:
         return before
     known = jobs.jobs.get(order.id)
+    if known is None:
+        _check_removed(None if again else jobs.removed(order.id), order)
     if known is not None and not is_same(order, known.order):
         raise _taken_already(known)
     if known is not None and receipt is not None:  # so that the key counts for this order from now on
@@ -169,17 +191,44 @@ def _submit(
     order: JobOrder,
     id_: str,
     start: bool,
+    again: bool,
     caller: Caller,
     receipt: Receipt | None,
 ) -> Known:
     wanted = job_order(order, id_, texts_of(order, templates))
-    return jobs.submit(wanted, start=start, comment=said_by(caller, ""), receipt=receipt)
+    return jobs.submit(wanted, start=start, comment=said_by(caller, ""), receipt=receipt, again=again)
 
 
-def _require_match(known: Known, if_match: str | None) -> None:
-    """Sees that whoever orders something else under the id of a job has seen that."""
-    if if_match is None:
-        raise _taken_already(known)
+def _with_leave(jobs: JobManager, known: Known, start: bool, caller: Caller) -> Known:
+    """Gives leave to start to a job that was ordered without, where the same order comes with it.
+
+    Leave that somebody has taken back is given by that command only: this order may have been sent before.
+    """
+    if not start or known.state is not State.NOT_ALLOWED_TO_START or known.id not in jobs.open:
+        return known
+    if any(one.trigger == Trigger.REVOKE_START.value for one in jobs.transitions(known.id)):
+        return known
+    try:
+        return jobs.start(known.id, said_by(caller, ""), expects=known.version)
+    except (StaleVersion, WrongState):  # somebody was quicker
+        return jobs.job(known.id)
+
+
+def _check_removed(last: Known | None, order: JobOrder) -> None:
+    """Refuses an order under the id of a job that was removed.
+
+    Raises:
+        Problem: There was one; where its order was the same, with what it was last.
+    """
+    if last is None:
+        return
+    what = f"job '{last.id}' was ordered before and removed"
+    if not is_same(order, last.order):
+        detail = f"{what}, with another order: take another id, or say again=true"
+        raise Problem(409, "UnableToAcceptJobOrder", detail, return_status=UNABLE_TO_ACCEPT)
+    view = job_view(last, time.time()).model_dump(mode="json", by_alias=True)
+    detail = f"{what}: it is not done once more, unless you say again=true"
+    raise Problem(410, "JobOrderRemoved", detail, return_status=UNABLE_TO_ACCEPT, last=view)
 
 
 def _taken_already(known: Known) -> Problem:

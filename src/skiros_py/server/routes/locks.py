@@ -35,7 +35,7 @@ def lock_elements(order: LockOrder, services: ServicesDep, caller: CallerDep) ->
     """
     world = services.session.world
     with writing_locks(world):
-        locks = world.locks.acquire(order.elements, caller.name, order.seconds)
+        locks = world.locks.acquire(order.elements, caller.holder, order.seconds, caller.name)
     return LockList(items=[_told(world, lock) for lock in locks])
 
 
@@ -51,11 +51,18 @@ def end_locks(
     ] = None,
 ) -> LockList:
     """Ends one's own locks, and answers with those that are left; what is not locked stays as it is."""
-    if owner not in (None, caller.name) and caller.role is not Role.ADMIN:
+    others = owner not in (None, caller.name)
+    if others and caller.role is not Role.ADMIN:
         raise Problem(403, "RoleTooLow", f"locks of {owner} are ended by {owner} or by an admin")
     world = services.session.world
-    world.locks.release(owner or caller.name, elements)
+    for holder in _called(world, owner) if others else (caller.holder,):
+        world.locks.release(holder, elements)
     return LockList(items=[_told(world, lock) for lock in world.locks.held()])
+
+
+def _called(world: World, name: str | None) -> set[str]:
+    """Returns all owners of locks who are called so."""
+    return {lock.owner for lock in world.locks.held() if lock.shown == name}
 
 
 def _told(world: World, lock: WorldLock) -> Lock:

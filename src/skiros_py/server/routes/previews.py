@@ -78,7 +78,7 @@ def apply_repair(
             f"'{repair.text}' is no change of the world alone: see to it, or order otherwise",
         )
     world = services.session.world
-    repair.apply(world, caller.name, Writer.PERSON)
+    repair.apply(world, caller.name, Writer.PERSON, caller.holder)
     return AppliedRepair(text=repair.text, world=world.version)
 
 

@@ -181,7 +181,8 @@ def load_scene(
         with _broken(422, "the scene that was sent"):
             scene = services.stage.read_text(session, wish.turtle)
     services.stage.check(session, scene)
-    load(services.control, services.data, scene, wish.name, author=caller.name, seen=expected_version(request))
+    seen = expected_version(request)
+    load(services.control, services.data, scene, wish.name, author=caller.name, holder=caller.holder, seen=seen)
     return _present(services, response)
 
 

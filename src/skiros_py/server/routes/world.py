@@ -143,7 +143,9 @@ def undo_edit(services: ServicesDep, caller: CallerDep, order: UndoOrder | None 
     What skills sensed is never undone; 409 where something was built on the edit since.
     """
     try:
-        return told_change(undo(services.session.world, caller.name, expects=order.change if order else None))
+        return told_change(
+            undo(services.session.world, caller.name, expects=order.change if order else None, holder=caller.holder)
+        )
     except (StaleVersion, Locked):
         raise
     except WorldError as error:

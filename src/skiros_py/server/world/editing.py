@@ -39,7 +39,7 @@ def writing(
     Raises:
         Problem: Somebody else has locked what it is about (423); the problem lists who, and until when.
     """
-    transaction = world.transaction(caller.name, reason, writer=Writer.PERSON, expects=expects)
+    transaction = world.transaction(caller.name, reason, writer=Writer.PERSON, expects=expects, holder=caller.holder)
     with writing_locks(world), transaction as tx:
         yield tx
 
@@ -60,7 +60,7 @@ def writing_locks(world: World) -> Iterator[None]:
 def _locked(world: World, error: Locked) -> Problem:
     """The fault names elements and owners in its text only; the locks of these are looked up."""
     text = str(error)
-    locks = [lock for lock in world.locks.held() if f"{lock.element} is locked by {lock.owner} " in text]
+    locks = [lock for lock in world.locks.held() if f"{lock.element} is locked by {lock.shown} " in text]
     plain = [told_lock(world, lock) for lock in locks]
     told = [{"element": name, "owner": owner, "until": until.isoformat()} for name, owner, until, _ in plain]
     return Problem(423, "Locked", text, locks=told)
@@ -69,7 +69,7 @@ def _locked(world: World, error: Locked) -> Problem:
 def told_lock(world: World, lock: Lock) -> tuple[str, str, datetime, float]:
     """Returns of a lock its element, its owner, when it ends (UTC), and in how long that is [s]."""
     left = max(0.0, lock.until - world.locks.now())
-    return lock.element, lock.owner, datetime.now(UTC) + timedelta(seconds=left), round(left, 1)
+    return lock.element, lock.shown, datetime.now(UTC) + timedelta(seconds=left), round(left, 1)
 
 
 # ------------------------------------------------------------------ elements

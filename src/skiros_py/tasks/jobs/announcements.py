@@ -16,6 +16,10 @@ MOST_ANNOUNCEMENTS = 100_000
 """So many are kept where nobody passes them on; the oldest go first."""
 
 
+_LONGEST_GOAL = 2000
+"""Of goals that are longer the beginning is told [characters]: whoever ordered knows them."""
+
+
 @dataclass(frozen=True, slots=True)
 class Announcement:
     """A job came to a new state, or is there no more.
@@ -23,7 +27,7 @@ class Announcement:
     Attributes:
         number: Counts announcements without gaps, over restarts as well.
         wall: When [s since 1970].
-        job: The job as it was then.
+        job: The job as it was then, without its plan, and with the beginning of a very long goal.
         trigger: What led to it: a value of :class:`~skiros_py.tasks.jobs.Trigger`, "cancelled" or "cleared".
     """
 
@@ -33,9 +37,17 @@ class Announcement:
     trigger: str
 
 
-def keep_announcement(connection: sqlite3.Connection, data: str, trigger: str, wall: float) -> None:
+def keep_announcement(connection: sqlite3.Connection, job: Job, trigger: str) -> None:
     """Keeps what happened to a job."""
-    values = (wall, trigger, data)
+    values = (job.changed, trigger, _brief(job).model_dump_json())
     number = connection.execute("INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?)", values).lastrowid
     assert number is not None
     connection.execute("DELETE FROM announcements WHERE number <= ?", (number - MOST_ANNOUNCEMENTS,))
+
+
+def _brief(job: Job) -> Job:
+    """Returns a job without what would fill the file: each of its states is told."""
+    goal = job.order.goal
+    if sum(map(len, goal)) > _LONGEST_GOAL:
+        goal = (f"{goal[0][:_LONGEST_GOAL]}…",)
+    return job.model_copy(update={"plan": (), "order": job.order.model_copy(update={"goal": goal})})

@@ -111,7 +111,7 @@ class JobStore:
         where, values = f"number > ? AND {among}", (min(after, _LAST),)
         if since is not None:  # found in the index alone, however many there are
             changed = f"FROM jobs INDEXED BY jobs_by_change WHERE changed >= ? AND {where} ORDER BY number"
-            where = f"id IN (SELECT id {changed} LIMIT {limit + 1})"  # noqa: S608
+            where = f"id IN (SELECT id {changed} LIMIT {limit + 1})"
             values = (since, *values)
         sql = f"SELECT data, number FROM jobs WHERE {where} ORDER BY number LIMIT ?"  # noqa: S608
         rows = self._database.looked_up(sql, (*values, limit + 1), room=_ROOM)
@@ -170,7 +170,7 @@ class JobStore:
                 connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - our own names
             leave_receipts(connection, job.id, data)
             keep_removal(connection, job)
-            keep_announcement(connection, data, why, job.changed)
+            keep_announcement(connection, job, why)
 
     # ------------------------------------------------------------------ requests and announcements
 
@@ -299,4 +299,4 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
     if trigger is not None:
         entry = Transition(wall=job.changed, trigger=trigger.value, state=job.state, comment=comment)
         connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
-        keep_announcement(connection, data, trigger.value, job.changed)
+        keep_announcement(connection, job, trigger.value)

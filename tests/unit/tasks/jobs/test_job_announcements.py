@@ -37,6 +37,15 @@ def test_that_a_job_was_removed_is_announced_with_what_it_was_last(store):
     assert store.announcements(1, 9)[0].job == over
 
 
+def test_announcements_stay_small_whatever_was_ordered_and_planned(store):
+    long = job().order.model_copy(update={"goal": ("x" * 50_000, "y")})
+    first = store.add(Job(order=long, number=1, state=JobState.RUNNING), Trigger.START)
+    store.keep(first.but(plan=("drive(robot_1, kit_1)",) * 1000), Trigger.DISPATCH)
+    for each in store.announcements(0, 9):
+        assert len(each.job.model_dump_json()) < 5000
+    assert store.job("a").order == long
+
+
 def test_they_are_read_from_where_somebody_left_off_and_so_many_at_most(store):
     for name in "abcd":
         store.add(job(name), Trigger.START)

@@ -34,9 +34,9 @@ class Cell:
         self.most = 0
         bench.cycle.observe(self._count)
 
-    def order(self, job: str, *goal: str, priority: int = 0, policy: Policy | None = None) -> None:
+    def order(self, job: str, *goal: str, priority: int = 0, policy: Policy | None = None, again: bool = False) -> None:
         order = JobOrder(id=job, goal=goal, priority=priority, policy=policy or Policy())
-        self.jobs.submit(order)
+        self.jobs.submit(order, again=again)
 
     def until(self, job: str, *states: JobState) -> None:
         self.bench.until(lambda: self.jobs.job(job).state in states)
@@ -146,7 +146,7 @@ def test_an_id_that_is_ordered_anew_after_its_job_was_stopped_while_it_waited_is
         one.bench.advance(0.02)
         one.jobs.stop("cut")
         one.jobs.clear("cut")
-        one.order("cut", BALL)
+        one.order("cut", BALL, again=True)
         assert one.until_over("other", "cut") == [Outcome.SUCCEEDED] * 2
         assert one.jobs.job("cut").attempts == 1
 
