@@ -130,7 +130,7 @@ class Session:
     def __init__(self, scene: str, options: Options = Options(), *, catalogue: Catalogue | None = None) -> None:
         self._stack = ExitStack()
         self._stop_wanted = False
-        self._closed = False
+        self._closed = self._opened = False
         self.stopped = False
         self.left_out: dict[str, str] = {}
         self._digest = RunDigest()
@@ -140,6 +140,7 @@ class Session:
         self.catalogue = catalogue or load_catalogue()
         try:
             self._open(scene)
+            self._opened = True
         except BaseException:
             self.close()
             raise
@@ -196,7 +197,7 @@ class Session:
         directory = DataDirectory.open(
             self.options.data, ontology, reasoners, find_scene(scene) if scene else None, imports=ontology_paths()
         )
-        self._stack.enter_context(directory)
+        self._stack.callback(lambda: directory.close() if self._opened else directory.discard())
         if self.simulates:
             respawn(directory.world, directory.journal)
         return directory.world, faults

@@ -23,6 +23,8 @@ _TABLE = {
         /session GET+ DELETE+
         /jobs GET+
         /jobs/{id} GET+
+        /job-responses GET+
+        /capabilities GET+
         /jobs/{id}/response GET+
         /jobs/{id}/plan GET+
         /jobs/{id}/trace GET+

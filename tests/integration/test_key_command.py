@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import get_args
 
 import httpx2
+from click.testing import CliRunner, Result
 
 from skiros_py.api.keys import RoleName
 from skiros_py.cli.key import command
@@ -43,7 +44,7 @@ def test_a_key_made_in_the_shell_opens_the_server_and_one_revoked_there_shuts_it
 
 
 def test_a_key_can_be_made_before_there_is_anything_else_and_is_shown_once(tmp_path: Path) -> None:
-    made = _skiros("create", "anna", "--role", "admin", "--data", str(tmp_path / "new"))
+    made = _skiros("create", "anna", "--role", "admin", "--new", "--data", str(tmp_path / "new"))
     listed = _skiros("list", "--data", str(tmp_path / "new"))
 
     assert made.stdout.startswith("sk_")
@@ -67,3 +68,21 @@ def test_the_roles_are_those_of_the_server() -> None:
     option = next(one for one in command.commands["create"].params if one.name == "role")  # type: ignore[attr-defined]
 
     assert set(option.type.choices) == {role.value for role in Role} == set(get_args(RoleName))
+
+
+def test_no_folder_is_made_for_a_key_by_mistake(tmp_path: Path) -> None:
+    missing = tmp_path / "mistyped" / "plant"
+    told = _invoke(missing)
+
+    assert "no world lives there" in str(told.exception)
+    assert not missing.parent.exists()
+
+
+def test_a_file_is_no_folder_for_a_key(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"")
+
+    assert "is not a folder" in str(_invoke(tmp_path / "file").exception)
+
+
+def _invoke(data: Path) -> Result:
+    return CliRunner().invoke(command, ["create", "anna", "--role", "viewer", "--data", str(data)])

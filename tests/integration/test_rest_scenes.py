@@ -145,6 +145,38 @@ def test_while_something_is_under_way_no_scene_is_loaded_and_nothing_reset(serve
     assert before == after
 
 
+def test_while_a_job_waits_in_the_middle_of_its_work_no_scene_is_loaded_and_a_forced_reset_leaves_it_be(
+    served: Served, http: httpx2.Client
+) -> None:
+    http.put("/jobs/held", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
+    while http.get("/jobs/held").json()["state"]["text"] != "Running":
+        pass
+    http.post("/simulation/reset", params={"force": True}).raise_for_status()
+    before = http.get("/jobs/held").json()
+    answers = http.put("/scene", json={"name": "kitting_two"}, headers=ANY), http.post("/simulation/reset")
+    http.post("/simulation/reset", params={"force": True}).raise_for_status()
+    after = http.get("/jobs/held").json()
+    http.post("/jobs/held/abort").raise_for_status()
+    while http.get("/jobs/held").json()["state"]["text"] != "Aborted":
+        pass
+
+    assert before["state"]["text"] == "Interrupted"
+    assert [(answer.status_code, answer.json()["code"]) for answer in answers] == [(409, "WrongState")] * 2
+    assert all("job 'held' waits in the middle of its work" in answer.json()["detail"] for answer in answers)
+    assert after["version"] == before["version"]
+    assert http.put("/scene", json={"name": "kitting"}, headers=ANY).status_code == 200
+
+
+def test_a_scene_that_brought_a_robot_is_not_undone_and_the_way_back_is_said(http: httpx2.Client) -> None:
+    http.put("/scene", json={"name": "kitting_two"}, headers=ANY).raise_for_status()
+
+    refused = http.post("/world/undo")
+
+    assert (refused.status_code, refused.json()["code"]) == (409, "CannotUndo")
+    assert refused.json()["detail"].endswith("load the former scene instead: PUT /scene")
+    assert http.put("/scene", json={"name": "kitting"}, headers=ANY).json()["changed"] is False
+
+
 def test_a_scene_written_as_turtle_can_be_sent_back(served: Served, http: httpx2.Client) -> None:
     text = now(served).replace('"starter"', '"painted"')
 

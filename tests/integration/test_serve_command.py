@@ -9,6 +9,7 @@ import socket
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import httpx2
@@ -17,6 +18,10 @@ import pytest
 from skiros_py.api.jobs import JobOrder
 from skiros_py.cli.job_files import JobFiles
 from skiros_py.cli.main import main
+from skiros_py.cli.nothing_left import nothing_left_of
+from skiros_py.errors import UsageError
+from skiros_py.server.access.keys import KeyStore
+from skiros_py.server.access.roles import Role
 from skiros_py.testing.server_process import ServerProcess
 
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -114,8 +119,9 @@ def test_logs_are_one_object_a_line_where_that_is_asked_for(server: ServerProces
     with server.client() as client:
         client.station.stop("a test")
 
-    lines = [line for line in server.said.splitlines() if line.startswith("{")]
-    assert all(isinstance(json.loads(line), dict) for line in lines)
+    until(lambda: "a test" in server.said)
+    lines = [json.loads(line) for line in server.said.splitlines() if line.startswith("{")]
+    assert any("a test" in line["event"] for line in lines)
 
 
 # ---------------------------------------------------------------- refused before anything is opened
@@ -144,16 +150,77 @@ def test_a_new_directory_needs_a_scene(tmp_path: Path, refusals: Refusals) -> No
     assert not (tmp_path / "data").exists()
 
 
+@pytest.mark.parametrize(
+    "mistake",
+    [("kitting", "--robot", "robot_9"), ("kitting", "--planner", "nope"), ("nope",), ("kitting", "--host", "0.0.0.0")],
+)
+def test_a_refused_first_start_leaves_nothing_behind(
+    tmp_path: Path, refusals: Refusals, mistake: tuple[str, ...]
+) -> None:
+    _, err = refusals.told("serve", *mistake, "--fake", "--data", str(tmp_path / "plant" / "cell"), "--port", "0")
+
+    assert mistake[-1] in err.rpartition("skiros: ")[2]
+    assert not (tmp_path / "plant").exists()
+
+
+def test_a_refused_first_start_lets_the_next_one_begin_with_another_scene(tmp_path: Path, refusals: Refusals) -> None:
+    (tmp_path / "learned.ttl").write_bytes(b"")
+    refusals.told("serve", "kitting", "--robot", "robot_9", "--fake", "--data", str(tmp_path), "--port", "0")
+
+    assert not (tmp_path / "journal.db").exists()
+    assert (tmp_path / "learned.ttl").exists()
+
+
+def test_a_key_that_was_made_meanwhile_outlives_a_refused_first_start(tmp_path: Path) -> None:
+    data = tmp_path / "new"
+    with pytest.raises(UsageError, match="refused"):
+        _refused_after_a_key(data)
+
+    with closing(KeyStore(data)) as keys:
+        assert [key.name for key in keys.all()] == ["anna"]
+
+
+def _refused_after_a_key(data: Path) -> None:
+    with nothing_left_of(data):
+        data.mkdir()
+        with closing(KeyStore(data)) as keys:
+            keys.create("anna", Role.ADMIN, None)
+        raise UsageError("refused")
+
+
+@pytest.mark.parametrize(("name", "why"), [("file", "is not a folder"), ("file/x", "cannot be made")])
+def test_a_data_directory_that_cannot_be_made_is_named(tmp_path: Path, refusals: Refusals, name: str, why: str) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    _, err = refusals.told("serve", "kitting", "--fake", "--data", str(tmp_path / name), "--port", "0")
+
+    assert f"{tmp_path / name}: {why}" in err
+
+
+@pytest.mark.parametrize("option", ["--allow-host", "--allow-origin", "--webhook-host"])
+def test_what_can_never_match_is_refused_before_anything_is_opened(
+    tmp_path: Path, refusals: Refusals, option: str
+) -> None:
+    data = str(tmp_path / "data")
+    _, err = refusals.told("serve", "kitting", "--fake", "--data", data, "--port", "0", option, "http://x/y")
+
+    assert f"skiros: {option}: nothing can ever come as 'http://x/y'" in err
+
+
 # ---------------------------------------------------------------- the end
 
 
 def test_polite_kills_end_it_in_good_order_and_the_scene_can_be_left_out_afterwards(tmp_path: Path) -> None:
-    for number, scene in zip(STOPS, (["kitting"], [], []), strict=True):
+    said: list[str] = []
+    for number, scene in zip(STOPS, (["kitting"], [], ["kitting_two"]), strict=True):
         with ServerProcess(*scene, "--fake", data=tmp_path) as server:
             assert httpx2.get(f"{server.url}/healthz").status_code == 200
             assert server.end(number) == 0
+        said.append(server.said)
         assert not (tmp_path / "server.json").exists()
         assert "Traceback" not in server.said
+    assert f"skiros key create NAME --role admin --data {tmp_path}'" in said[0]
+    assert ["was not loaded" in one for one in said] == [False, False, True]
+    assert "lives kitting: kitting_two was not loaded" in said[2]
 
 
 def test_a_second_ctrl_c_ends_it_at_once(tmp_path: Path) -> None:

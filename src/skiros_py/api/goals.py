@@ -24,6 +24,9 @@ __all__ = [
 
 _LONGEST_TEXT = 20_000
 
+Amount = Annotated[str, Field(pattern=r"^[0-9]{1,12}(\.[0-9]{1,9})?$")]
+PropertyText = Annotated[str, Field(max_length=500)]
+
 GoalText = Annotated[str, Field(min_length=1, max_length=_LONGEST_TEXT)]
 GoalData = dict[str, JsonValue]
 """A structured condition: ``{"condition": "InKit", "arguments": ["Starter", "kit_1"]}``, ``{"not": GOAL}``,
@@ -44,10 +47,44 @@ class Material(Request):
     """Material that an order is about (ISA-95: material requirement)."""
 
     class_: Name = Field(alias="class", description="Class of the material.", examples=["Starter"])
-    quantity: int = Field(default=1, ge=1, le=1000, description="How many pieces.", examples=[1])
+    definition: str = Field(
+        default="",
+        max_length=200,
+        description="Number of the material (ISA-95: material definition).",
+        examples=["ST-4"],
+    )
+    lot: str = Field(default="", max_length=200, description="The lot that it shall be of, for the record.")
+    quantity: Annotated[int, Field(ge=1, le=1000)] | Amount = Field(
+        default=1,
+        description='How many pieces; or, with units, a decimal number as text ("0.25").',
+        examples=[1, "0.25"],
+    )
+    units: str = Field(default="", max_length=40, description="Units of the quantity; empty for pieces.")
     id: str = Field(default="", max_length=200, description="The very piece that is meant; empty for any.")
     location: str = Field(default="", max_length=200, description="Where it shall be.", examples=["kit_1_a"])
     use: str = Field(default="", max_length=200, description="What it is for (ISA-95: material use).")
+    properties: dict[Name, PropertyText] = Field(
+        default_factory=dict, max_length=20, description="What else is known of it, for the record."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _whole_number(cls, data: Any) -> Any:
+        """Reads "3" as 3, for pieces."""
+        if isinstance(data, dict) and isinstance(number := data.get("quantity"), str) and number.isdecimal():
+            return data | {"quantity": int(number[:20])}
+        return data
+
+    @model_validator(mode="after")
+    def _units(self) -> Self:
+        if isinstance(self.quantity, str) and not self.units:
+            raise ValueError("quantity: a whole number of pieces from 1 to 1000, or a decimal number with units")
+        return self
+
+    @property
+    def pieces(self) -> int:
+        """How many pieces that a goal can speak of; what is measured in units counts as one."""
+        return 1 if self.units or isinstance(self.quantity, str) else self.quantity
 
 
 class GoalOrder(Request):

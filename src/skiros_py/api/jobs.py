@@ -9,13 +9,16 @@ from typing import Any
 from pydantic import ConfigDict, Field
 
 from skiros_py.api.goals import GoalOrder, Material
-from skiros_py.api.wire import Answer, Moment, Name, Request
+from skiros_py.api.templates import TemplateParameter
+from skiros_py.api.wire import Answer, Moment, Name, Request, WantedMoment
 
 __all__ = [
     "COMMANDS",
+    "AcceptedJob",
     "ConditionActual",
     "Job",
     "JobAnswer",
+    "JobCapabilities",
     "JobComment",
     "JobExplanation",
     "JobOrder",
@@ -24,6 +27,7 @@ __all__ = [
     "JobPolicy",
     "JobReport",
     "JobResponse",
+    "JobResponses",
     "JobState",
     "JobStep",
     "JobTrace",
@@ -34,6 +38,7 @@ __all__ = [
     "PlannedStep",
     "StateEntry",
     "StateName",
+    "WorkMaster",
     "material_from",
     "order_from",
 ]
@@ -85,8 +90,8 @@ class JobOrder(GoalOrder):
     )
     description: str = Field(default="", max_length=2000, description="For people.", examples=["kit for order 4711"])
     priority: int = Field(default=0, ge=-_PRIORITIES, lt=_PRIORITIES, description="The higher comes first.")
-    not_before: Moment | None = Field(default=None, description="The start gate: it does not start earlier.")
-    deadline: Moment | None = Field(
+    not_before: WantedMoment | None = Field(default=None, description="The start gate: it does not start earlier.")
+    deadline: WantedMoment | None = Field(
         default=None, description="When it should be done; of equal priority the earlier deadline comes first."
     )
     expires: bool = Field(default=False, description="Whether it must not be begun after its deadline.")
@@ -167,6 +172,33 @@ class Job(Answer):
     ended: Moment | None = Field(description="When it was over.")
 
 
+class AcceptedJob(Job):
+    """A job, in answer to an order or a command that was taken."""
+
+    return_status: int = Field(default=1, description="ISA-95 return status: bit 0, without fault.", examples=[1])
+
+
+class WorkMaster(Answer):
+    """A goal template that orders may name."""
+
+    id: str = Field(description="Its name.", examples=["fill kit"])
+    version: int = Field(description="Its version.", examples=[3])
+    description: str = Field(description="For people.")
+    parameters: tuple[TemplateParameter, ...] = Field(description="What an order fills in.")
+
+
+class JobCapabilities(Answer):
+    """What may be ordered here (ISA-95: capabilities of a job order receiver)."""
+
+    work_masters: tuple[WorkMaster, ...] = Field(description="The goal templates, by name.")
+    material_class_ids: tuple[str, ...] = Field(
+        description="Classes of what robots can handle, as orders name them.", examples=[["kitting:Starter"]]
+    )
+    equipment_ids: tuple[str, ...] = Field(description="The robots.", examples=[["robot_1"]])
+    max_downloadable_job_orders: int = Field(description="So many jobs may be open at the same time.", examples=[50000])
+    open_job_orders: int = Field(description="So many are open now.", examples=[12])
+
+
 class JobPage(Answer):
     """Some of the jobs, in the order in which they were ordered."""
 
@@ -236,6 +268,13 @@ class JobResponse(Answer):
     reasons: tuple[str, ...] = Field(description="Why there was no plan, or why it was given up.")
     lateness: float | None = Field(description="How long after its deadline it ended [s].")
     transitions: tuple[JobTransition, ...] = Field(description="Its states, in order.")
+
+
+class JobResponses(Answer):
+    """Some of the job responses, in the order in which the jobs were ordered."""
+
+    items: tuple[JobResponse, ...] = Field(description="The responses.")
+    next: str | None = Field(description="The cursor of what comes next; null at the end.")
 
 
 class PlannedStep(Answer):

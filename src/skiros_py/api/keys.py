@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from skiros_py.api.wire import Answer, Moment, Request
+from skiros_py.api.wire import Answer, Moment, Request, WantedMoment
 
 __all__ = ["ApiKey", "KeyOrder", "NewKey", "RoleName"]
 
@@ -24,7 +24,7 @@ class KeyOrder(Request):
         examples=["line 1 MES"],
     )
     role: RoleName = Field(description="What they may do.", examples=["mes"])
-    expires: Moment | None = Field(
+    expires: WantedMoment | None = Field(
         default=None,
         description="From when on it is not valid any more; never where left out.",
         examples=["2030-01-01T00:00:00Z"],

@@ -27,7 +27,7 @@ class GoalTemplateContent(Request):
     """What a template says: structured conditions with placeholders in the place of names.
 
     ``{"parameter": NAME}`` is filled by an order's parameter; in ``per_material``, ``{"material": FIELD}`` by a field
-    of the material: class, id, location or use.
+    of the material: class, definition, id, location, lot or use.
     """
 
     description: str = Field(default="", max_length=2000, description="For people.", examples=["fills one kit"])

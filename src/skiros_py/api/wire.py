@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field
 
-__all__ = ["Answer", "Moment", "Name", "Request", "moment"]
+__all__ = ["Answer", "Moment", "Name", "Request", "WantedMoment", "moment"]
 
 _LONGEST_NAME = 200
 _YEARS = range(1971, 9000)
@@ -32,8 +32,11 @@ def _sensible(value: datetime) -> datetime:
     return value.astimezone(UTC)
 
 
-Moment = Annotated[AwareDatetime, AfterValidator(_sensible)]
-"""A time with its zone (ISO 8601); kept and answered as UTC."""
+Moment = AwareDatetime
+"""A time as it is answered: UTC (ISO 8601). A machine whose clock stood at 1970 tells that, too."""
+
+WantedMoment = Annotated[AwareDatetime, AfterValidator(_sensible)]
+"""A time that somebody sends, with its zone (ISO 8601); kept and answered as UTC."""
 
 Name = Annotated[str, Field(min_length=1, max_length=_LONGEST_NAME)]
 """Id, label or class."""

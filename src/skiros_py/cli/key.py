@@ -54,8 +54,9 @@ def command() -> None:
 @click.option("--role", required=True, type=click.Choice(_ROLES), help="What the owner of the key may do.")
 @click.option("--expires", type=_Lasting(), metavar="SPAN", help="How long it is valid: 12h, 90d, 4w.  [default: ever]")
 @DATA
+@click.option("--new", is_flag=True, help="Make the data directory where it is missing, for a first start with a key.")
 @JSON
-def create(name: str, role: str, expires: float | None, data: Path, as_json: bool) -> int:
+def create(name: str, role: str, expires: float | None, data: Path, new: bool, as_json: bool) -> int:
     """Makes a key for NAME and prints it, once: it is kept nowhere.
 
     Viewers look on; operators edit scenes, order and command jobs; engineers run modules, move robots by hand and
@@ -64,6 +65,7 @@ def create(name: str, role: str, expires: float | None, data: Path, as_json: boo
     from skiros_py.server.access.keys import shown
     from skiros_py.server.access.roles import Role
 
+    _check_folder(data, new=new)
     with _keys(data, make=True) as keys:
         key, text = keys.create(name, Role(role), None if expires is None else time.time() + expires)
     if as_json:
@@ -108,6 +110,19 @@ def revoke(key: str, data: Path, as_json: bool) -> int:
     return REACHED
 
 
+def _check_folder(data: Path, *, new: bool) -> None:
+    """Sees that a key is not made for a folder whose name was mistyped."""
+    from skiros_py.world.journal.data_directory import make_folder
+
+    if not (new or data.exists()):
+        raise FileError(
+            data,
+            f"no world lives there, nor is there a folder: 'skiros serve SCENE --data {data}' begins one; with --new"
+            " it is made for the key",
+        )
+    make_folder(data)
+
+
 @contextmanager
 def _keys(data: Path, *, make: bool = False) -> Iterator[KeyStore]:
     from skiros_py.server.access.file import FILE
@@ -115,10 +130,6 @@ def _keys(data: Path, *, make: bool = False) -> Iterator[KeyStore]:
 
     if not make and not (data / FILE).exists():
         raise FileError(data, "no keys were made in this data directory: 'skiros key create' makes one")
-    try:
-        data.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(data, f"cannot be made: {error.strerror}") from None
     with closing(KeyStore(data)) as keys:
         yield keys
 

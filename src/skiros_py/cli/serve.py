@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import signal
 import sys
 from collections.abc import Iterator
@@ -13,9 +14,11 @@ import click
 
 from skiros_py.cli.ending import end_now, end_unless
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
+from skiros_py.cli.nothing_left import nothing_left_of
 from skiros_py.cli.options import CONFIG, DATA, JSON, pace_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS
+from skiros_py.cli.text import escaped
 from skiros_py.cli.warnings import no_warnings_on_stderr
 from skiros_py.errors import UsageError
 from skiros_py.interruptions import UserStop
@@ -138,11 +141,12 @@ def command(
 
 
 def _check_first_content(scene: str, data: Path) -> None:
-    lives = (data / "journal.db").exists()
-    if not (scene or lives):
+    if not (scene or _lives(data)):
         raise UsageError(f"{data}: no world lives here yet; say with which scene it begins: skiros serve SCENE …")
-    if scene and lives:
-        click.echo(f"world   {data} has one already; {scene} was not loaded", err=True)
+
+
+def _lives(data: Path) -> bool:
+    return (data / "journal.db").exists()
 
 
 def _log_to_stderr(form: Literal["console", "json"]) -> None:
@@ -162,8 +166,13 @@ def _serve(
 
     data = options.data
     assert data is not None
-    click.echo(f"opening {scene or data} …", err=True)
-    with Services(lambda: Session(scene, options), data, settings) as services, ExitStack() as stack:
+    lives = _lives(data)
+    click.echo(f"opening {data if lives else scene} …", err=True)
+    with ExitStack() as stack:
+        with nothing_left_of(data):
+            services = stack.enter_context(Services(lambda: Session(scene, options), data, settings))
+        if scene and lives:
+            _say_what_lives(services, scene, data)
         url = url_of(listening)
 
         def on_listening() -> None:
@@ -176,6 +185,18 @@ def _serve(
         click.echo("ending  the robots come to a standstill; what was under way waits for a person", err=True)
 
 
+def _say_what_lives(services: Services, scene: str, data: Path) -> None:
+    """Tells who asks for another scene than that which lives there."""
+    from skiros_py.runtime import scene_title
+    from skiros_py.server.scene_loading import scene_of
+
+    found, _ = scene_of(services.session.world)
+    if found == scene_title(scene):
+        return
+    name = escaped(found) if found else "another one, of no name"
+    click.echo(f"world   in {data} lives {name}: {scene} was not loaded; choose another --data to begin it", err=True)
+
+
 def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> None:
     if as_json:
         answer({"url": url, "data": str(data)})
@@ -183,7 +204,8 @@ def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> No
     if services.doorkeeper.keys_needed:
         click.echo("access  with a key; programs of yours on this machine find their own through --data", err=True)
     else:
-        click.echo(f"access  for all on this machine; 'skiros key create NAME --data {data}' locks the door", err=True)
+        locking = f"skiros key create NAME --role admin --data {shlex.quote(str(data))}"
+        click.echo(f"access  for all on this machine; '{locking}' locks the door", err=True)
 
 
 class _Stops:

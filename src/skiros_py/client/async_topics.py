@@ -193,6 +193,8 @@ class Jobs(JobWaitingLater, _Part):
     list = awaiting(jobs.list_jobs)
     get = awaiting(jobs.get_job)
     response = awaiting(jobs.get_job_response)
+    responses = awaiting(jobs.list_job_responses)
+    capabilities = awaiting(jobs.get_capabilities)
     plan = awaiting(jobs.get_job_plan)
     trace = awaiting(jobs.get_job_trace)
     report = awaiting(jobs.get_job_report)

@@ -193,6 +193,8 @@ class Jobs(JobWaiting, _Part):
     list = blocking(jobs.list_jobs)
     get = blocking(jobs.get_job)
     response = blocking(jobs.get_job_response)
+    responses = blocking(jobs.list_job_responses)
+    capabilities = blocking(jobs.get_capabilities)
     plan = blocking(jobs.get_job_plan)
     trace = blocking(jobs.get_job_trace)
     report = blocking(jobs.get_job_report)

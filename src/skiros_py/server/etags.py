@@ -3,14 +3,48 @@
 from __future__ import annotations
 
 import re
+from typing import Annotated, Any
 
-from fastapi import Request
+from fastapi import Depends, Header
 
+from skiros_py.api.problem import ProblemDetails
 from skiros_py.server.problems import Problem
 
-__all__ = ["etag", "expected_version", "require_version"]
+__all__ = ["NEEDS_VERSION", "VersionDep", "etag", "expected_version", "require_version", "tagged"]
 
 _TAG = re.compile(r'(?:W/)?"(\d{1,18})"')
+
+
+async def _if_match(
+    if_match: Annotated[
+        str | None,
+        Header(description="Version that was seen: the ETag of an answer; * for whichever it is.", examples=['"17"']),
+    ] = None,
+) -> str | None:
+    return if_match
+
+
+VersionDep = Annotated[str | None, Depends(_if_match)]
+"""For routes: what If-Match says; None where there is no such header."""
+
+NEEDS_VERSION: dict[int | str, dict[str, Any]] = {
+    428: {
+        "model": ProblemDetails,
+        "description": "If-Match is missing: say which version you have seen.",
+        "content": {"application/problem+json": {}},
+    }
+}
+"""What a route answers that takes no write without a version; for ``responses=``."""
+
+
+def tagged(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Documents that answers carry an ETag; for ``responses=``.
+
+    Args:
+        statuses: Of these answers; 200 where left out.
+    """
+    header = {"description": "The present version, for If-Match.", "schema": {"type": "string", "examples": ['"17"']}}
+    return {status: {"headers": {"ETag": header}} for status in statuses or (200,)}
 
 
 def etag(version: int) -> str:
@@ -18,13 +52,15 @@ def etag(version: int) -> str:
     return f'"{version}"'
 
 
-def expected_version(request: Request) -> int | None:
+def expected_version(given: str | None) -> int | None:
     """Returns the version that If-Match names; None where there is no such header, or it takes any version ("*").
+
+    Args:
+        given: What If-Match says.
 
     Raises:
         Problem: The header is no ETag of ours (412: that version never was), or names several (400).
     """
-    given = request.headers.get("if-match")
     if given is None or given.strip() == "*":
         return None
     tags = {tag.strip() for tag in given.split(",")}
@@ -36,19 +72,19 @@ def expected_version(request: Request) -> int | None:
     return int(match[1])
 
 
-def require_version(request: Request, now: int) -> None:
+def require_version(given: str | None, now: int) -> None:
     """Sees that the caller has seen the present version.
 
     Args:
-        request: The request.
+        given: What If-Match says.
         now: The present version.
 
     Raises:
         Problem: If-Match is missing (428), or names another version (412).
     """
-    if "if-match" not in request.headers:
+    if given is None:
         raise Problem(428, "VersionMissing", f'say which version you have seen: If-Match: "{now}" is the present one')
-    seen = expected_version(request)
+    seen = expected_version(given)
     if seen is not None and seen != now:
         raise Problem(
             412,

@@ -205,7 +205,6 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
         422: "Something in the request is wrong; the text says what would be right.",
         423: "Somebody else has locked it.",
         414: "The address is too long.",
-        428: "If-Match is missing: say which version you have seen.",
         429: "Too many requests; Retry-After says when to go on.",
         503: "Too much to do, or not ready; Retry-After says when to come again.",
         507: "The disk is full: nothing was changed.",

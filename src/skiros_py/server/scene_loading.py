@@ -63,7 +63,7 @@ def load(
 
 
 def require_rest(session: Session) -> None:
-    """Sees that nothing is under way.
+    """Sees that nothing is under way, and that no job was left in the middle of its work.
 
     Raises:
         WrongState: Something is.
@@ -73,6 +73,9 @@ def require_rest(session: Session) -> None:
             "something is under way, or would start by itself now: wait until it is over, or stop it, and take back the"
             " leave to start of jobs that wait; nothing was changed"
         )
+    held = next((job.id for job in session.jobs.open.values() if job.state.has_begun), None)
+    if held is not None:
+        raise WrongState(f"job '{held}' waits in the middle of its work: answer or abort it first; nothing was changed")
 
 
 def _take_back(data: Path, old: Index, change: Change | None) -> None:

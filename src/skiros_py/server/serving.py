@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import logging
 import socket
 from collections.abc import Callable, Iterator
@@ -21,6 +22,8 @@ __all__ = ["Serving", "bind", "url_of"]
 
 _GRACE = 3
 """How long open connections (streams) are waited for at the end [s]."""
+_NO_FREE_PORT = (errno.EADDRINUSE, errno.EACCES)
+"""Another port does where the address itself is good."""
 _log = logging.getLogger(__name__)
 
 
@@ -36,13 +39,17 @@ def bind(settings: ServerSettings) -> socket.socket:
     try:
         listening.bind((settings.host, settings.port))
         listening.listen()  # two sockets that only wait to listen may have one address
-    except (OSError, OverflowError) as error:
+    except (OSError, OverflowError, ValueError) as error:  # ValueError: of a host that cannot be written in ASCII
         listening.close()
-        why = getattr(error, "strerror", None) or error
-        raise UsageError(
-            f"cannot listen at {settings.host}:{settings.port}: {why}; choose another --port, 0 for any free one"
-        ) from None
+        raise UsageError(f"cannot listen at {settings.host}:{settings.port}: {_why(error)}") from None
     return listening
+
+
+def _why(error: OSError | OverflowError | ValueError) -> str:
+    if isinstance(error, OverflowError) or getattr(error, "errno", None) in _NO_FREE_PORT:
+        return f"{getattr(error, 'strerror', error)}; choose another --port, 0 for any free one"
+    text = getattr(error, "strerror", None) or error
+    return f"{text}; --host is no address of this machine: 127.0.0.1 is one, and 0.0.0.0 stands for all that it has"
 
 
 def url_of(listening: socket.socket) -> str:

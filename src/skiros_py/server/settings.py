@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ipaddress
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,6 +13,11 @@ from skiros_py.errors import UsageError
 __all__ = ["Authentication", "ServerSettings", "is_loopback"]
 
 Authentication = Literal["auto", "keys", "none"]
+
+_NAME = re.compile(r"[a-z0-9_-]+(\.[a-z0-9_-]+)*\.?", re.IGNORECASE)
+_ORIGIN = re.compile(r"([a-z][a-z0-9+.-]*)://(\[[0-9a-f:.]+\]|[a-z0-9_.-]+)(?::(\d+))?/?", re.IGNORECASE)
+_HIGHEST_PORT = 65_535
+_USUAL_PORTS = {"http": 80, "https": 443}
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +38,9 @@ class ServerSettings:
         streams: Event streams that may be open at the same time.
         body: Longest body of a request [bytes].
         kept_events: Events that are kept for replay.
+
+    Raises:
+        UsageError: Everybody could move the robots, or a host or origin is none that a request can ever come with.
     """
 
     host: str = "127.0.0.1"
@@ -52,13 +62,60 @@ class ServerSettings:
                 f"everybody who reaches {self.host} could move the robots: leave out '--auth none', and make keys with"
                 " 'skiros key create'; without keys only 127.0.0.1 is served"
             )
+        _check("--allow-host", self.allowed_hosts, _is_host, "a name or address alone, such as robot-1.plant.example")
+        _check(
+            "--allow-origin",
+            self.allowed_origins,
+            _is_origin,
+            "scheme and host as browsers say them, and a port only where it is not the usual one, such as"
+            " https://mes.example or http://10.1.2.3:8080",
+        )
+        _check(
+            "--webhook-host",
+            self.webhook_hosts,
+            _is_host_with_port,
+            f"HOST or HOST:PORT, the port from 1 to {_HIGHEST_PORT}, such as mes.example or 10.1.2.3:8080",
+        )
 
 
 def is_loopback(host: str) -> bool:
     """Tells whether only programs on this machine reach an address."""
-    if host == "localhost":
-        return True
+    return host == "localhost" or (_is_address(host) and ipaddress.ip_address(host).is_loopback)
+
+
+def _check(option: str, values: tuple[str, ...], fits: Callable[[str], bool], right: str) -> None:
+    for value in values:
+        if not fits(value):
+            raise UsageError(f"{option}: nothing can ever come as {value[:200]!r}; it takes {right}")
+
+
+def _is_host(text: str) -> bool:
+    return _is_bare_host(text[1:-1] if text.startswith("[") and text.endswith("]") else text)
+
+
+def _is_bare_host(text: str) -> bool:
+    return _NAME.fullmatch(text) is not None or _is_address(text)
+
+
+def _is_host_with_port(text: str) -> bool:
+    host, colon, port = text.rpartition(":")
+    return _is_bare_host(text) or bool(colon and _is_bare_host(host) and _is_port(port))
+
+
+def _is_origin(text: str) -> bool:
+    match = _ORIGIN.fullmatch(text)
+    if match is None or not _is_host(match[2]):
+        return False
+    return match[3] is None or (_is_port(match[3]) and int(match[3]) != _USUAL_PORTS.get(match[1].lower()))
+
+
+def _is_port(text: str) -> bool:
+    return re.fullmatch(r"[1-9]\d{0,4}", text) is not None and int(text) <= _HIGHEST_PORT
+
+
+def _is_address(text: str) -> bool:
     try:
-        return ipaddress.ip_address(host).is_loopback
+        ipaddress.ip_address(text)
     except ValueError:
         return False
+    return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import uuid
 from collections.abc import Callable, Sequence
 from datetime import datetime
@@ -14,6 +15,7 @@ from pydantic import BaseModel
 from skiros_py.api.jobs import (
     Job,
     JobAnswer,
+    JobCapabilities,
     JobComment,
     JobExplanation,
     JobOrder,
@@ -21,17 +23,20 @@ from skiros_py.api.jobs import (
     JobPlan,
     JobReport,
     JobResponse,
+    JobResponses,
     JobTrace,
     JobTransitions,
     StateName,
 )
 from skiros_py.client.call import Call
+from skiros_py.errors import UsageError
 
 __all__ = [
     "abort_job",
     "answer_job",
     "cancel_job",
     "clear_job",
+    "get_capabilities",
     "get_job",
     "get_job_explanation",
     "get_job_plan",
@@ -39,6 +44,7 @@ __all__ = [
     "get_job_response",
     "get_job_trace",
     "get_job_transitions",
+    "list_job_responses",
     "list_jobs",
     "order_job",
     "pause_job",
@@ -52,8 +58,12 @@ __all__ = [
 
 M = TypeVar("M", bound=BaseModel)
 
+_ID = re.compile(r"[^\s/\x00-\x1f]{1,200}")
 
-def order_job(order: JobOrder, *, start: bool = True, key: str | None = None, wait: float | None = None) -> Call[Job]:
+
+def order_job(
+    order: JobOrder, *, start: bool = True, key: str | None = None, wait: float | None = None, again: bool = False
+) -> Call[Job]:
     """Orders a job.
 
     Args:
@@ -61,13 +71,20 @@ def order_job(order: JobOrder, *, start: bool = True, key: str | None = None, wa
         start: False to keep it until somebody gives leave to start.
         key: Marks the request, so that it may be sent again; made where left out.
         wait: How long to wait until it is over or stands [s], up to 30 s; None for not at all.
+        again: True where it is meant although there was a job of that id that was removed.
     """
     headers = {"Idempotency-Key": key or str(uuid.uuid4()), "Prefer": _prefer(wait)}
-    return Call("POST", "/jobs", _read(Job), query=_start(start), json=_plain(order), headers=headers)
+    return Call("POST", "/jobs", _read(Job), query=_start(start, again), json=_plain(order), headers=headers)
 
 
 def put_job(
-    job: str, order: JobOrder, *, start: bool = True, seen: int | None = None, wait: float | None = None
+    job: str,
+    order: JobOrder,
+    *,
+    start: bool = True,
+    seen: int | None = None,
+    wait: float | None = None,
+    again: bool = False,
 ) -> Call[Job]:
     """Orders a job under an id of one's own, or something else under the id of one that has not begun.
 
@@ -77,9 +94,10 @@ def put_job(
         start: False to keep it until somebody gives leave to start.
         seen: Version of the job that is there, to change its order.
         wait: How long to wait until it is over or stands [s], up to 30 s; None for not at all.
+        again: True where it is meant although there was a job of that id that was removed.
     """
     headers = {"If-Match": _seen(seen), "Prefer": _prefer(wait)}
-    return Call("PUT", _path(job), _read(Job), query=_start(start), json=_plain(order), headers=headers)
+    return Call("PUT", _path(job), _read(Job), query=_start(start, again), json=_plain(order), headers=headers)
 
 
 def list_jobs(
@@ -97,13 +115,7 @@ def list_jobs(
         limit: How many at most.
         cursor: The ``next`` of the page before.
     """
-    query = {
-        "state": [str(state) for state in states] or None,
-        "since": None if since is None else since.isoformat(),
-        "limit": limit,
-        "cursor": cursor,
-    }
-    return Call("GET", "/jobs", _read(JobPage), query=query)
+    return Call("GET", "/jobs", _read(JobPage), query=_chosen(states, since, limit, cursor))
 
 
 def get_job(job: str) -> Call[Job]:
@@ -114,6 +126,30 @@ def get_job(job: str) -> Call[Job]:
 def get_job_response(job: str) -> Call[JobResponse]:
     """Says what a job has come to (ISA-95 job response)."""
     return Call("GET", f"{_path(job)}/response", _read(JobResponse))
+
+
+def list_job_responses(
+    *,
+    states: Sequence[StateName | str] = (),
+    since: datetime | None = None,
+    limit: int = 100,
+    cursor: str | None = None,
+) -> Call[JobResponses]:
+    """Says what jobs have come to, in the order in which they were ordered.
+
+    Args:
+        states: Those in these states only.
+        since: Those only that changed since then.
+        limit: How many at most, up to 100.
+        cursor: The ``next`` of the page before.
+    """
+    query = _chosen(states, since, limit, cursor)
+    return Call("GET", "/job-responses", _read(JobResponses), query=query)
+
+
+def get_capabilities() -> Call[JobCapabilities]:
+    """Lists what an order may name: goal templates, classes of material, robots."""
+    return Call("GET", "/capabilities", _read(JobCapabilities))
 
 
 def get_job_plan(job: str) -> Call[JobPlan]:
@@ -213,11 +249,24 @@ def _plain(model: BaseModel) -> object:
 
 
 def _path(job: str) -> str:
+    if not _ID.fullmatch(job):
+        raise UsageError(f"{job[:80]!r} can be no id of a job: that has 1 to 200 characters, without blanks and '/'")
     return f"/jobs/{quote(job, safe='')}"
 
 
-def _start(start: bool) -> dict[str, str | None]:
-    return {"start": None if start else "false"}
+def _start(start: bool, again: bool) -> dict[str, str | None]:
+    return {"start": None if start else "false", "again": "true" if again else None}
+
+
+def _chosen(
+    states: Sequence[StateName | str], since: datetime | None, limit: int, cursor: str | None
+) -> dict[str, list[str] | str | int | None]:
+    return {
+        "state": [str(state) for state in states] or None,
+        "since": None if since is None else since.isoformat(),
+        "limit": limit,
+        "cursor": cursor,
+    }
 
 
 def _seen(version: int | None) -> str | None:

@@ -46,6 +46,7 @@ class EventSources:
             session.questions.subscribe(self._question),
             session.tasks.on_begin(self._task),
             session.jobs.subscribe(self._job),
+            session.jobs.on_remove(self._job_removed),
         ]
         data = {"scene": session.scene, "world_version": session.world.version}
         self._events.append(Kind.SYSTEM, "opened", data=data)
@@ -99,6 +100,9 @@ class EventSources:
 
     def _job(self, job: Job) -> None:
         self._events.append(Kind.JOB, state_name(job.state).value, job.id, job=job.id, data=job_data(job))
+
+    def _job_removed(self, job: Job) -> None:
+        self._events.append(Kind.JOB, "Removed", job.id, job=job.id, data=job_data(job))
 
 
 def _job_finder(session: Session) -> Callable[[str], str]:

@@ -27,6 +27,8 @@ _LOOK = 1.0
 """How often a stream looks whether it may go on [s]."""
 _MOST = 200
 """How many events a stream sends at once; the next ones are fetched when those have left."""
+_LARGEST = 256_000
+"""Bytes that a stream sends at once, or one event that is longer: who reads slowly holds no more than that."""
 _AGAIN = 1000
 """When a client whose connection broke shall come again [ms]."""
 
@@ -139,8 +141,15 @@ class Streams:
         if events and events[0].number != number + 1:  # read too slowly
             gap = missed(self.log, number)
             return self.log.last, _reset(gap) if gap is not None else b""
-        chosen = b"".join(event.frame for event in events if choice.takes(event))
-        return (events[-1].number if events else number), chosen
+        chosen, size = list[bytes](), 0
+        for event in events:
+            if choice.takes(event):
+                size += len(event.frame)
+                if chosen and size > _LARGEST:
+                    break
+                chosen.append(event.frame)
+            number = event.number
+        return number, b"".join(chosen)
 
     def _begin(self, after: str | None) -> tuple[int, bytes]:
         """Returns where a stream begins, and what it says first: so that the client knows where it stands."""

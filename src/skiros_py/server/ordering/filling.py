@@ -11,7 +11,7 @@ from skiros_py.errors import UnknownName, UsageError
 
 __all__ = ["faults_of", "filled"]
 
-_FIELDS = ("class", "id", "location", "use")
+_FIELDS = ("class", "definition", "id", "location", "lot", "use")
 """What of a material a placeholder may stand for."""
 _MOST = 2000
 """A template may make no more conditions than these."""
@@ -82,13 +82,13 @@ def _pieces(materials: Sequence[Material]) -> Iterator[dict[str, str]]:
     """Yields each single piece that is ordered."""
     for material in materials:
         fields = material.model_dump(by_alias=True)
-        for _ in range(material.quantity):
+        for _ in range(material.pieces):
             yield {field: fields[field] for field in _FIELDS}
 
 
 def _check_number(name: str, condition: object, materials: Sequence[Material]) -> None:
     """Sees that no more is made of the material than anybody could pursue, before any of it is."""
-    number = sum(material.quantity for material in materials)
+    number = sum(material.pieces for material in materials)
     if number > _MOST:
         raise UsageError(f"materials: more than {_MOST} pieces in one order")
     if number * _size(condition) > _MOST_MADE:

@@ -7,7 +7,7 @@ from itertools import islice
 from typing import Annotated
 from urllib.parse import quote
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Query, Response
 
 from skiros_py.api.elements import (
     ElementDetails,
@@ -20,7 +20,7 @@ from skiros_py.api.elements import (
 from skiros_py.api.values import Name
 from skiros_py.api.world import ChangePage, Written
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import etag, expected_version, require_version
+from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, expected_version, require_version, tagged
 from skiros_py.server.problems import found
 from skiros_py.server.routes.parameters import ChangeLimit, Cursor, ElementPath, Limit, NamePath, WhyQuery
 from skiros_py.server.services import ServicesDep
@@ -38,6 +38,7 @@ __all__ = ["router"]
 router = APIRouter(tags=["elements"])
 
 _LATEST = 2**62
+_WRITES = NEEDS_VERSION | tagged()
 
 
 # ------------------------------------------------------------------ looking
@@ -92,7 +93,7 @@ def _is_wanted(view: Index, name: str, label: str | None, text: str | None) -> b
     return any(wanted in said.casefold() for said in (name, element.label, local_name(element.type)))
 
 
-@router.get("/elements/{element}", summary="Read an element", dependencies=[needs(Role.VIEWER)])
+@router.get("/elements/{element}", summary="Read an element", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def read_element(
     element: ElementPath,
     services: ServicesDep,
@@ -161,7 +162,9 @@ def read_element_history(
 # ------------------------------------------------------------------ writing
 
 
-@router.post("/elements", summary="Add an element", status_code=201, dependencies=[needs(Role.OPERATOR)])
+@router.post(
+    "/elements", summary="Add an element", status_code=201, dependencies=[needs(Role.OPERATOR)], responses=tagged(201)
+)
 def add_element(new: NewElement, services: ServicesDep, caller: CallerDep, response: Response) -> ElementDetails:
     """Adds an element with its values, its place and its relations, all at once.
 
@@ -174,37 +177,44 @@ def add_element(new: NewElement, services: ServicesDep, caller: CallerDep, respo
     return _answered(world.snapshot(), element, response, [])
 
 
-@router.patch("/elements/{element}", summary="Change an element", dependencies=[needs(Role.OPERATOR)])
+@router.patch(
+    "/elements/{element}", summary="Change an element", dependencies=[needs(Role.OPERATOR)], responses=_WRITES
+)
 def change_element(
     element: ElementPath,
     patch: ElementPatch,
     services: ServicesDep,
     caller: CallerDep,
-    request: Request,
+    seen: VersionDep,
     response: Response,
 ) -> ElementDetails:
     """Changes label, values and place of an element in one transaction; `If-Match` says which version was seen."""
     world = services.session.world
-    expects = _seen(world, element, request)
+    expects = _expected(world, element, seen)
     with writing(world, caller, patch.reason or f"edits {element}", expects) as tx:
         change(tx, element, patch)
     return _answered(world.snapshot(), element, response, [])
 
 
-@router.delete("/elements/{element}", summary="Remove an element", dependencies=[needs(Role.OPERATOR)])
+@router.delete(
+    "/elements/{element}", summary="Remove an element", dependencies=[needs(Role.OPERATOR)], responses=NEEDS_VERSION
+)
 def remove_element(
-    element: ElementPath, services: ServicesDep, caller: CallerDep, request: Request, reason: WhyQuery = ""
+    element: ElementPath, services: ServicesDep, caller: CallerDep, seen: VersionDep, reason: WhyQuery = ""
 ) -> Written:
     """Removes an element with its pieces; what was placed there moves to where it was."""
     world = services.session.world
-    expects = _seen(world, element, request)
+    expects = _expected(world, element, seen)
     with writing(world, caller, reason or f"removes {element}", expects) as tx:
         tx.remove(element)
     return written(world, tx)
 
 
 @router.put(
-    "/elements/{element}/relations/{relation}/{other}", summary="State a relation", dependencies=[needs(Role.OPERATOR)]
+    "/elements/{element}/relations/{relation}/{other}",
+    summary="State a relation",
+    dependencies=[needs(Role.OPERATOR)],
+    responses=_WRITES,
 )
 def state_relation(
     element: ElementPath,
@@ -212,13 +222,13 @@ def state_relation(
     other: ElementPath,
     services: ServicesDep,
     caller: CallerDep,
-    request: Request,
+    seen: VersionDep,
     response: Response,
     reason: WhyQuery = "",
 ) -> Written:
     """States that the first element has the relation to the second; a placement moves its element."""
     world = services.session.world
-    expects = _seen(world, element, request)
+    expects = _expected(world, element, seen)
     with writing(world, caller, reason or f"states {element} {relation} {other}", expects) as tx:
         tx.relate(element, relation, other)
     _tag(world, element, response)
@@ -229,6 +239,7 @@ def state_relation(
     "/elements/{element}/relations/{relation}/{other}",
     summary="Take back a relation",
     dependencies=[needs(Role.OPERATOR)],
+    responses=_WRITES,
 )
 def take_back_relation(
     element: ElementPath,
@@ -236,13 +247,13 @@ def take_back_relation(
     other: ElementPath,
     services: ServicesDep,
     caller: CallerDep,
-    request: Request,
+    seen: VersionDep,
     response: Response,
     reason: WhyQuery = "",
 ) -> Written:
     """Takes back a stated relation; not a placement, for everything that is really there is somewhere."""
     world = services.session.world
-    expects = _seen(world, element, request)
+    expects = _expected(world, element, seen)
     with writing(world, caller, reason or f"takes back {element} {relation} {other}", expects) as tx:
         tx.unrelate(element, relation, other)
     _tag(world, element, response)
@@ -255,10 +266,10 @@ def _tag(world: World, element: str, response: Response) -> None:
         response.headers["ETag"] = etag(view.stamp(element).change)
 
 
-def _seen(world: World, element: str, request: Request) -> dict[str, int]:
+def _expected(world: World, element: str, seen: str | None) -> dict[str, int]:
     """Returns the version of an element that the caller has seen, for the transaction to check again."""
     with found():
         now = world.stamp(element).change
-    require_version(request, now)
-    seen = expected_version(request)
-    return {} if seen is None else {element: seen}
+    require_version(seen, now)
+    version = expected_version(seen)
+    return {} if version is None else {element: version}

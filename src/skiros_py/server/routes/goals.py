@@ -5,12 +5,12 @@ from __future__ import annotations
 import hashlib
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Query, Response
 
 from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalOrder, GoalTexts, SceneGoals
 from skiros_py.errors import StaleVersion, UsageError
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import etag, require_version
+from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, require_version, tagged
 from skiros_py.server.goal_checks import checked_goal, condition_words
 from skiros_py.server.job_faults import job_faults
 from skiros_py.server.ordering.orders import texts_of
@@ -35,20 +35,25 @@ def check_goal(order: GoalOrder, services: ServicesDep, templates: TemplatesDep)
         return checked_goal(texts_of(order, templates), view, version, session.catalogue.conditions)
 
 
-@router.get("/goals", summary="The goals of the scene", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/goals", summary="The goals of the scene", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_goals(services: ServicesDep, response: Response) -> SceneGoals:
     """Shows the goals that go with the scene; they are pursued by nobody unless they are ordered as a job."""
     return _shown(services, response)
 
 
-@router.put("/goals", summary="Replace the goals of the scene", dependencies=[needs(Role.OPERATOR)])
+@router.put(
+    "/goals",
+    summary="Replace the goals of the scene",
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION | tagged(),
+)
 def put_goals(
-    body: GoalTexts, services: ServicesDep, caller: CallerDep, request: Request, response: Response
+    body: GoalTexts, services: ServicesDep, caller: CallerDep, version: VersionDep, response: Response
 ) -> SceneGoals:
     """Replaces the goals that go with the scene; `If-Match` names the version that was seen."""
     world = services.session.world
     seen = world.goals
-    require_version(request, _version(seen))
+    require_version(version, _version(seen))
     with job_faults():
         texts = goal_texts(body.goals)
         services.session.parse(texts)

@@ -6,19 +6,19 @@ import time
 from typing import Annotated
 from urllib.parse import quote
 
-from fastapi import Depends, Header, Path, Request, Response
+from fastapi import Depends, Path, Response
 from fastapi.concurrency import run_in_threadpool
 
-from skiros_py.api.jobs import Job
+from skiros_py.api.jobs import AcceptedJob, Job
 from skiros_py.server.access.roles import Caller
-from skiros_py.server.etags import etag, expected_version
+from skiros_py.server.etags import VersionDep, etag, expected_version
 from skiros_py.server.job_views import job_view
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.templates import TemplateStore
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobManager
 
-__all__ = ["ExpectedDep", "JobId", "JobsDep", "TemplatesDep", "job_location", "said_by", "shown"]
+__all__ = ["ExpectedDep", "JobId", "JobsDep", "TemplatesDep", "accepted", "job_location", "said_by", "shown"]
 
 JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
 
@@ -36,12 +36,8 @@ async def _templates(services: ServicesDep) -> TemplateStore:
     return TemplateStore(services.documents)
 
 
-async def _expected(
-    request: Request,
-    if_match: Annotated[str | None, Header(description='Version that was seen, such as "5", or *.')] = None,
-) -> int | None:
-    del if_match  # it is read of the request, and only declared here
-    return expected_version(request)
+async def _expected(seen: VersionDep) -> int | None:
+    return expected_version(seen)
 
 
 JobsDep = Annotated[JobManager, Depends(_jobs)]
@@ -60,6 +56,11 @@ def job_location(id_: str) -> str:
 def said_by(caller: Caller, comment: str) -> str:
     """Returns a comment with who made it, for the record."""
     return f"{caller.name}: {comment}" if comment else f"by {caller.name}"
+
+
+def accepted(job: Known, response: Response) -> AcceptedJob:
+    """Returns a job in answer to an order or a command, and its version in the head of the answer."""
+    return AcceptedJob.model_construct(**dict(shown(job, response)))
 
 
 def shown(job: Known, response: Response) -> Job:

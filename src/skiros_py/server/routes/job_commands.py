@@ -6,18 +6,19 @@ from typing import Annotated
 
 from fastapi import APIRouter, Body, Depends, Query, Request, Response
 
-from skiros_py.api.jobs import Job, JobAnswer, JobComment
+from skiros_py.api.jobs import AcceptedJob, JobAnswer, JobComment
 from skiros_py.errors import StaleVersion, WrongState
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
+from skiros_py.server.etags import tagged
 from skiros_py.server.job_faults import job_faults
-from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, said_by, shown
+from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, accepted, said_by
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobManager
 
 __all__ = ["router"]
 
-router = APIRouter()
+router = APIRouter(responses=tagged())
 
 _NEEDS = [needs(Role.OPERATOR, mes=True)]
 _NO_COMMENT = JobComment()
@@ -45,10 +46,10 @@ def start_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Lets a job start by itself when its turn comes."""
     with job_faults():
-        return shown(jobs.start(id, said_by(caller, comment), expects=expected), response)
+        return accepted(jobs.start(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/revoke-start", summary="Take back the leave to start", dependencies=_NEEDS)
@@ -59,10 +60,10 @@ def revoke_start_of_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Keeps a job that has not begun until somebody gives leave to start again."""
     with job_faults():
-        return shown(jobs.revoke_start(id, said_by(caller, comment), expects=expected), response)
+        return accepted(jobs.revoke_start(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/pause", summary="Let a job stand for a while", dependencies=_NEEDS)
@@ -73,10 +74,10 @@ def pause_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Lets a job come to a standstill where it is."""
     with job_faults():
-        return shown(jobs.pause(id, said_by(caller, comment), expects=expected), response)
+        return accepted(jobs.pause(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/resume", summary="Go on with a job that stands", dependencies=_NEEDS)
@@ -87,10 +88,10 @@ def resume_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Goes on with a job that stands; what waits for an answer goes on with that."""
     with job_faults():
-        return shown(jobs.resume(id, said_by(caller, comment), expects=expected), response)
+        return accepted(jobs.resume(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/stop", summary="End a job in good order", dependencies=_NEEDS)
@@ -101,10 +102,10 @@ def stop_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Ends a job that is under way; it is over when everything that it moved stands."""
     with job_faults():
-        return shown(jobs.stop(id, said_by(caller, comment), expects=expected), response)
+        return accepted(jobs.stop(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/abort", summary="Give a job up", dependencies=_NEEDS)
@@ -115,10 +116,10 @@ def abort_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Gives a job up, begun or not; it is over when everything that it moved stands."""
     with job_faults():
-        return shown(jobs.abort(id, said_by(caller, comment), expects=expected), response)
+        return accepted(jobs.abort(id, said_by(caller, comment), expects=expected), response)
 
 
 @router.post("/jobs/{id}/cancel", summary="Remove a job that has not begun", dependencies=_NEEDS)
@@ -128,11 +129,11 @@ def cancel_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Removes a job that has not begun, and answers with what it was."""
     del comment  # the audit log has it
     with job_faults():
-        return shown(jobs.cancel(id, expects=expected), response)
+        return accepted(jobs.cancel(id, expects=expected), response)
 
 
 @router.post("/jobs/{id}/clear", summary="Remove a job that is over", dependencies=_NEEDS)
@@ -142,11 +143,11 @@ def clear_job(
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
-) -> Job:
+) -> AcceptedJob:
     """Says that its result was fetched: removes a job that is over with all that is known of it."""
     del comment  # the audit log has it
     with job_faults():
-        return shown(jobs.clear(id, expects=expected), response)
+        return accepted(jobs.clear(id, expects=expected), response)
 
 
 @router.delete("/jobs/{id}", summary="Remove a job", dependencies=_NEEDS)
@@ -157,12 +158,12 @@ def remove_job(
     expected: ExpectedDep,
     response: Response,
     comment: Annotated[str, Query(max_length=1000, description="Why, for the audit log.")] = "",
-) -> Job:
+) -> AcceptedJob:
     """Removes a job that has not begun, or is over: cancel or clear, whichever fits."""
     note(request, job=id, comment=comment)
     with job_faults():
         remove = jobs.cancel if jobs.job(id).state.is_open else jobs.clear
-        return shown(remove(id, expects=expected), response)
+        return accepted(remove(id, expects=expected), response)
 
 
 @router.post("/jobs/{id}/answer", summary="Answer what a job waits for", dependencies=_NEEDS)
@@ -174,11 +175,11 @@ def answer_job(
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
-) -> Job:
+) -> AcceptedJob:
     """Answers what a job waits for: with one of its `choices`."""
     note(request, job=id, comment=body.answer)
     with job_faults():
-        return shown(_answered(jobs, id, body, caller.name, expected), response)
+        return accepted(_answered(jobs, id, body, caller.name, expected), response)
 
 
 def _answered(jobs: JobManager, id_: str, body: JobAnswer, by: str, expected: int | None) -> Known:

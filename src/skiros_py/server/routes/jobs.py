@@ -8,19 +8,29 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request, Response
 
-from skiros_py.api.jobs import Job, JobOrder, JobPage, StateName
+from skiros_py.api.jobs import AcceptedJob, Job, JobOrder, JobPage, StateName
 from skiros_py.api.problem import ProblemDetails
-from skiros_py.api.wire import Moment
+from skiros_py.api.wire import WantedMoment
 from skiros_py.errors import StaleVersion, WrongState
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
+from skiros_py.server.etags import tagged
 from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.job_faults import UNABLE_TO_ACCEPT, job_faults
 from skiros_py.server.job_views import STATES, job_view
 from skiros_py.server.ordering.orders import digest_of, is_same, job_order, new_id, texts_of
 from skiros_py.server.problems import Problem
-from skiros_py.server.routes import job_commands, job_results
-from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, TemplatesDep, job_location, said_by, shown
+from skiros_py.server.routes import job_commands, job_lists, job_results
+from skiros_py.server.routes.job_access import (
+    ExpectedDep,
+    JobId,
+    JobsDep,
+    TemplatesDep,
+    accepted,
+    job_location,
+    said_by,
+    shown,
+)
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.templates import TemplateStore
 from skiros_py.tasks.jobs import Job as Known
@@ -36,7 +46,7 @@ _WAIT = re.compile(r'(?:^|[,;\s])wait\s*=\s*"?(\d{1,6})"?')
 _KEY = re.compile(r'"?([\x21\x23-\x5b\x5d-\x7e]{1,200})"?')
 """A key in printable characters, with the quotes of a structured field or without."""
 _TAKEN: dict[int | str, dict[str, Any]] = {
-    200: {"model": Job, "description": "It was there already, or it is over (Prefer: wait)."}
+    200: {"model": AcceptedJob, "description": "It was there already, or it is over (Prefer: wait)."}
 }
 
 _REMOVED: dict[int | str, dict[str, Any]] = {
@@ -74,7 +84,7 @@ def order_job(
         Header(max_length=202, description="Marks the request: the same one again leads to no second job."),
     ] = None,
     prefer: PreferHeader = None,
-) -> Job:
+) -> AcceptedJob:
     """Takes a job order; it is on the disk when this is answered, and nobody waits for the plan.
 
     Without an id the server makes one; an `Idempotency-Key` makes that repeatable for at least 24 h.
@@ -111,7 +121,7 @@ def put_job(
     again: AgainQuery = False,
     if_match: Annotated[str | None, Header()] = None,
     prefer: PreferHeader = None,
-) -> Job:
+) -> AcceptedJob:
     """Takes a job order. The same order again is answered with the same job (200), whatever has become of it.
 
     Where that was removed, it is refused for at least 7 days (410, with what the job was last), unless `again` is true.
@@ -145,7 +155,7 @@ def put_job(
 def list_jobs(
     jobs: JobsDep,
     state: Annotated[list[StateName] | None, Query(max_length=6, description="In these states only.")] = None,
-    since: Annotated[Moment | None, Query(description="Those only that changed since then.")] = None,
+    since: Annotated[WantedMoment | None, Query(description="Those only that changed since then.")] = None,
     limit: Annotated[int, Query(ge=1, le=1000, description="How many at most.")] = 100,
     cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
 ) -> JobPage:
@@ -159,7 +169,7 @@ def list_jobs(
     )
 
 
-@router.get("/jobs/{id}", summary="Look at a job", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get("/jobs/{id}", summary="Look at a job", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_job(id: JobId, jobs: JobsDep, response: Response) -> Job:  # noqa: A002 - the name in the address
     """Shows a job as it is now."""
     with job_faults():
@@ -168,6 +178,7 @@ def get_job(id: JobId, jobs: JobsDep, response: Response) -> Job:  # noqa: A002 
 
 router.include_router(job_commands.router)
 router.include_router(job_results.router)
+router.include_router(job_lists.router)
 
 
 def _ordered_before(jobs: JobManager, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Known | None:
@@ -255,7 +266,7 @@ def _receipt(key: str | None, caller: Caller, digest: str) -> Receipt | None:
     return Receipt(caller.key or caller.name, match[1], digest)
 
 
-def _taken(desk: JobDesk, jobs: JobManager, job: Known, response: Response, prefer: str | None) -> Job:
+def _taken(desk: JobDesk, jobs: JobManager, job: Known, response: Response, prefer: str | None) -> AcceptedJob:
     """Answers an order, perhaps when it is over."""
     wanted = _WAIT.search(prefer or "")
     if wanted is not None:
@@ -266,8 +277,8 @@ def _taken(desk: JobDesk, jobs: JobManager, job: Known, response: Response, pref
     return _located(job, response)
 
 
-def _located(job: Known, response: Response) -> Job:
+def _located(job: Known, response: Response) -> AcceptedJob:
     response.headers["Location"] = job_location(job.id)
     if job.state.is_open:
         response.headers["Retry-After"] = "1"
-    return shown(job, response)
+    return accepted(job, response)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Response
 
 from skiros_py.api.learned import Learned, LearnedPage
 from skiros_py.api.world import Written
 from skiros_py.errors import UnknownName
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import expected_version, require_version
+from skiros_py.server.etags import NEEDS_VERSION, VersionDep, expected_version, require_version
 from skiros_py.server.problems import found
 from skiros_py.server.routes.parameters import Cursor, ElementPath, Limit, WhyQuery
 from skiros_py.server.services import ServicesDep
@@ -51,9 +51,11 @@ def _told(view: Index, name: str) -> Learned:
     )
 
 
-@router.delete("/learned/{element}", summary="Forget something", dependencies=[needs(Role.ENGINEER)])
+@router.delete(
+    "/learned/{element}", summary="Forget something", dependencies=[needs(Role.ENGINEER)], responses=NEEDS_VERSION
+)
 def forget_learned(
-    element: ElementPath, services: ServicesDep, caller: CallerDep, request: Request, reason: WhyQuery = ""
+    element: ElementPath, services: ServicesDep, caller: CallerDep, seen: VersionDep, reason: WhyQuery = ""
 ) -> Written:
     """Forgets something with its pieces; an undo brings it back."""
     world = services.session.world
@@ -61,9 +63,9 @@ def forget_learned(
     with found():
         if not (is_learned(element) and view.has(element)):
             raise UnknownName("learned concept", element, _learned(view))
-    require_version(request, view.stamp(element).change)
-    seen = expected_version(request)
-    expects = {} if seen is None else {element: seen}
+    require_version(seen, view.stamp(element).change)
+    version = expected_version(seen)
+    expects = {} if version is None else {element: version}
     with writing(world, caller, reason or f"forgets {element}", expects) as tx:
         tx.remove(element)
     return written(world, tx)

@@ -23,7 +23,7 @@ from skiros_py.api.scenes import (
 )
 from skiros_py.errors import FileError, UsageError
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import etag, expected_version, require_version
+from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, expected_version, require_version, tagged
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.scene_content import scene_only
 from skiros_py.server.scene_loading import load, require_rest, scene_of
@@ -62,14 +62,20 @@ def list_scenes(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None
     return Scenes(items=list(_entries(services, page)), next=page[-1] if len(names) > limit else None)
 
 
-@router.post("/scenes", status_code=201, summary="Save the present scene", dependencies=[needs(Role.OPERATOR)])
-def save_scene(wanted: SaveScene, services: ServicesDep, request: Request, response: Response) -> SceneEntry:
+@router.post(
+    "/scenes",
+    status_code=201,
+    summary="Save the present scene",
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION | tagged(201),
+)
+def save_scene(wanted: SaveScene, services: ServicesDep, seen: VersionDep, response: Response) -> SceneEntry:
     """Saves what is believed now as a scene, whole or not at all; where everything is, and which goals go with it.
 
     A saved scene of that name is replaced if ``If-Match`` says which version of it you have seen.
     """
     version, now = services.session.world.state()
-    expects = _expected_file(services, wanted.name, request)
+    expects = _expected_file(services, wanted.name, seen)
     with _unwritable():
         file = services.scenes.save(wanted.name, now, expects=expects)
     services.documents.put("scene", _SAVED_AS, {"name": wanted.name, "version": version})
@@ -78,7 +84,9 @@ def save_scene(wanted: SaveScene, services: ServicesDep, request: Request, respo
     return _entry(file)
 
 
-@router.get("/scenes/{name}", summary="One scene that can be loaded", dependencies=[needs(Role.VIEWER)])
+@router.get(
+    "/scenes/{name}", summary="One scene that can be loaded", dependencies=[needs(Role.VIEWER)], responses=tagged()
+)
 def get_scene_file(name: SceneName, services: ServicesDep, response: Response) -> Scene:
     """Tells what a scene consists of, without loading it."""
     file = _file(services, name)
@@ -97,19 +105,19 @@ def get_scene_file(name: SceneName, services: ServicesDep, response: Response) -
 
 
 @router.delete("/scenes/{name}", status_code=204, summary="Remove a saved scene", dependencies=[needs(Role.OPERATOR)])
-def delete_scene(name: SceneName, services: ServicesDep, request: Request) -> None:
+def delete_scene(name: SceneName, services: ServicesDep, seen: VersionDep) -> None:
     """Removes a saved scene; what is believed now stays. With ``If-Match`` only that version of it."""
     file = _file(services, name)
     if not file.saved:
         raise Problem(409, "SceneInstalled", f"scene '{name}' came with a package, and stays")
     with found(_UNKNOWN):
-        services.scenes.remove(name, expects=expected_version(request))
+        services.scenes.remove(name, expects=expected_version(seen))
 
 
 # ---------------------------------------------------------------- the present scene
 
 
-@router.get("/scene", summary="The present scene", dependencies=[needs(Role.VIEWER)])
+@router.get("/scene", summary="The present scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_scene(services: ServicesDep, response: Response) -> PresentScene:
     """Tells which scene was loaded last, what is in it now, and whether that is another by now."""
     return _present(services, response)
@@ -155,12 +163,18 @@ _LOAD_BODY = {
 }
 
 
-@router.put("/scene", summary="Load a scene", dependencies=[needs(Role.OPERATOR)], openapi_extra=_LOAD_BODY)
+@router.put(
+    "/scene",
+    summary="Load a scene",
+    dependencies=[needs(Role.OPERATOR)],
+    openapi_extra=_LOAD_BODY,
+    responses=NEEDS_VERSION | tagged(),
+)
 def load_scene(
     wish: Annotated[_Wish, Depends(_wish)],
     services: ServicesDep,
     caller: CallerDep,
-    request: Request,
+    seen: VersionDep,
     response: Response,
 ) -> PresentScene:
     """Makes the present scene another one: one by name, or one sent as Turtle. What robots were taught stays.
@@ -171,7 +185,7 @@ def load_scene(
     ``If-Match`` names the version of the world that you have seen.
     """
     session = services.session
-    require_version(request, session.world.version)
+    require_version(seen, session.world.version)
     services.control.call(require_rest)
     if wish.name:
         file = _file(services, wish.name)
@@ -181,8 +195,8 @@ def load_scene(
         with _broken(422, "the scene that was sent"):
             scene = services.stage.read_text(session, wish.turtle)
     services.stage.check(session, scene)
-    seen = expected_version(request)
-    load(services.control, services.data, scene, wish.name, author=caller.name, holder=caller.holder, seen=seen)
+    version = expected_version(seen)
+    load(services.control, services.data, scene, wish.name, author=caller.name, holder=caller.holder, seen=version)
     return _present(services, response)
 
 
@@ -191,7 +205,7 @@ def load_scene(
     summary="The present scene as Turtle",
     dependencies=[needs(Role.VIEWER)],
     response_class=Response,
-    responses={200: {"description": "The scene.", "content": {TURTLE: {}}}},
+    responses={200: {"description": "The scene.", "content": {TURTLE: {}}, **tagged()[200]}},
 )
 def get_scene_turtle(services: ServicesDep) -> Response:
     """Writes what is believed now as a scene file, in an order that depends on content alone."""
@@ -287,16 +301,16 @@ def _file(services: Services, name: str) -> SceneFile:
         return services.scenes.find(name)
 
 
-def _expected_file(services: Services, name: str, request: Request) -> int | None:
+def _expected_file(services: Services, name: str, seen: str | None) -> int | None:
     """Returns the version of the saved scene that may be replaced; None where there is none."""
     try:
         with _broken(409, name):
             file = services.scenes.find(name)
     except UsageError:
-        return expected_version(request)
+        return expected_version(seen)
     if not file.saved:
         raise Problem(409, "SceneInstalled", f"'{name}' is a scene that came with a package: choose another name")
-    require_version(request, file.version)
+    require_version(seen, file.version)
     return file.version
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import APIRouter, Body, Path, Request, Response
+from fastapi import APIRouter, Body, Path, Response
 
 from skiros_py.api.sequences import (
     InsertStep,
@@ -19,7 +19,7 @@ from skiros_py.api.tasks import TaskInfo, WantedStep
 from skiros_py.planning.plan import Step
 from skiros_py.server import sequences
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import etag, require_version
+from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, require_version, tagged
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.routes.tasks import place_of
 from skiros_py.server.services import Services, ServicesDep
@@ -33,6 +33,7 @@ router = APIRouter(tags=["sequences"])
 Id = Annotated[str, Path(max_length=200)]
 Number = Annotated[int, Path(ge=0, lt=1000, description="Index of the step, from 0.")]
 _ONCE = RunSequence(iterate=1, anyway=False)
+_EDITS = NEEDS_VERSION | tagged()
 
 
 @router.get("/sequences", summary="List the sequences", dependencies=[needs(Role.VIEWER)])
@@ -41,7 +42,9 @@ def list_sequences(services: ServicesDep) -> Sequences:
     return Sequences(items=tuple(map(sequences.summary, services.documents.all(sequences.KIND))))
 
 
-@router.post("/sequences", status_code=201, summary="Make a sequence", dependencies=[needs(Role.OPERATOR)])
+@router.post(
+    "/sequences", status_code=201, summary="Make a sequence", dependencies=[needs(Role.OPERATOR)], responses=tagged(201)
+)
 def create_sequence(request: NewSequence, services: ServicesDep, response: Response) -> SequenceInfo:
     """Makes a sequence from scratch, of given steps, or of the plan for a goal, of a job, a task or a preview."""
     document = sequences.create(services, request)
@@ -49,22 +52,34 @@ def create_sequence(request: NewSequence, services: ServicesDep, response: Respo
     return _told(services, document, response)
 
 
-@router.get("/sequences/{id}", summary="Look at a sequence", dependencies=[needs(Role.VIEWER)])
+@router.get("/sequences/{id}", summary="Look at a sequence", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_sequence(id: Id, services: ServicesDep, response: Response) -> SequenceInfo:  # noqa: A002 - as the address says it
     """Its steps, each checked as things are now and as the steps before it would leave them."""
     return _told(services, _find(services, id), response)
 
 
-@router.delete("/sequences/{id}", status_code=204, summary="Delete a sequence", dependencies=[needs(Role.OPERATOR)])
-def delete_sequence(id: Id, services: ServicesDep, http: Request) -> None:  # noqa: A002
+@router.delete(
+    "/sequences/{id}",
+    status_code=204,
+    summary="Delete a sequence",
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION,
+)
+def delete_sequence(id: Id, services: ServicesDep, seen: VersionDep) -> None:  # noqa: A002
     """Throws a sequence away; what runs of it goes on. `If-Match` says which version."""
     document = _find(services, id)
-    require_version(http, document.version)
+    require_version(seen, document.version)
     services.documents.remove(sequences.KIND, id, expects=document.version)
 
 
-@router.post("/sequences/{id}/steps", summary="Insert a step", dependencies=[needs(Role.OPERATOR)])
-def insert_step(id: Id, request: InsertStep, services: ServicesDep, http: Request, response: Response) -> SequenceInfo:  # noqa: A002
+@router.post("/sequences/{id}/steps", summary="Insert a step", dependencies=[needs(Role.OPERATOR)], responses=_EDITS)
+def insert_step(
+    id: Id,  # noqa: A002
+    request: InsertStep,
+    services: ServicesDep,
+    seen: VersionDep,
+    response: Response,
+) -> SequenceInfo:
     """Adds a step before another one, or at the end; all steps are answered, checked."""
     step = _read(services, request)
 
@@ -74,16 +89,18 @@ def insert_step(id: Id, request: InsertStep, services: ServicesDep, http: Reques
             raise Problem(422, "InvalidRequest", f"at: from 0 to {len(steps)}, the end, not {at}")
         steps.insert(at, step)
 
-    return _edited(services, id, http, response, edit)
+    return _edited(services, id, seen, response, edit)
 
 
-@router.put("/sequences/{id}/steps/{number}", summary="Change a step", dependencies=[needs(Role.OPERATOR)])
+@router.put(
+    "/sequences/{id}/steps/{number}", summary="Change a step", dependencies=[needs(Role.OPERATOR)], responses=_EDITS
+)
 def change_step(
     id: Id,  # noqa: A002
     number: Number,
     request: WantedStep,
     services: ServicesDep,
-    http: Request,
+    seen: VersionDep,
     response: Response,
 ) -> SequenceInfo:
     """Puts another step in the place of one; all steps are answered, checked."""
@@ -92,26 +109,30 @@ def change_step(
     def edit(steps: list[Step]) -> None:
         steps[_at(steps, number)] = step
 
-    return _edited(services, id, http, response, edit)
+    return _edited(services, id, seen, response, edit)
 
 
-@router.delete("/sequences/{id}/steps/{number}", summary="Take a step out", dependencies=[needs(Role.OPERATOR)])
-def remove_step(id: Id, number: Number, services: ServicesDep, http: Request, response: Response) -> SequenceInfo:  # noqa: A002
+@router.delete(
+    "/sequences/{id}/steps/{number}", summary="Take a step out", dependencies=[needs(Role.OPERATOR)], responses=_EDITS
+)
+def remove_step(id: Id, number: Number, services: ServicesDep, seen: VersionDep, response: Response) -> SequenceInfo:  # noqa: A002
     """Takes a step out; all others are answered, checked."""
 
     def edit(steps: list[Step]) -> None:
         del steps[_at(steps, number)]
 
-    return _edited(services, id, http, response, edit)
+    return _edited(services, id, seen, response, edit)
 
 
-@router.post("/sequences/{id}/steps/{number}/move", summary="Move a step", dependencies=[needs(Role.OPERATOR)])
+@router.post(
+    "/sequences/{id}/steps/{number}/move", summary="Move a step", dependencies=[needs(Role.OPERATOR)], responses=_EDITS
+)
 def move_step(
     id: Id,  # noqa: A002
     number: Number,
     request: MoveStep,
     services: ServicesDep,
-    http: Request,
+    seen: VersionDep,
     response: Response,
 ) -> SequenceInfo:
     """Moves a step to another place; all steps are answered, checked."""
@@ -122,7 +143,7 @@ def move_step(
             raise Problem(422, "InvalidRequest", f"to: from 0 to {len(steps)}, the end, not {request.to}")
         steps.insert(request.to, step)
 
-    return _edited(services, id, http, response, edit)
+    return _edited(services, id, seen, response, edit)
 
 
 @router.post("/sequences/{id}/run", status_code=202, summary="Run a sequence", dependencies=[needs(Role.OPERATOR)])
@@ -163,10 +184,10 @@ def _at(steps: list[Step], number: int) -> int:
 
 
 def _edited(
-    services: Services, id_: str, http: Request, response: Response, edit: Callable[[list[Step]], None]
+    services: Services, id_: str, seen: str | None, response: Response, edit: Callable[[list[Step]], None]
 ) -> SequenceInfo:
     document = _find(services, id_)
-    require_version(http, document.version)
+    require_version(seen, document.version)
     steps = sequences.steps_in(document)
     edit(steps)
     data = sequences.data_of(document.data["title"], steps)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import APIRouter, Path, Response
 
 from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.etags import etag, require_version
+from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, require_version, tagged
 from skiros_py.server.job_faults import job_faults
 from skiros_py.server.problems import found
 from skiros_py.server.routes.job_access import TemplatesDep
@@ -30,7 +30,12 @@ def list_goal_templates(templates: TemplatesDep) -> GoalTemplates:
     return GoalTemplates(templates=templates.all())
 
 
-@router.get("/goal-templates/{name}", summary="Look at a goal template", dependencies=[needs(Role.VIEWER, mes=True)])
+@router.get(
+    "/goal-templates/{name}",
+    summary="Look at a goal template",
+    dependencies=[needs(Role.VIEWER, mes=True)],
+    responses=tagged(),
+)
 def get_goal_template(name: TemplateName, templates: TemplatesDep, response: Response) -> GoalTemplate:
     """Shows a goal template."""
     with found():
@@ -41,14 +46,16 @@ def get_goal_template(name: TemplateName, templates: TemplatesDep, response: Res
     "/goal-templates/{name}",
     summary="Write a goal template",
     dependencies=[needs(Role.OPERATOR)],
-    responses={201: {"model": GoalTemplate, "description": "It is new."}},
+    responses=NEEDS_VERSION
+    | tagged()
+    | {201: {"model": GoalTemplate, "description": "It is new.", **tagged(201)[201]}},
 )
 def put_goal_template(
     name: TemplateName,
     content: GoalTemplateContent,
     services: ServicesDep,
     templates: TemplatesDep,
-    request: Request,
+    seen: VersionDep,
     response: Response,
 ) -> GoalTemplate:
     """Writes a goal template; for one that is there already, `If-Match` names the version that was seen.
@@ -60,7 +67,7 @@ def put_goal_template(
         check_template(content, session.world.ontology, session.catalogue.conditions)
     known = templates.get(name)
     if known is not None:
-        require_version(request, known.version)
+        require_version(seen, known.version)
     with job_faults():
         written = templates.put(name, content, expects=0 if known is None else known.version)
     response.status_code = 201 if known is None else 200
@@ -68,13 +75,17 @@ def put_goal_template(
 
 
 @router.delete(
-    "/goal-templates/{name}", summary="Remove a goal template", status_code=204, dependencies=[needs(Role.OPERATOR)]
+    "/goal-templates/{name}",
+    summary="Remove a goal template",
+    status_code=204,
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION,
 )
-def remove_goal_template(name: TemplateName, templates: TemplatesDep, request: Request) -> None:
+def remove_goal_template(name: TemplateName, templates: TemplatesDep, seen: VersionDep) -> None:
     """Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay."""
     with found():
         known = templates.find(name)
-    require_version(request, known.version)
+    require_version(seen, known.version)
     with job_faults():
         templates.remove(name, expects=known.version)
 

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi import APIRouter, Path, Query, Response
 
 from skiros_py.api.elements import TreeNode
 from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
 from skiros_py.errors import Locked, StaleVersion, WorldError
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import etag, expected_version
+from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, expected_version, tagged
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.routes.parameters import ChangeLimit, Cursor, Limit, also_refused
+from skiros_py.server.scene_loading import LOADED
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.world.changes import change_page, one_change, told_change, undoable, written
 from skiros_py.server.world.cursors import number_cursor
 from skiros_py.server.world.editing import operate, writing
 from skiros_py.server.world.tree import tree
 from skiros_py.world.element import is_learned
-from skiros_py.world.undo import undo
+from skiros_py.world.undo import last_undoable, undo
 from skiros_py.world.vocabulary import ELEMENT
 
 __all__ = ["router"]
@@ -32,7 +33,7 @@ _LATEST = 2**62
 # ------------------------------------------------------------------ looking
 
 
-@router.get("/world", summary="Read what there is, in numbers", dependencies=[needs(Role.VIEWER)])
+@router.get("/world", summary="Read what there is, in numbers", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def read_world(services: ServicesDep, response: Response) -> WorldInfo:
     """Tells the world's version, how much is in it, and what an undo would take back; its ETag is the version."""
     world = services.session.world
@@ -107,9 +108,14 @@ def read_change(
 # ------------------------------------------------------------------ writing
 
 
-@router.post("/world/transactions", summary="Write several things at once", dependencies=[needs(Role.OPERATOR)])
+@router.post(
+    "/world/transactions",
+    summary="Write several things at once",
+    dependencies=[needs(Role.OPERATOR)],
+    responses=NEEDS_VERSION | tagged(),
+)
 def write_transaction(
-    order: TransactionOrder, services: ServicesDep, caller: CallerDep, request: Request, response: Response
+    order: TransactionOrder, services: ServicesDep, caller: CallerDep, seen: VersionDep, response: Response
 ) -> Written:
     """Does all operations, as one change, or none; a refusal names everything that is wrong.
 
@@ -117,19 +123,19 @@ def write_transaction(
     version of the world (`*` for whatever it is).
     """
     world = services.session.world
-    with writing(world, caller, order.reason, _expected(order, request)) as tx:
+    with writing(world, caller, order.reason, _expected(order, seen)) as tx:
         ids = operate(tx, order.operations)
     told = written(world, tx, ids)
     response.headers["ETag"] = etag(told.version)
     return told
 
 
-def _expected(order: TransactionOrder, request: Request) -> dict[str, int]:
-    seen = expected_version(request)
+def _expected(order: TransactionOrder, given: str | None) -> dict[str, int]:
+    seen = expected_version(given)
     if seen is not None:
         return {"": seen, **order.expects}
     adds_only = all(operation.op == "add" for operation in order.operations)
-    if not (order.expects or adds_only or "if-match" in request.headers):
+    if not (order.expects or adds_only or given is not None):
         raise Problem(
             428, "VersionMissing", 'say what you have seen: {"expects": {"starter_1": 17}}, or the world\'s If-Match'
         )
@@ -142,11 +148,13 @@ def undo_edit(services: ServicesDep, caller: CallerDep, order: UndoOrder | None 
 
     What skills sensed is never undone; 409 where something was built on the edit since.
     """
+    world = services.session.world
     try:
-        return told_change(
-            undo(services.session.world, caller.name, expects=order.change if order else None, holder=caller.holder)
-        )
+        return told_change(undo(world, caller.name, expects=order.change if order else None, holder=caller.holder))
     except (StaleVersion, Locked):
         raise
     except WorldError as error:
-        raise Problem(409, "CannotUndo", str(error)) from None
+        last = last_undoable(world.log)
+        was_loaded = last is not None and last.reason.startswith(LOADED)
+        hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
+        raise Problem(409, "CannotUndo", f"{error}{hint}") from None

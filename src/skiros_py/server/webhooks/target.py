@@ -70,7 +70,7 @@ def target_of(url: str, allowed: Collection[str]) -> Target:
     if parts.username is not None or parts.fragment or not url.isascii() or any(c <= " " for c in url):
         raise UsageError("url: user names, fragments, blanks and letters beyond ASCII have no place in the address")
     port = port or _PORTS[parts.scheme]
-    if not {host, f"{host}:{port}"} & set(allowed):
+    if not {host, f"{host}:{port}"} & {name.lower() for name in allowed}:
         raise UsageError(
             f"url: webhooks to {host}:{port} are not allowed: start the server with --webhook-host {host}:{port}"
         )

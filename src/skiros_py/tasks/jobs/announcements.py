@@ -27,7 +27,7 @@ class Announcement:
     Attributes:
         number: Counts announcements without gaps, over restarts as well.
         wall: When [s since 1970].
-        job: The job as it was then, without its plan, and with the beginning of a very long goal.
+        job: The job as it was then; a large one without its plan, and with the beginning of a very long goal.
         trigger: What led to it: a value of :class:`~skiros_py.tasks.jobs.Trigger`, "cancelled" or "cleared".
     """
 
@@ -37,9 +37,16 @@ class Announcement:
     trigger: str
 
 
-def keep_announcement(connection: sqlite3.Connection, job: Job, trigger: str) -> None:
-    """Keeps what happened to a job."""
-    values = (job.changed, trigger, _brief(job).model_dump_json())
+def keep_announcement(connection: sqlite3.Connection, job: Job, data: str, trigger: str) -> None:
+    """Keeps what happened to a job.
+
+    Args:
+        connection: The file, in a transaction.
+        job: The job.
+        data: The same as text.
+        trigger: What happened.
+    """
+    values = (job.changed, trigger, data if len(data) <= _LONGEST_GOAL else _brief(job).model_dump_json())
     number = connection.execute("INSERT INTO announcements (wall, trigger, data) VALUES (?, ?, ?)", values).lastrowid
     assert number is not None
     connection.execute("DELETE FROM announcements WHERE number <= ?", (number - MOST_ANNOUNCEMENTS,))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from skiros_py.tasks.jobs.announcements import CANCELLED, CLEARED
@@ -34,6 +34,7 @@ class JobBook:
         open: The jobs that are not over, by id, in the order in which they were ordered.
         jobs: All that were not removed.
         queue: Those of them that wait for their turn.
+        unseen: Ids of those that were cut off or halted, and that nobody has looked at since.
     """
 
     def __init__(self, store: JobStore, clock: Callable[[], float]) -> None:
@@ -44,11 +45,18 @@ class JobBook:
         self.open = OpenJobs(self._open)
         self.jobs = AllJobs(self.open, store)
         self.queue = JobQueue(self._open.values())
+        self.unseen = {job.id for job in self._open.values() if _is_unseen(job)}
+        self._on_remove: list[Callable[[Job], None]] = []
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with every new version of a job; returns how to end that. It must be quick."""
         self._listeners.append(listener)
         return lambda: self._listeners.remove(listener)
+
+    def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
+        """Calls the listener with each job that is removed; returns how to end that. It must be quick."""
+        self._on_remove.append(listener)
+        return lambda: self._on_remove.remove(listener)
 
     def add(self, order: JobOrder, *, start: bool, comment: str, receipt: Receipt | None = None) -> Job:
         """Takes a new order."""
@@ -91,6 +99,8 @@ class JobBook:
         self._store.forget(last, CANCELLED if job.state.is_open else CLEARED)
         self._open.pop(job.id, None)
         self.queue.remove(job.id)
+        self.unseen.discard(job.id)
+        _tell(self._on_remove, last)
         return last
 
     def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
@@ -104,9 +114,22 @@ class JobBook:
         else:
             self._open.pop(job.id, None)
         self.queue.put(job)
-        for listener in tuple(self._listeners):
-            try:
-                listener(job)
-            except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
-                _log.exception("a listener of jobs broke")
+        if _is_unseen(job):
+            self.unseen.add(job.id)
+        else:
+            self.unseen.discard(job.id)
+        _tell(self._listeners, job)
         return job
+
+
+def _is_unseen(job: Job) -> bool:
+    """Tells whether the job itself asks: nothing runs for it any more that could."""
+    return job.state is JobState.INTERRUPTED and bool(job.choices) and job.question is None
+
+
+def _tell(listeners: Sequence[Callable[[Job], None]], job: Job) -> None:
+    for listener in tuple(listeners):
+        try:
+            listener(job)
+        except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
+            _log.exception("a listener of jobs broke")

@@ -79,7 +79,7 @@ class Conductor:
     @property
     def idle(self) -> bool:
         """True when nothing is under way, and nothing would start by itself now."""
-        return not (self._runs or self._wishes) and self._turns.next() is None
+        return not (self._runs or self._wishes) and self._coming is None
 
     def run(self, job: str) -> JobRun | None:
         """Returns what runs for a job; None where nothing does."""
@@ -120,9 +120,22 @@ class Conductor:
         for run in self._runs.values():
             if run.aside and not run.asks and self._has_room:
                 run.take_place()
-        coming = self._turns.next()
+        coming = self._coming
         if coming is not None and (self._has_room or self._make_room()):
             self._dispatch(coming)
+
+    @property
+    def _coming(self) -> str | None:
+        """Id of the job whose turn it is.
+
+        While a job was cut off or halted and nobody has looked, no other is begun: what a robot holds, and where it
+        stands, is as uncertain for that one. What has its answer goes on.
+        """
+        coming = self._turns.next()
+        if coming is None or not self._book.unseen:
+            return coming
+        back = self._turns.coming_back
+        return coming if coming in back else next(iter(back), None)
 
     @property
     def _has_room(self) -> bool:
@@ -151,7 +164,7 @@ class Conductor:
     def _dispatch(self, id_: str) -> None:
         with self._guard.control():
             job = self._book.open.get(id_)
-            if job is None or self._turns.next() != id_:  # somebody was quicker
+            if job is None or self._coming != id_:  # somebody was quicker
                 return
             if job.state is JobState.RUNNING:
                 self._begin(self._book.change(job.but(**self._begun(job))))

@@ -24,11 +24,16 @@ WAITS = "waits for its turn"
 
 
 def hold_what_was_cut_off(book: JobBook, store: JobStore, world: World) -> None:
-    """Lets every job wait for a person that had begun and was not over when the program ended."""
+    """Lets every job wait for a person that had begun and was not over when the program ended.
+
+    What waits for one already stays as it is: nothing of it was under way.
+    """
     for job in book.open.values():
         if job.state.has_begun:
             intents = store.intents(job.id)
             moving = [intent for intent in intents if intent.ended is None]
+            if job.id in book.unseen and (not moving or BY_HAND in job.choices):
+                continue
             choices = (RETRY, BY_HAND, ABORT) if moving else (RETRY, ABORT)
             asks = {"detail": _detail(moving), "choices": choices, "question": None}
             materials = moved(world, job, intents)

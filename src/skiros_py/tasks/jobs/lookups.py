@@ -130,3 +130,7 @@ class JobLookups:
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with every new version of a job, in the thread that made it; returns how to end that."""
         return self._book.subscribe(listener)
+
+    def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
+        """Calls the listener with each job that is cancelled or cleared, in the thread that did it."""
+        return self._book.on_remove(listener)

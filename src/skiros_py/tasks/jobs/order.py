@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator
 
 from skiros_py.tasks.policy import Policy
@@ -17,19 +19,27 @@ class Material(BaseModel):
 
     Attributes:
         class_: Their class; "class" in JSON.
-        quantity: How many pieces.
+        definition: Number of the material, where whoever orders has one.
+        lot: The lot that they shall be of.
+        quantity: How many pieces; or an amount, a decimal number as text.
+        units: Of the amount; empty for pieces.
         id: Which piece, where just that one is meant.
         location: Where it shall be used.
         use: What for.
+        properties: What else whoever orders says of them.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_by_name=True, validate_by_alias=True)
 
     class_: str = Field(alias="class")
-    quantity: int = Field(default=1, ge=1)
+    definition: str = ""
+    lot: str = ""
+    quantity: Annotated[int, Field(ge=1)] | str = 1
+    units: str = ""
     id: str = ""
     location: str = ""
     use: str = ""
+    properties: dict[str, str] = {}
 
 
 class JobOrder(BaseModel):

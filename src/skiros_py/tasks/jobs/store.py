@@ -108,7 +108,8 @@ class JobStore:
         wanted = tuple(JobState) if states is None else tuple(states)
         # Numbers of our own, and no text of anybody's: they need not be bound.
         among = "1" if states is None else f"state IN ({', '.join(str(state.value) for state in wanted)})"
-        where, values = f"number > ? AND {among}", (min(after, _LAST),)
+        where = f"number > ? AND {among}"
+        values: tuple[float, ...] = (min(after, _LAST),)
         if since is not None:  # found in the index alone, however many there are
             changed = f"FROM jobs INDEXED BY jobs_by_change WHERE changed >= ? AND {where} ORDER BY number"
             where = f"id IN (SELECT id {changed} LIMIT {limit + 1})"
@@ -170,7 +171,7 @@ class JobStore:
                 connection.execute(f"DELETE FROM {table} WHERE job = ?", (job.id,))  # noqa: S608 - our own names
             leave_receipts(connection, job.id, data)
             keep_removal(connection, job)
-            keep_announcement(connection, job, why)
+            keep_announcement(connection, job, data, why)
 
     # ------------------------------------------------------------------ requests and announcements
 
@@ -299,4 +300,4 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
     if trigger is not None:
         entry = Transition(wall=job.changed, trigger=trigger.value, state=job.state, comment=comment)
         connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
-        keep_announcement(connection, job, trigger.value)
+        keep_announcement(connection, job, data, trigger.value)

@@ -20,7 +20,7 @@ from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 
-__all__ = ["DataDirectory"]
+__all__ = ["DataDirectory", "make_folder"]
 
 _log = logging.getLogger(__name__)
 
@@ -37,12 +37,13 @@ class DataDirectory:
         journal: Its changes, with what can be asked of them.
     """
 
-    def __init__(self, path: Path, world: World, journal: Journal, stack: ExitStack) -> None:
-        """Made by :meth:`open`."""
+    def __init__(self, path: Path, world: World, journal: Journal, stack: ExitStack, made: tuple[Path, ...]) -> None:
+        """Made by :meth:`open`; ``made`` are the files of a world that began with it."""
         self.path = path
         self.world = world
         self.journal = journal
         self._stack = stack
+        self._made = made
 
     @classmethod
     def open(
@@ -77,6 +78,7 @@ class DataDirectory:
             journal = Journal(path / "journal.db")
             stack.callback(journal.close)
             learned = LearnedFile(path / "learned.ttl")
+            made = _files_to_be_made(journal, path)
             if journal.version == 0:
                 past = _first_content(journal, learned, _fresh(ontology, reasoners, scene, imports))
             else:
@@ -87,7 +89,7 @@ class DataDirectory:
         except BaseException:
             stack.close()
             raise
-        return cls(path, world, journal, stack)
+        return cls(path, world, journal, stack, made)
 
     def compact(self, keep: int) -> None:
         """Forgets all but the latest changes: the file gets short, history and undo reach back no further.
@@ -100,6 +102,13 @@ class DataDirectory:
             UsageError: The number is negative.
         """
         self.journal.compact(*self.world.state(), keep=keep)
+
+    def discard(self) -> None:
+        """Closes it as if it had not been opened: a world that began with that is gone, an older one stays."""
+        self.journal.close()
+        for file in self._made:
+            file.unlink(missing_ok=True)
+        self.close()
 
     def close(self) -> None:
         """Lets others in; the world can still be read, but not written. May be called twice."""
@@ -118,12 +127,29 @@ def _prepare(path: Path, *, create: bool) -> None:
     """Makes the folder where it is missing and may be made."""
     if not create and not (path / "journal.db").exists():
         raise FileError(path, "is no data directory: there is no journal.db in it")
+    make_folder(path)
+
+
+def make_folder(path: Path) -> None:
+    """Makes the folder of a data directory, where it is missing.
+
+    Raises:
+        FileError: It cannot be made, or is something else.
+    """
     try:
         path.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
         raise FileError(path, "is not a folder, and a data directory is one") from None
     except OSError as error:
         raise FileError(path, f"cannot be made: {error.strerror}") from error
+
+
+def _files_to_be_made(journal: Journal, path: Path) -> tuple[Path, ...]:
+    """Returns the files of a world that is about to begin; none where one lives there."""
+    if journal.version:
+        return ()
+    learned = path / "learned.ttl"
+    return (*(path / f"journal.db{end}" for end in ("", "-wal", "-shm")), *(() if learned.exists() else (learned,)))
 
 
 def _fresh(ontology: Ontology, reasoners: Reasoners, scene: Path | None, imports: Sequence[Path]) -> World:

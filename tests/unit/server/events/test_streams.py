@@ -158,6 +158,16 @@ def test_streams_that_want_the_same_are_sent_the_same_bytes_made_once(streams, l
     assert [one["id"] for one in read(other)] == [place_text(log, 2)]
 
 
+def test_a_batch_of_long_events_is_bounded_in_bytes_and_loses_none(streams, log, monkeypatch):
+    monkeypatch.setattr(module, "_LARGEST", 10_000)
+    write(log, 20, data={"text": "x" * 3000})
+    write(log, 1, data={"text": "y" * 30_000})
+    write(log, 1)
+    _, *frames = take(streams, 10, after="")
+    assert [len(read(frame)) for frame in frames] == [3, 3, 3, 3, 3, 3, 2, 1, 1]
+    assert [json.loads(one["data"])["number"] for frame in frames for one in read(frame)] == list(range(1, 23))
+
+
 def test_no_more_streams_than_allowed_and_half_of_them_for_one_caller(streams):
     from contextlib import ExitStack
 

@@ -61,6 +61,18 @@ def test_what_was_cut_off_in_an_earlier_life_is_not_told_again(tmp_path: Path) -
         assert "pick" not in third.job.detail
 
 
+def test_what_waits_for_a_person_already_is_left_as_it_is_by_the_next_start(tmp_path: Path) -> None:
+    with cell(tmp_path) as first:
+        first.submit()
+        first.until(lambda: first.moves("pick"))
+    with cell(tmp_path) as second:
+        held = second.job
+    with cell(tmp_path) as third:
+        assert third.job == held
+        third.jobs.answer("j", "retry", by="ann")
+        third.until(lambda: third.job.state is JobState.ENDED)
+
+
 def test_a_step_done_by_hand_that_cannot_be_believed_leaves_the_job_waiting(tmp_path: Path) -> None:
     with cell(tmp_path) as first:
         first.submit()

@@ -66,19 +66,36 @@ def cell(path: Path, *facts: str, skills: tuple[Skill, ...] = SLOW, at_once: int
         store.close()
 
 
-def cut_off(path: Path, job: str) -> None:
-    """Lets the program end while something moves for a job."""
-    with cell(path) as one:
+def cut_off(path: Path, job: str, other: str) -> None:
+    """Lets the program end while something moves for a job, and another has begun as well."""
+    with cell(path, at_once=2) as one:
         one.order(job, BALL)
         one.bench.until(lambda: any(intent.ended is None for intent in one.jobs.intents(job)))
+        one.order(other, RED)
+        one.until(other, JobState.RUNNING)
+
+
+def test_while_nobody_has_looked_at_what_was_cut_off_nothing_else_is_begun(tmp_path: Path) -> None:
+    cut_off(tmp_path, "cut", "other")
+    with cell(tmp_path) as one:
+        one.order("new", "At(robot_1, box_a)", priority=9)
+        one.bench.advance(2.0)
+        assert one.jobs.job("new").state is JobState.ALLOWED_TO_START
+        assert one.jobs.idle
+        one.jobs.answer("cut", "retry", by="ann")
+        assert one.until_over("cut") == [Outcome.SUCCEEDED]
+        one.bench.advance(2.0)
+        assert one.jobs.job("new").state is JobState.ALLOWED_TO_START
+        one.jobs.answer("other", "abort", by="ann")
+        one.until_over("new")
 
 
 @pytest.mark.parametrize("answer", ["retry", "done by hand"])
 def test_a_job_that_was_cut_off_waits_for_its_turn_when_it_is_answered(tmp_path: Path, answer: str) -> None:
-    cut_off(tmp_path, "cut")
+    cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
-        one.order("other", RED)
-        one.until("other", JobState.RUNNING)
+        one.jobs.answer("other", "retry", by="ann")
+        one.bench.advance(0.02)
         one.jobs.answer("cut", answer, by="ann")
         one.bench.advance(0.02)
         assert (one.jobs.job("cut").state, one.jobs.job("cut").detail) == (JobState.RUNNING, "waits for its turn")
@@ -88,10 +105,10 @@ def test_a_job_that_was_cut_off_waits_for_its_turn_when_it_is_answered(tmp_path:
 
 
 def test_what_goes_on_comes_before_new_orders_of_its_priority_and_after_those_of_a_higher_one(tmp_path: Path) -> None:
-    cut_off(tmp_path, "cut")
+    cut_off(tmp_path, "cut", "first")
     with cell(tmp_path) as one:
-        one.order("first", RED)
-        one.until("first", JobState.RUNNING)
+        one.jobs.answer("first", "retry", by="ann")
+        one.bench.advance(0.02)
         one.order("later", "At(robot_1, box_b)")
         one.order("urgent", "At(robot_1, box_a)", priority=1)
         one.jobs.answer("cut", "retry", by="ann")
@@ -100,10 +117,10 @@ def test_what_goes_on_comes_before_new_orders_of_its_priority_and_after_those_of
 
 
 def test_what_waits_to_go_on_is_paused_resumed_and_stopped_like_any_other(tmp_path: Path) -> None:
-    cut_off(tmp_path, "cut")
+    cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
-        one.order("other", RED)
-        one.until("other", JobState.RUNNING)
+        one.jobs.answer("other", "retry", by="ann")
+        one.bench.advance(0.02)
         one.jobs.answer("cut", "retry", by="ann")
         one.bench.advance(0.02)
         one.jobs.pause("cut")
@@ -121,10 +138,10 @@ def test_what_waits_to_go_on_is_paused_resumed_and_stopped_like_any_other(tmp_pa
 
 
 def test_a_halt_holds_what_waits_to_go_on(tmp_path: Path) -> None:
-    cut_off(tmp_path, "cut")
+    cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
-        one.order("other", RED)
-        one.until("other", JobState.RUNNING)
+        one.jobs.answer("other", "retry", by="ann")
+        one.bench.advance(0.02)
         one.jobs.answer("cut", "retry", by="ann")
         one.bench.advance(0.02)
         one.bench.cycle.stop_all("button")
@@ -138,10 +155,10 @@ def test_a_halt_holds_what_waits_to_go_on(tmp_path: Path) -> None:
 
 
 def test_an_id_that_is_ordered_anew_after_its_job_was_stopped_while_it_waited_is_begun_once(tmp_path: Path) -> None:
-    cut_off(tmp_path, "cut")
+    cut_off(tmp_path, "cut", "other")
     with cell(tmp_path) as one:
-        one.order("other", RED)
-        one.until("other", JobState.RUNNING)
+        one.jobs.answer("other", "retry", by="ann")
+        one.bench.advance(0.02)
         one.jobs.answer("cut", "retry", by="ann")
         one.bench.advance(0.02)
         one.jobs.stop("cut")

@@ -51,6 +51,25 @@ def test_a_new_directory_begins_with_the_scene(open_tiny: Open, tmp_path: Path) 
     assert list(data.world.changes) == list(scene.changes)
 
 
+def test_a_world_that_began_with_an_opening_is_gone_once_that_is_discarded(open_tiny: Open, folder: Path) -> None:
+    data = open_tiny()
+    teach(data.world)
+    data.discard()
+
+    assert {file.name for file in folder.iterdir()} <= {"lock"}
+    with open_tiny() as again:
+        assert again.journal.version == 1
+
+
+def test_a_world_that_lived_before_an_opening_stays_when_that_is_discarded(open_tiny: Open) -> None:
+    with open_tiny() as data:
+        mug = teach(data.world)
+    open_tiny().discard()
+
+    with open_tiny() as again:
+        assert again.world.element(mug).label == "mug"
+
+
 def test_the_scene_is_the_first_content_only(open_tiny: Open, weigh: Weigh, folder: Path, tmp_path: Path) -> None:
     with open_tiny() as data:
         weigh(data.world, 5.0)
