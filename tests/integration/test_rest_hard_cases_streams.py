@@ -64,6 +64,7 @@ def test_two_hundred_readers_that_take_a_little_now_and_then_stop_neither_job_no
                 events.append(Kind.TASK, "noise", data={"text": "x" * 1000})
             for one in slow[burst::10]:
                 one.recv(512)
+        print("BODY", api.put("/jobs/meanwhile", json=HOLDS).text)
         api.put("/jobs/meanwhile", json=HOLDS).raise_for_status()
         assert over(api, "meanwhile")["outcome"] == "goal already satisfied"
         cycles(api)
