@@ -284,7 +284,8 @@ class WebhookStore:
         with self._database.transaction() as connection:
             dropped = connection.execute(
                 "UPDATE deliveries SET state = 'dead', error = 'too many were waiting'"
-                " WHERE state = 'pending' AND number <= (SELECT last FROM subscriptions WHERE id = webhook) - ? RETURNING webhook, number, job",
+                " WHERE state = 'pending' AND number <= (SELECT last FROM subscriptions WHERE id = webhook) - ?"
+                " RETURNING webhook, number, job",
                 (_LETTERBOX,),
             ).fetchall()
             for webhook, number, job in dropped:
