@@ -42,9 +42,9 @@ def api_of(served: Served, key: str = "") -> Iterator[httpx2.Client]:
 
 def _mean_it(request: httpx2.Request) -> None:
     """Says of orders that they are meant: tests have a server in common, and order under the same ids."""
-    if (request.method == "PUT" and "/jobs/" in request.url.path) or request.url.path.endswith("/v1/jobs"):
-        if request.method != "GET":
-            request.url = request.url.copy_merge_params({"again": "true"})
+    path = request.url.path
+    if (request.method == "PUT" and "/jobs/" in path) or (request.method == "POST" and path.endswith("/jobs")):
+        request.url = request.url.copy_merge_params({"again": "true"})
 
 
 def until(reached: Callable[[], T], patience: float = PATIENCE) -> T:

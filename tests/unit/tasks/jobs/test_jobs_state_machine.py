@@ -17,7 +17,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from skiros_py.errors import KeyReused, StaleVersion, UnknownName, WrongState
+from skiros_py.errors import KeyReused, Removed, StaleVersion, UnknownName, WrongState
 from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Receipt, Trigger
 from skiros_py.tasks.jobs.states import allowed, next_state
 from skiros_py.tasks.policy import Policy
@@ -64,6 +64,7 @@ class Jobs(RuleBasedStateMachine):
         self.seen: dict[str, Job] = {}
         self.numbers: set[int] = set()
         self.receipts: dict[str, tuple[str, JobOrder]] = {}
+        self.removed: dict[str, JobOrder] = {}
         self.told = 0
         self.states: dict[str, JobState] = {}
         self._begin()
@@ -97,8 +98,8 @@ class Jobs(RuleBasedStateMachine):
             self.jobs.submit(JobOrder(id=id_, goal=(goal,), policy=Policy(ask=True)))
         self.time_goes_by(number)
 
-    @rule(order=ORDERS, start=st.booleans(), key=st.sampled_from(["", "", "k1", "k2"]))
-    def submit(self, order: JobOrder, start: bool, key: str) -> None:
+    @rule(order=ORDERS, start=st.booleans(), key=st.sampled_from(["", "", "k1", "k2"]), again=st.booleans())
+    def submit(self, order: JobOrder, start: bool, key: str, again: bool) -> None:
         before = self._all()
         receipt = Receipt("mes", key, order.model_dump_json()) if key else None
         if key in self.receipts:
@@ -113,8 +114,12 @@ class Jobs(RuleBasedStateMachine):
             with pytest.raises(WrongState):
                 self.jobs.submit(order, start=start, receipt=receipt)
             assert self._all() == before
+        elif order.id not in before and order.id in self.removed and not again:
+            with pytest.raises(Removed if order == self.removed[order.id] else WrongState):
+                self.jobs.submit(order, start=start, receipt=receipt)
+            assert self._all() == before
         else:
-            job = self.jobs.submit(order, start=start, receipt=receipt)
+            job = self.jobs.submit(order, start=start, receipt=receipt, again=again)
             fresh = S.ALLOWED_TO_START if start else S.NOT_ALLOWED_TO_START
             assert job == before[order.id] if order.id in before else job.state is fresh
             if key:
@@ -172,6 +177,7 @@ class Jobs(RuleBasedStateMachine):
         after = self._all().get(before.id)
         if follows == REMOVED:
             assert after is None
+            self.removed[before.id] = before.order
         elif follows == SAME:
             assert after == before
         else:
