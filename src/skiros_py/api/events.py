@@ -26,8 +26,8 @@ class EventInfo(Answer):
     kind: EventKind = Field(description="What it is about.", examples=["job"])
     type: str = Field(
         description="What happened: `scene` or `learned` of the world; the status of a module; what happened in a task;"
-        " the state of a job, as jobs name it (`Running`); `raised`, `changed`, `acknowledged`, `answered`, `cleared` of"
-        " an alarm; `opened`, `closed`, `halted`, `reset` of the station.",
+        " the state of a job, as jobs name it (`Running`); `raised`, `changed`, `acknowledged`, `answered`, `cleared`"
+        " of an alarm; `opened`, `closed`, `halted`, `reset` of the station.",
         examples=["Running"],
     )
     subject: str = Field(
