@@ -175,6 +175,12 @@ def test_the_audit_log_is_read_page_by_page(admin: httpx2.Client) -> None:
     assert admin.get("/audit", params={"cursor": "x"}).status_code == 422
 
 
+def test_two_names_at_once_are_no_name(served: Served) -> None:
+    answer = _raw(served, b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n\r\n")
+
+    assert answer.startswith(b"HTTP/1.1 40")
+
+
 def test_a_name_that_a_stranger_leads_here_is_not_answered(served: Served) -> None:
     answer = _raw(served, b"GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n")
 

@@ -41,7 +41,7 @@ class Places:
         Raises:
             Problem: We are not.
         """
-        match = _HOST.fullmatch(headers.get("host", ""))
+        match = _HOST.fullmatch(", ".join(headers.getlist("host")))  # two of them are no name at all
         name = match[1].strip("[]").lower() if match else ""
         # An address cannot be made to lead elsewhere, so where we listen at all of them any will do.
         if name not in self._names and not (self._any_address and _is_address(name)):

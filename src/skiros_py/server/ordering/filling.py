@@ -45,7 +45,7 @@ def filled(
         return goal
     _check_number(name, template.per_material, materials)
     pieces = [_replaced(template.per_material, values, piece) for piece in _pieces(materials)]
-    _check_pieces(name, pieces, bool(goal))
+    _check_pieces(name, pieces)
     return goal + pieces
 
 
@@ -108,18 +108,31 @@ def _size(data: object) -> int:
     return number
 
 
-def _check_pieces(name: str, pieces: list[Any], has_goal: bool) -> None:
+def _check_pieces(name: str, pieces: list[Any]) -> None:
     """Sees that there is a condition for each piece: two that say the same would be fulfilled by one piece."""
-    if not pieces and not has_goal:
+    if not pieces:
         raise UsageError(f"materials: goal template '{name}' makes a condition of each material, and none is ordered")
     seen: set[str] = set()
     for piece in pieces:
-        if (text := repr(piece)) in seen:
+        if (text := repr(_without_prefixes(piece))) in seen:
             raise UsageError(
                 f"materials: two pieces lead to the same condition {text[:200]}, which one of them would fulfil:"
                 " give each an id or a location of its own, and a template that uses it"
             )
         seen.add(text)
+
+
+def _without_prefixes(data: Any) -> Any:
+    """Returns data with names as people shorten them: "Starter" and "kitting:Starter" are one class."""
+    match data:
+        case str():
+            return data.rpartition(":")[2]
+        case dict():
+            return {key: _without_prefixes(value) for key, value in data.items()}
+        case list():
+            return [_without_prefixes(value) for value in data]
+        case _:
+            return data
 
 
 def _replaced(data: Any, parameters: Mapping[str, str], material: Mapping[str, str]) -> Any:

@@ -111,6 +111,8 @@ class JobCommands(JobLookups):
         """
         with self._guard.command():
             now = self._expected(job, expects)
+            if not now.choices:
+                raise WrongState(f"job '{job}' waits for no answer, or not any more: it is {now.state.name.lower()}")
             if choice not in now.choices:
                 raise UnknownName("answer", choice, now.choices, where=f"of job '{job}'")
             run = self._conductor.run(job)

@@ -212,7 +212,8 @@ class JobRun:
         conditions = report.conditions if report is not None else ()
         actuals = tuple(Actual(condition=c.condition, reached=c.believed, reason=c.reason) for c in conditions)
         fault = (report.fault,) if report is not None and report.fault else ()
-        reasons = (*(report.no_plan if report is not None else ()), *fault)
+        why = (*(report.no_plan if report is not None else ()), *fault)
+        reasons = why or tuple(dict.fromkeys(c.reason for c in conditions if c.reason))
         over = {"outcome": outcome, "detail": "", "choices": (), "question": None}
         self._book.move(job, trigger, self._comment, actuals=actuals, reasons=reasons, **over)
 

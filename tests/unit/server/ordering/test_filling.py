@@ -42,6 +42,16 @@ def test_two_pieces_that_one_would_stand_for_are_refused():
         filled("fill", KIT, {"kit": "kit_1"}, (material(quantity=2),))
 
 
+def test_a_class_with_and_without_its_prefix_is_one_class():
+    with pytest.raises(UsageError, match="two pieces lead to the same condition"):
+        filled("fill", KIT, {"kit": "kit_1"}, (material("Starter"), material("kitting:Starter")))
+
+
+def test_a_kit_of_nothing_is_refused_whatever_else_the_template_says():
+    with pytest.raises(UsageError, match="none is ordered"):
+        filled("fill", KIT, {"kit": "kit_1"}, ())
+
+
 def test_a_parameter_that_is_missing_or_unknown_is_named():
     with pytest.raises(UsageError, match="'fill' needs kit"):
         filled("fill", KIT, {}, (material(),))

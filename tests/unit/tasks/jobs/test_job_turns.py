@@ -229,3 +229,11 @@ def test_a_question_is_answered_once(tmp_path: Path) -> None:
         with pytest.raises(WrongState, match="'asks' has its answer already"):
             one.jobs.answer("asks", "retry", by="bob")
         one.until_over("asks")
+
+
+def test_what_waits_for_no_answer_says_so(tmp_path: Path) -> None:
+    with cell(tmp_path) as one:
+        one.order("job", BALL)
+        one.until_over("job")
+        with pytest.raises(WrongState, match="waits for no answer"):
+            one.jobs.answer("job", "retry", by="ann")
