@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlite3
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,12 @@ __all__ = ["Database", "Schema"]
 
 _PAGES_BETWEEN_CHECKPOINTS = 4000
 """How long the write-ahead log grows before it is worked into the file (16 MB)."""
+
+_PAGES_AT_MOST = 50_000
+"""The same where the log is worked into the file beside what goes on, should that ever not come round (200 MB)."""
+
+_BETWEEN_LOOKS = 0.5
+"""How often is looked whether the log has to be worked into the file, beside what goes on [s]."""
 
 _LEAST_SIZE = 512
 """Bytes of the smallest page that a file of SQLite consists of."""
@@ -110,7 +116,8 @@ class Database:
             schema: Its tables.
             durable: True where what is committed has to outlive a power cut as well; each commit waits for the disk.
             shared: True where other processes may read what is committed meanwhile.
-            lookups: True where :meth:`looked_up` is used; others may then read, too.
+            lookups: True where :meth:`looked_up` is used; others may then read, too. Nobody who commits waits then
+                until the write-ahead log was worked into the file: a thread sees to that.
 
         Raises:
             FileError: It cannot be opened or made, is damaged or another program's, or younger than this program.
@@ -122,6 +129,7 @@ class Database:
         self._connection: sqlite3.Connection | None = None
         self._looking = threading.Lock()
         self._looker: sqlite3.Connection | None = None
+        self._checkpoints: _Checkpoints | None = None
         with self._faults():
             if not path.exists():
                 _make(path, schema)
@@ -134,11 +142,13 @@ class Database:
                 schema.check(self._connection, path)
                 _run(self._connection, "journal_mode = WAL")
                 _run(self._connection, f"synchronous = {'FULL' if durable else 'NORMAL'}")
-                _run(self._connection, f"wal_autocheckpoint = {_PAGES_BETWEEN_CHECKPOINTS}")
+                pages = _PAGES_AT_MOST if lookups else _PAGES_BETWEEN_CHECKPOINTS
+                _run(self._connection, f"wal_autocheckpoint = {pages}")
                 schema.upgrade(self._connection)
                 if lookups:
                     self._looker = _connect(path)
                     _run(self._looker, "query_only = ON")
+                    self._checkpoints = _Checkpoints(path)
             except BaseException:
                 self.close()
                 raise
@@ -216,6 +226,9 @@ class Database:
 
     def close(self) -> None:
         """Closes the file; may be called twice."""
+        checkpoints, self._checkpoints = self._checkpoints, None
+        if checkpoints is not None:
+            checkpoints.close()
         with self._looking, self._faults():
             looker, self._looker = self._looker, None
             if looker is not None:
@@ -241,6 +254,44 @@ class Database:
             raise FileError(self.path, _words(error, self._schema)) from error
         except OSError as error:
             raise FileError(self.path, f"cannot be opened: {error.strerror or error}") from error
+
+
+class _Checkpoints:
+    """Works the write-ahead log into the file from a thread of its own, on a connection of its own.
+
+    It is a passive checkpoint: those who read or write meanwhile are not waited for, and do not wait.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._log = path.with_name(f"{path.name}-wal")
+        self._connection = _connect(path)
+        _run(self._connection, "synchronous = FULL")  # the log is begun anew only when the file is on the disk
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="skiros-checkpoints", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ends it; the last one to close the file works in what is left."""
+        self._ended.set()
+        self._thread.join()
+        self._connection.close()
+
+    def _work(self) -> None:
+        while not self._ended.wait(_BETWEEN_LOOKS):
+            with suppress(sqlite3.Error, OSError):  # such as a full disk: the log waits, and nothing is lost
+                if self._log.stat().st_size > _PAGE * _PAGES_BETWEEN_CHECKPOINTS // 4:
+                    self._checkpoint()
+
+    def _checkpoint(self) -> None:
+        """Works in what is there, and what came meanwhile: only then the log begins anew."""
+        for _ in range(_ROUNDS):
+            ((_, logged, done),) = self._connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchall()
+            if logged == done:
+                return
+
+
+_PAGE = 4096
+_ROUNDS = 5
 
 
 def _make(path: Path, schema: Schema) -> None:

@@ -1,0 +1,83 @@
+"""One SQLite file, and those who use it at the same time."""
+
+import sqlite3
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from skiros_py.database import Database, Schema
+from skiros_py.errors import WorldError
+
+_SCHEMA = Schema("list", "a list for tests", 0x74657374, ("CREATE TABLE things (name TEXT);",))
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[Database]:
+    made = Database(tmp_path / "things.db", _SCHEMA, durable=True, lookups=True)
+    yield made
+    made.close()
+
+
+def _add(database: Database, name: str, *, waits: bool = True) -> None:
+    with database.transaction(waits=waits) as connection:
+        connection.execute("INSERT INTO things VALUES (?)", (name,))
+
+
+@pytest.mark.parametrize("waits", [True, False])
+def test_who_looks_up_sees_what_was_committed_and_nothing_of_what_is_going_on(database: Database, waits: bool) -> None:
+    _add(database, "first", waits=waits)
+    with database.transaction() as connection:
+        connection.execute("INSERT INTO things VALUES ('second')")
+        assert database.looked_up("SELECT name FROM things") == [("first",)]
+    assert database.looked_up("SELECT name FROM things") == [("first",), ("second",)]
+
+
+def test_who_looks_up_cannot_write(database: Database) -> None:
+    with pytest.raises(Exception, match="readonly"):
+        database.looked_up("INSERT INTO things VALUES ('x')")
+
+
+def test_who_looks_up_for_long_keeps_nobody_from_writing(database: Database) -> None:
+    for number in range(300):
+        _add(database, str(number), waits=False)
+    looking = threading.Thread(
+        target=database.looked_up, args=("SELECT count(*) FROM things a, things b, things c WHERE a.name < b.name",)
+    )
+    looking.start()
+    _add(database, "meanwhile")
+    meanwhile = looking.is_alive()
+    looking.join()
+    assert meanwhile
+
+
+def test_the_log_is_worked_into_the_file_while_it_is_open(database: Database) -> None:
+    before = database.path.stat().st_size
+    for _ in range(200):
+        _add(database, "x" * 100_000, waits=False)
+    deadline = time.monotonic() + 20.0
+    while database.path.stat().st_size < before + 200 * 100_000:
+        assert time.monotonic() < deadline, "it stays in the log"
+        time.sleep(0.05)
+    assert len(database.rows("SELECT name FROM things")) == 200
+
+
+def test_what_is_committed_is_there_for_who_opens_the_file_after_a_crash(database: Database, tmp_path: Path) -> None:
+    _add(database, "kept")
+    copy = tmp_path / "copy.db"
+    for ending in ("", "-wal"):
+        (tmp_path / f"copy.db{ending}").write_bytes((tmp_path / f"things.db{ending}").read_bytes())
+    connection = sqlite3.connect(copy)
+    assert connection.execute("SELECT name FROM things").fetchall() == [("kept",)]
+    connection.close()
+
+
+def test_what_is_closed_is_neither_read_nor_written(database: Database) -> None:
+    database.close()
+    database.close()
+    with pytest.raises(WorldError, match="closed"):
+        _add(database, "late")
+    with pytest.raises(WorldError, match="closed"):
+        database.looked_up("SELECT name FROM things")
