@@ -49,7 +49,7 @@ def test_a_part_that_was_picked_in_an_earlier_life_is_told_from_where_it_lay_at_
         assert (origin, place) == ("pallet_a", session.world.placement("starter_1").place)
 
 
-def test_what_another_job_moves_while_one_is_held_is_not_told_of_it(tmp_path: Path) -> None:
+def test_what_another_job_moves_after_one_was_halted_is_not_told_of_it(tmp_path: Path) -> None:
     with Session("kitting", Options(fake=True, data=tmp_path / "data")) as session:
         session.jobs.submit(order("a", "InKit(Starter, kit_1)"))
         until(session, "drive")
@@ -57,8 +57,7 @@ def test_what_another_job_moves_while_one_is_held_is_not_told_of_it(tmp_path: Pa
         session.cycle.step()
         session.reset()
         session.jobs.submit(order("b", "InKit(Starter, kit_1)"))
-        session.run_jobs()
-        session.jobs.answer("a", "retry", by="ann")
+        session.jobs.answer("a", "abort", by="ann")
         session.run_jobs()
         assert [class_ for class_, *_ in materials(session, "b")] == ["kitting:Starter"]
         assert materials(session, "a") == []

@@ -127,4 +127,4 @@ def test_a_reader_hears_of_the_end_of_its_job_over_a_kill_of_the_server(tmp_path
             assert after.code == "restarted"
             assert api.get("/jobs/late").json()["outcome"] == "goal already satisfied"
             items.close()
-    assert seen[-1] == "ended"
+    assert seen[-1] == "Ended"

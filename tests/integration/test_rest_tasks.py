@@ -175,6 +175,7 @@ def test_wrong_steps_and_places_are_refused_and_nothing_changes(api) -> None:
 
 
 def test_a_sequence_is_made_of_a_plan_and_run_so_often_as_wanted(api) -> None:
+    until(api, api.post("/tasks", json={"goal": ["RobotAtLocation(robot_1, kit_1)"]}).json()["name"], "ended")
     made = done(api, seq.create_sequence(NewSequence(goal=["RobotAtLocation(robot_1, pallet_a)"])))
     made = done(api, seq.insert_step(made.id, made.version, InsertStep(**TO_KIT.model_dump(), at=None)))
 
