@@ -21,7 +21,6 @@ from rest_server import Server, running
 from rest_settings import JOB, SCENE
 from table import Figure, finish
 
-_PACE = 2.0
 _TIMES = 1.2
 """How much more memory 10,000 jobs and 100,000 events may take than 1,000 jobs."""
 
@@ -31,6 +30,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=60.0, help="for how long orders come in")
     parser.add_argument("--jobs", type=int, default=10_000, help="finished jobs for the figure of memory")
+    parser.add_argument("--pace", type=float, default=2.0, help="pace of the job that goes by two doors")
     parser.add_argument("--only", choices=sorted(_PARTS), help="one part of it")
     options = parser.parse_args()
     parts = [options.only] if options.only else list(_PARTS)
@@ -109,22 +109,22 @@ def _load(part: str, server: Server, *arguments: str) -> dict[str, float]:
 # ---------------------------------------------------------------------- the same job by two doors
 
 
-def _same_job(_options: argparse.Namespace) -> list[Figure]:
+def _same_job(options: argparse.Namespace) -> list[Figure]:
     by_command = json.loads(
         subprocess.run(
-            [sys.executable, "-m", "skiros_py.cli", "run", SCENE, "--pace", str(_PACE), "--json"],
+            [sys.executable, "-m", "skiros_py.cli", "run", SCENE, "--pace", str(options.pace), "--json"],
             check=True,
             capture_output=True,
             text=True,
         ).stdout
     )["simulated"]
-    with _data() as data, running(SCENE, Path(data), "--pace", str(_PACE)) as server:
+    with _data() as data, running(SCENE, Path(data), "--pace", str(options.pace)) as server:
         server.order(JOB)
         by_rest = server.wait_for_end(JOB)
     ratio = by_rest / by_command
     return [
         Figure(
-            f"the kitting job through REST, at {_PACE:g} times real time",
+            f"the kitting job through REST, at {options.pace:g} times real time",
             f"{by_rest:.1f} s simulated",
             "<= 1.05 x",
             ratio <= 1.05,

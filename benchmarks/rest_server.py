@@ -55,7 +55,7 @@ class Server:
         with httpx2.Client(timeout=None) as client:
             while self.job(job)["state"]["text"] not in ("Ended", "Aborted"):
                 time.sleep(0.2)
-            trace = client.get(f"{self.url}/jobs/{job}/trace").raise_for_status().json()["items"]
+            trace = client.get(f"{self.url}/jobs/{job}/trace").raise_for_status().json()["entries"]
             outcome = self.job(job)["outcome"]
             if outcome != "succeeded":
                 raise ValueError(f"the job ended otherwise: {outcome}")
