@@ -1,0 +1,39 @@
+"""What a job looked like, to be shown again."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from skiros_py.api.view import WorldView
+from skiros_py.api.wire import Answer
+
+__all__ = ["Replay", "ReplayChange", "ReplayFrames"]
+
+
+class ReplayFrames(Answer):
+    """Where the devices were, at the same moments each."""
+
+    times: tuple[float, ...] = Field(description="The moments, ascending [s, run time].")
+    arms: dict[str, tuple[tuple[float, ...], ...]] = Field(description="Joint angles [rad] by arm, moment by moment.")
+    grippers: dict[str, tuple[float, ...]] = Field(description="Distance between the fingers [m] by gripper.")
+    bases: dict[str, tuple[tuple[float, float, float], ...]] = Field(description="x [m], y [m], heading [rad] by base.")
+
+
+class ReplayChange(Answer):
+    """What looked different from a moment on."""
+
+    time: float = Field(description="When [s, run time].", examples=[23.1])
+    author: str = Field(description="Who changed it.", examples=["pick"])
+    view: WorldView = Field(description="The elements that look different, and those that are gone.")
+
+
+class Replay(Answer):
+    """A job from its first step to its end."""
+
+    job: str = Field(description="Id of the job.", examples=["kit-17"])
+    start: float = Field(description="When it began [s, run time].", examples=[0.3])
+    end: float = Field(description="When it ended; while it runs, how far it is kept [s, run time].", examples=[158.6])
+    complete: bool = Field(description="Whether all of it is there; else what was before a crash, or is too much.")
+    beginning: WorldView = Field(description="The world at the beginning.")
+    frames: ReplayFrames = Field(description="Where the robots were.")
+    changes: tuple[ReplayChange, ...] = Field(description="What changed, in order.")
