@@ -30,6 +30,7 @@ _TABLE = {
         /jobs/{id}/trace GET+
         /jobs/{id}/report GET+
         /jobs/{id}/transitions GET+
+        /jobs/{id}/replay GET
         /jobs/{id}/explanation GET+
         /jobs/{job}/events GET+
         /goals GET+
@@ -46,6 +47,7 @@ _TABLE = {
         /world GET
         /world/changes GET
         /world/changes/{number} GET
+        /view GET
         /tree GET
         /elements GET
         /elements/{element} GET
@@ -82,6 +84,8 @@ _TABLE = {
         /robots GET
         /robots/{id} GET
         /robots/{id}/state GET
+        /robots/{id}/motion GET
+        /robots/{id}/cameras/{camera}/look GET
         /robots/state/stream GET
     """,
     "operator": """

@@ -112,7 +112,9 @@ class DriveBase(Primitive["DriveBase.Params"]):
             raise DeviceError("drive_base needs a base planner")
         carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self._rides(o.id))
         around = obstacles(self.context, parts=False, without=carried)
-        request = BasePathRequest(base.state.pose, goal, self._spec().footprint, (*around, *robots))
+        request = BasePathRequest(
+            base.state.pose, goal, self._spec().footprint, (*around, *robots), base=self.params.base
+        )
         return (yield from self.wait(planner.plan(request)))
 
     def _outline(self) -> Execution[Outline]:

@@ -34,7 +34,7 @@ class LookingPrimitive(ArmPrimitive):
         if isinstance(image, NoMotion):
             return image
         pose = yield from self.camera_pose(camera, image)
-        request = LookRequest(image, pose, region, part_models(self.world), self.seed())
+        request = LookRequest(image, pose, region, part_models(self.world), self.seed(), camera.id)
         return (yield from self.wait(detector.detect(request)))
 
     def look_down(

@@ -60,7 +60,7 @@ class RegisterKit(LookingPrimitive):
         if isinstance(image, NoMotion):
             return image
         pose = yield from self.camera_pose(camera, image)
-        request = RegistrationRequest(image, pose, solid, believed, self.seed())
+        request = RegistrationRequest(image, pose, solid, believed, self.seed(), camera.id, self.params.kit)
         return (yield from self.wait(registrar.register(request)))
 
     def _write(self, pose: Pose, cost: float) -> None:

@@ -58,6 +58,11 @@ class GripperDescription(Answer):
 
     id: str = Field(description="Its id.", examples=["gripper_1"])
     arm: str = Field(description="The arm that it is on.", examples=["arm_1"])
+    joints: tuple[str, ...] = Field(
+        default=(),
+        description="Joints of its fingers in the model; each stands at half the gap [m].",
+        examples=[["panda_finger_joint1", "panda_finger_joint2"]],
+    )
     max_gap: float = Field(description="Greatest distance between the fingers [m].", examples=[0.08])
     max_force: float = Field(description="Greatest force of each finger [N].", examples=[70.0])
 
@@ -66,6 +71,12 @@ class BaseDescription(Answer):
     """The base."""
 
     id: str = Field(description="Its id.", examples=["base_1"])
+    joints: tuple[str, ...] = Field(
+        default=(),
+        description="Joints of the model that stand at the base's x [m], y [m] and heading [rad] in the map; none where"
+        " its model is not known.",
+        examples=[["base_x", "base_y", "base_yaw"]],
+    )
     max_linear: float = Field(description="Greatest speed [m/s].", examples=[0.5])
     max_angular: float = Field(description="Greatest turning speed [rad/s].", examples=[0.8])
     footprint: tuple[tuple[float, float], ...] = Field(description="Corners of its outline in its frame [m].")
@@ -75,6 +86,11 @@ class CameraDescription(Answer):
     """One camera."""
 
     id: str = Field(description="Its id.", examples=["camera_1"])
+    frame: str = Field(
+        default="",
+        description="Link of the model from which it looks: z forward, x to the right in its image, y down.",
+        examples=["camera_optical"],
+    )
     width: int = Field(description="Width of its image [px].", examples=[640])
     height: int = Field(description="Height of its image [px].", examples=[480])
     vertical_fov: float = Field(description="Vertical field of view [rad].", examples=[0.9])

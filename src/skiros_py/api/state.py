@@ -73,3 +73,11 @@ class StationState(Answer):
     bases: dict[str, BaseInfo] = Field(description="The bases by id.")
     modules: tuple[ModuleAtWork, ...] = Field(description="What runs.")
     tasks: tuple[TaskAtWork, ...] = Field(description="What is under way.")
+    looks: dict[str, int] = Field(
+        description="Number of the last look by camera: where it is another one there is a new picture to be read.",
+        examples=[{"camera_1": 3}],
+    )
+    motions: dict[str, int] = Field(
+        description="Number of the last motion by robot: where it is another one, its motion is to be read again.",
+        examples=[{"robot_1": 7}],
+    )

@@ -33,7 +33,16 @@ class ViewElement(Answer):
         validation_alias="class", serialization_alias="class", description="Its class.", examples=["kitting:Starter"]
     )
     label: str = Field(description="What people call it.", examples=["starter"])
-    pose: PoseInfo | None = Field(description="Where its frame is in the map; null where nobody knows where exactly.")
+    pose: PoseInfo | None = Field(
+        description="Where its frame is in the map, or in that of its carrier; null where nobody knows where exactly."
+        " Of a robot and its base: where it localised itself when this was answered."
+    )
+    carrier: str | None = Field(
+        default=None,
+        description="Id of the robot base on which it rides: its pose is in the frame of that base, of which the live"
+        " state says where it is. Null where its pose is in the map.",
+        examples=["base_1"],
+    )
     place: str | None = Field(description="Id of what it is on, in or at; null for none.", examples=["pallet_a"])
     owner: str | None = Field(description="Id of what it is a piece of; null for none.", examples=["kit_1"])
     held_by: str | None = Field(description="Id of the gripper that holds it; null for none.", examples=["gripper_1"])
@@ -41,6 +50,7 @@ class ViewElement(Answer):
         default=None, description="Where its frame is in that of the tool that holds it; null where nothing does."
     )
     shape: str | None = Field(description="Key of its shape; null for none.", examples=["kitting:Starter"])
+    hollow: bool = Field(default=False, description="Whether its shape is the room inside, not matter.")
     kind: Literal["part", "place", "furniture", "floor", "robot", "device", "other"] = Field(
         description="What a picture shows it as: a part that can be carried, a place that holds parts, what stands"
         " there, the floor, a robot, a piece of one, anything else.",
@@ -54,7 +64,9 @@ class WorldView(Answer):
 
     version: int = Field(description="Number of the last change of the world in it.", examples=[17])
     elements: tuple[ViewElement, ...] = Field(description="What is there; abstract individuals are not.")
-    shapes: dict[str, tuple[Block, ...]] = Field(description="The shapes of these elements by key.")
+    shapes: dict[str, tuple[Block, ...]] = Field(
+        description="The shapes of these elements by key; as long as the server runs, a key means the same shape."
+    )
     gone: tuple[str, ...] = Field(
-        default=(), description="Of the elements that were asked for: the ids of those that are no more."
+        default=(), description="Of the elements that were asked for: the ids of those that are not there to be seen."
     )

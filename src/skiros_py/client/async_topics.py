@@ -25,6 +25,7 @@ from skiros_py.client.calls import (
     simulation,
     tasks,
     templates,
+    view,
     webhooks,
     world,
 )
@@ -132,6 +133,7 @@ class World(_Part):
     """The world as a whole."""
 
     get = awaiting(world.read_world)
+    view = awaiting(view.read_view)
     tree = awaiting(world.read_tree)
     changes = awaiting(world.list_changes)
     change = awaiting(world.read_change)
@@ -294,6 +296,8 @@ class Robots(_Part):
     list = awaiting(robots.list_robots)
     get = awaiting(robots.get_robot)
     state = awaiting(robots.get_robot_state)
+    motion = awaiting(robots.get_robot_motion)
+    look = awaiting(robots.get_look)
     jog = awaiting(robots.jog_robot)
     teach = awaiting(robots.teach_robot)
     home = awaiting(robots.home_robot)

@@ -25,6 +25,7 @@ from skiros_py.client.calls import (
     simulation,
     tasks,
     templates,
+    view,
     webhooks,
     world,
 )
@@ -132,6 +133,7 @@ class World(_Part):
     """The world as a whole."""
 
     get = blocking(world.read_world)
+    view = blocking(view.read_view)
     tree = blocking(world.read_tree)
     changes = blocking(world.list_changes)
     change = blocking(world.read_change)
@@ -294,6 +296,8 @@ class Robots(_Part):
     list = blocking(robots.list_robots)
     get = blocking(robots.get_robot)
     state = blocking(robots.get_robot_state)
+    motion = blocking(robots.get_robot_motion)
+    look = blocking(robots.get_look)
     jog = blocking(robots.jog_robot)
     teach = blocking(robots.teach_robot)
     home = blocking(robots.home_robot)

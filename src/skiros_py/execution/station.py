@@ -13,6 +13,7 @@ from skiros_py.errors import UsageError
 from skiros_py.execution.configuration import check_configuration
 from skiros_py.execution.cycle import ControlCycle, Task
 from skiros_py.execution.floor import FloorAreas
+from skiros_py.execution.library_monitor import LibraryMonitor
 from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.running import RunningModule
@@ -68,6 +69,7 @@ class Station:
         context: What modules may reach.
         managers: The skill managers by the id of their subsystem.
         monitor: Module events.
+        asked: What modules ask motion and perception.
         questions: What the robots ask a person.
         watchdog: Interrupts what holds the control cycle.
 
@@ -90,12 +92,13 @@ class Station:
         world.sensors = BoardSensors(board)
         self.world = world
         self.monitor = Monitor()
+        self.asked = LibraryMonitor(options.libraries)
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
         self.context = RunContext(
             world=world,
             board=board,
-            libraries=options.libraries,
+            libraries=self.asked.libraries,
             cell=spec,
             rng=np.random.default_rng(options.seed),
             lockstep=options.pace is None,

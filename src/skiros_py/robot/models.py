@@ -24,7 +24,10 @@ from pathlib import Path
 
 from skiros_py.errors import DeviceError, FileError, UnknownName
 
-__all__ = ["WHEEL_RADIUS", "WHEEL_TRACK", "write_robot_urdf"]
+__all__ = ["BASE_JOINTS", "WHEEL_RADIUS", "WHEEL_TRACK", "write_robot_urdf"]
+
+BASE_JOINTS = ("base_x", "base_y", "base_yaw")
+"""Joints of a mobile base: where it is in the map [m, m, rad]."""
 
 WHEEL_RADIUS = 0.10
 """Radius of the driving wheels of a mobile base [m]."""
@@ -86,15 +89,16 @@ _MODELS: dict[str, Callable[[], ET.Element]] = {"mobile_panda": _mobile_panda}
 
 def _add_base(robot: ET.Element) -> None:
     _link(robot, "map", 1.0, (0.01, 0.01, 0.01))
+    along_x, along_y, about_z = BASE_JOINTS
     for name, parent, child, axis in (
-        ("base_x", "map", "base_x_carriage", (1.0, 0.0, 0.0)),
-        ("base_y", "base_x_carriage", "base_y_carriage", (0.0, 1.0, 0.0)),
+        (along_x, "map", "base_x_carriage", (1.0, 0.0, 0.0)),
+        (along_y, "base_x_carriage", "base_y_carriage", (0.0, 1.0, 0.0)),
     ):
         _link(robot, child, 1.0, (0.01, 0.01, 0.01))
         joint = _joint(robot, name, "prismatic", parent, child, axis=axis)
         ET.SubElement(joint, "limit", lower="-100", upper="100", effort="2000", velocity="2")
     _add_platform(robot)
-    _joint(robot, "base_yaw", "continuous", "base_y_carriage", "base_link", axis=(0.0, 0.0, 1.0))
+    _joint(robot, about_z, "continuous", "base_y_carriage", "base_link", axis=(0.0, 0.0, 1.0))
     for side, sign in (("left", 1.0), ("right", -1.0)):
         _add_wheel(robot, side, sign)
 

@@ -165,6 +165,7 @@ class BasePathRequest:
         footprint: Corners of the base's outline in its frame [m].
         obstacles: What stands on the floor.
         clearance: Distance kept from obstacles on the way [m] (less where it docks).
+        base: Device id, for those who look on; empty where nobody says.
     """
 
     start: Pose
@@ -172,6 +173,7 @@ class BasePathRequest:
     footprint: tuple[tuple[float, float], ...]
     obstacles: tuple[Obstacle, ...]
     clearance: float = 0.08
+    base: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,6 +48,7 @@ class LookRequest:
         region: Where to search; nothing outside is reported. Its height is a guess (± 0.08 m): the plane is found.
         models: The types that may lie there.
         seed: Seed of every random choice.
+        camera: Id of the camera, for those who look on; empty where nobody says.
     """
 
     image: DepthImage
@@ -55,6 +56,7 @@ class LookRequest:
     region: Region
     models: tuple[PartModel, ...]
     seed: int = 0
+    camera: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +112,8 @@ class RegistrationRequest:
         solid: The body's shape.
         guess: Its believed pose in the map; it stands upright, at most about 3 cm and 5 degrees from there.
         seed: Seed of every random choice.
+        camera: Id of the camera, for those who look on; empty where nobody says.
+        body: Id of the body, for those who look on; empty where nobody says.
     """
 
     image: DepthImage
@@ -117,6 +121,8 @@ class RegistrationRequest:
     solid: Solid
     guess: Pose
     seed: int = 0
+    camera: str = ""
+    body: str = ""
 
 
 @dataclass(frozen=True, slots=True)

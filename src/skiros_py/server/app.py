@@ -35,6 +35,7 @@ from skiros_py.server.routes import (
     stop,
     tasks,
     templates,
+    view,
     webhooks,
     world,
 )
@@ -44,7 +45,7 @@ __all__ = ["PREFIX", "create_app"]
 
 PREFIX = "/api/v1"
 _TOPICS = (
-    jobs, goals, templates, previews, world, elements, ontology, queries, learned, locks, scenes, simulation,
+    jobs, goals, templates, previews, world, view, elements, ontology, queries, learned, locks, scenes, simulation,
     modules, plugins, tasks, sequences, robots, stop, events, alarms, webhooks, keys, session, audit,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""

@@ -21,6 +21,7 @@ from skiros_py.api.state import BaseInfo, GripperInfo, PoseInfo
 from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
 from skiros_py.robot.cell import ArmSpec, RobotSpec
+from skiros_py.robot.models import BASE_JOINTS
 from skiros_py.robot.values import ArmState, BaseState
 from skiros_py.runtime import Session
 from skiros_py.server.kinematics import RobotModel, robot_model
@@ -54,14 +55,19 @@ def info(session: Session, robot: RobotSpec) -> RobotInfo:
         label=view.element(robot.id).label if view.has(robot.id) else "",
         model=robot.model,
         base=BaseDescription(
-            id=base.id, max_linear=base.max_linear, max_angular=base.max_angular, footprint=base.footprint
+            id=base.id,
+            joints=tuple(name for name in BASE_JOINTS if model is not None and model.joint(name) is not None),
+            max_linear=base.max_linear,
+            max_angular=base.max_angular,
+            footprint=base.footprint,
         ),
         arms=tuple(_arm(arm, model) for arm in robot.arms),
         grippers=tuple(
-            GripperDescription(id=g.id, arm=g.arm, max_gap=g.max_gap, max_force=g.max_force) for g in robot.grippers
+            GripperDescription(id=g.id, arm=g.arm, joints=g.joints, max_gap=g.max_gap, max_force=g.max_force)
+            for g in robot.grippers
         ),
         cameras=tuple(
-            CameraDescription(id=c.id, width=c.width, height=c.height, vertical_fov=c.vertical_fov)
+            CameraDescription(id=c.id, frame=c.frame, width=c.width, height=c.height, vertical_fov=c.vertical_fov)
             for c in robot.cameras
         ),
         agents=_agents(session, robot),

@@ -25,8 +25,10 @@ from skiros_py.server.events.sources import EventSources
 from skiros_py.server.events.streams import Streams
 from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.logs import job_events_logged
+from skiros_py.server.looks import Looks
 from skiros_py.server.metrics import Metrics
 from skiros_py.server.module_runs import ModuleRuns
+from skiros_py.server.motions import Motions
 from skiros_py.server.previews import Previews
 from skiros_py.server.queries import Queries
 from skiros_py.server.scene_stage import SceneStage
@@ -62,6 +64,8 @@ class Services:
         control: Runs the session.
         events: What happens.
         streams: Who listens to it.
+        looks: What the cameras saw last.
+        motions: What the robots are about to do.
         live: What the robots do at this moment.
         alarms: What stopped a robot, or waits for a person.
         stops: Halts and resets everything.
@@ -91,11 +95,15 @@ class Services:
         self.streams = Streams(self.events, settings.streams, lambda caller: self.doorkeeper.still(caller))
         self.alarms = Alarms(self.events)
         self.stops = Stops(self.control, self.events)
-        self.live = LiveState(lambda: self.streams.ending)
+        self.looks = Looks()
+        self.motions = Motions()
+        self.live = LiveState(self.looks, self.motions, lambda: self.streams.ending)
         self.modules = ModuleRuns(self.events.epoch)
         self.tasks = TaskBook()
         for part in (
             self.stops,  # the first: a stop that was asked for meanwhile holds before anything else
+            self.looks,
+            self.motions,
             self.live,
             self.modules,
             self.tasks,

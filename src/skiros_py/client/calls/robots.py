@@ -6,11 +6,21 @@ from urllib.parse import quote
 
 from httpx2 import Response
 
+from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, RobotInfo, RobotReading, Teach
 from skiros_py.client.call import Call
 
-__all__ = ["get_robot", "get_robot_state", "home_robot", "jog_robot", "list_robots", "teach_robot"]
+__all__ = [
+    "get_look",
+    "get_robot",
+    "get_robot_motion",
+    "get_robot_state",
+    "home_robot",
+    "jog_robot",
+    "list_robots",
+    "teach_robot",
+]
 
 
 def list_robots() -> Call[list[RobotInfo]]:
@@ -26,6 +36,17 @@ def get_robot(robot: str) -> Call[RobotInfo]:
 def get_robot_state(robot: str) -> Call[RobotReading]:
     """Tells where a robot is at this moment."""
     return Call("GET", f"{_path(robot)}/state", lambda r: RobotReading.model_validate(r.json()))
+
+
+def get_robot_motion(robot: str) -> Call[RobotMotion]:
+    """Tells where a robot is about to go."""
+    return Call("GET", f"{_path(robot)}/motion", lambda r: RobotMotion.model_validate(r.json()))
+
+
+def get_look(robot: str, camera: str) -> Call[Look]:
+    """Tells what a camera saw last."""
+    path = f"{_path(robot)}/cameras/{quote(camera, safe='')}/look"
+    return Call("GET", path, lambda r: Look.model_validate(r.json()))
 
 
 def jog_robot(robot: str, jog: Jog) -> Call[ModuleRunInfo]:

@@ -13,10 +13,12 @@ from skiros_py.geometry import Pose
 from skiros_py.runtime import Session
 from skiros_py.server.events.event import as_text
 from skiros_py.server.kinematics import known_model
+from skiros_py.server.looks import Looks
+from skiros_py.server.motions import Motions
 from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import HELD_BY
 
-__all__ = ["LiveState", "live_state"]
+__all__ = ["LiveState"]
 
 _RATE = 20.0
 """How often the state is built at most [Hz]."""
@@ -28,10 +30,14 @@ class LiveState:
     """The present state of the robots, for many streams.
 
     Args:
+        looks: What the cameras saw.
+        motions: What the robots are about to do.
         ended: Tells whether streams have to end.
     """
 
-    def __init__(self, ended: Callable[[], bool] = lambda: False) -> None:
+    def __init__(self, looks: Looks, motions: Motions, ended: Callable[[], bool] = lambda: False) -> None:
+        self._looks = looks
+        self._motions = motions
         self._ended = ended
         self._session: Session | None = None
         self._tick = -1
@@ -48,6 +54,10 @@ class LiveState:
         """Shows nothing until there is a session again."""
         self._session = None
 
+    def state(self, session: Session) -> dict[str, Any]:
+        """Returns what the robots do at this moment as plain data; quick, and for any thread."""
+        return _live_state(session) | {"looks": self._looks.numbers(), "motions": self._motions.numbers()}
+
     def text(self, now: float) -> str:
         """Returns the state as JSON in one line; empty while there is no session.
 
@@ -58,7 +68,7 @@ class LiveState:
         if session is None:
             return ""
         if tick != self._tick or not self._text:
-            self._tick, self._text = tick, as_text(live_state(session))
+            self._tick, self._text = tick, as_text(self.state(session))
             self.built += 1
         return self._text
 
@@ -83,8 +93,7 @@ class LiveState:
             await asyncio.sleep(due - time.monotonic())
 
 
-def live_state(session: Session) -> dict[str, Any]:
-    """Returns what the robots do at this moment as plain data; quick, and for any thread."""
+def _live_state(session: Session) -> dict[str, Any]:
     cycle, index = session.cycle, session.world.snapshot()
     snapshot, tools = cycle.board.snapshot, _tools(session)
     return {

@@ -13,7 +13,6 @@ from skiros_py.api.state import StationState
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.events.choice import EVERYTHING, Choice
 from skiros_py.server.events.event import Event, Kind
-from skiros_py.server.events.live import live_state
 from skiros_py.server.events.places import Reset, find_place, missed, place_text
 from skiros_py.server.events.sse import EventStream
 from skiros_py.server.problems import Problem, found
@@ -154,7 +153,7 @@ async def stream_state(
 @router.get("/state", summary="See what the robots do", dependencies=[needs(Role.VIEWER)])
 def get_state(services: ServicesDep) -> StationState:
     """Returns the state of all robots at this moment."""
-    return StationState.model_validate(live_state(services.session))
+    return StationState.model_validate(services.live.state(services.session))
 
 
 def _choice(caller: Caller, kinds: list[Kind] | None, types: list[str] | None, job: str, element: str) -> Choice:

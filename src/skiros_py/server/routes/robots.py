@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Path, Response
 
+from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import HomeRobot, Jog, RobotInfo, RobotReading, Teach
 from skiros_py.server import robots
@@ -46,6 +47,28 @@ def get_robot_state(id: Id, services: ServicesDep) -> RobotReading:  # noqa: A00
     session = services.session
     with found():
         return robots.reading(session, robots.robot_of(session, id))
+
+
+@router.get("/robots/{id}/motion", summary="See where a robot is about to go", dependencies=[needs(Role.VIEWER)])
+def get_robot_motion(id: Id, services: ServicesDep) -> RobotMotion:  # noqa: A002
+    """The ways that were planned for its base and arms, until they stand at the end or whoever planned has ended.
+
+    The `motions` of the station's state say when there is something new.
+    """
+    with found():
+        return services.motions.motion(robots.robot_of(services.session, id))
+
+
+@router.get(
+    "/robots/{id}/cameras/{camera}/look", summary="See what a camera saw last", dependencies=[needs(Role.VIEWER)]
+)
+def get_look(id: Id, camera: Id, services: ServicesDep) -> Look:  # noqa: A002
+    """The last picture that something was to be made out in: as points in the map, with what was made out.
+
+    The `looks` of the station's state say when there is a new one.
+    """
+    with found():
+        return services.looks.look(robots.robot_of(services.session, id), camera)
 
 
 @router.post("/robots/{id}/jog", status_code=202, summary="Move by hand", dependencies=[needs(Role.ENGINEER)])

@@ -1,0 +1,62 @@
+"""Where many elements are at once: in the map, or on the robot base that carries them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from skiros_py.geometry import Pose
+from skiros_py.world.index import Index
+from skiros_py.world.vocabulary import POSE, POSE_FRAME
+
+__all__ = ["Frames"]
+
+_Place = tuple[str | None, Pose]
+"""A base, or None for the map; and the pose in its frame."""
+
+
+class Frames:
+    """Works out poses through the frames that they are given in, each frame once.
+
+    The world does not follow bases as they drive, so what rides on one is where it is in the frame of that.
+
+    Args:
+        view: The state.
+        is_base: Tells whether an element is a robot base.
+    """
+
+    def __init__(self, view: Index, is_base: Callable[[str], bool]) -> None:
+        self._view = view
+        self._is_base = is_base
+        self._known: dict[str, _Place | None] = {}
+
+    def of(self, name: str) -> _Place | None:
+        """Returns where an element is; None where nobody knows, or only in the frame of what is itself nowhere.
+
+        Raises:
+            UnknownName: There is no such element.
+        """
+        way: list[str] = []
+        current: str | None = name
+        while current is not None and current not in self._known:
+            self._known[current] = None  # so that frames that hang on each other come to an end
+            way.append(current)
+            current = self._above(current)
+        for one in reversed(way):  # from the uppermost on, however deep it goes
+            self._known[one] = self._below(one)
+        return self._known[name]
+
+    def _frame(self, name: str) -> str | None:
+        return next(iter(self._view.objects(name, POSE_FRAME)), None)
+
+    def _above(self, name: str) -> str | None:
+        frame = self._frame(name)
+        return None if frame is None or self._is_base(frame) else frame
+
+    def _below(self, name: str) -> _Place | None:
+        pose, frame = self._view.value(name, POSE), self._frame(name)
+        if not isinstance(pose, Pose):
+            return None
+        if frame is None or self._is_base(frame):
+            return frame, pose
+        above = self._known[frame]
+        return None if above is None else (above[0], above[1] @ pose)

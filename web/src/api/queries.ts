@@ -1,0 +1,17 @@
+/** One cache of what was read; it asks again when an event says that something is old, not by the clock. */
+
+import { QueryClient } from "@tanstack/react-query";
+import { ApiProblem } from "./client";
+
+const FORGOTTEN_AFTER = 5 * 60_000; // ms
+
+export const queryClient = new QueryClient({
+  defaultOptions: {
+    queries: {
+      staleTime: Number.POSITIVE_INFINITY,
+      gcTime: FORGOTTEN_AFTER,
+      refetchOnWindowFocus: false,
+      retry: (count, error) => count < 2 && !(error instanceof ApiProblem && error.status < 500),
+    },
+  },
+});

@@ -1,0 +1,18 @@
+/** Who is at the screen, and what they may do. */
+
+import { useQuery } from "@tanstack/react-query";
+import { answer, api, type Schema } from "./client";
+import { keys } from "./keys";
+import type { operations } from "./schema";
+
+export type Operation = keyof operations;
+
+export function useMe() {
+  return useQuery<Schema<"Me">>({ queryKey: keys.me, queryFn: () => answer(api.GET("/api/v1/session")), retry: false });
+}
+
+/** Returns whether the role may do an operation; false until that is known. */
+export function useMay(operation: Operation): boolean {
+  const { data } = useMe();
+  return data?.operations.includes(operation) ?? false;
+}
