@@ -93,7 +93,7 @@ def _node() -> tuple[Path, Path]:
 
 
 def _run(root: Path, environment: dict[str, str], command: list[Path | str]) -> None:
-    done = subprocess.run(  # noqa: S603 - our own command
+    done = subprocess.run(
         [str(word) for word in command], cwd=root, env=environment, capture_output=True, text=True, check=False
     )
     if done.returncode:

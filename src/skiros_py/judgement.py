@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.robot.cell import CellSpec
@@ -29,7 +29,10 @@ from skiros_py.world.vocabulary import (
     STATION,
 )
 
-__all__ = ["judge", "true_whereabouts"]
+__all__ = ["Whereabouts", "judge", "true_whereabouts"]
+
+Whereabouts = tuple[Mapping[str, Pose], Mapping[str, str]]
+"""Poses in the map, and places of what can be moved; by the ids of bodies."""
 
 _THERE = (0.06, 0.06)
 """A robot is at a location when it stands this close to where it should [m, rad]."""
@@ -64,14 +67,17 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
     return tuple(bool(c.evaluate(real)) if can else None for c, can in zip(goal, can_tell, strict=True))
 
 
-def true_whereabouts(cell: PyBulletCell) -> tuple[Mapping[str, Pose], Mapping[str, str]]:
-    """Returns where everything really is, for people who look on: poses in the map, and places of what can be moved.
+def true_whereabouts(cell: PyBulletCell) -> Callable[[], Whereabouts]:
+    """Looks where everything really is, for people who look on; quick.
 
     Args:
         cell: The simulation.
+
+    Returns:
+        What works that out, in any thread.
     """
-    truth = Truth(cell)
-    return truth.poses(), truth.placements()
+    glance = Truth(cell).glance()
+    return lambda: (glance.poses, glance.placements())
 
 
 def _is_physical(pattern: Pattern, view: WorldView) -> bool:

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from typing import Any, Generic, TypeVar
 
 from loky import ProcessPoolExecutor
-from loky.process_executor import BrokenProcessPool, TerminatedWorkerError
+from loky.process_executor import BrokenProcessPool, ShutdownExecutorError, TerminatedWorkerError
 
 from skiros_py.errors import DeviceError
 
@@ -26,7 +26,7 @@ __all__ = ["Call", "Worker"]
 T = TypeVar("T")
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-_DEAD = (BrokenProcessPool, TerminatedWorkerError)
+_DEAD = (BrokenProcessPool, TerminatedWorkerError, ShutdownExecutorError)
 _STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Signals that ask a run to end; its parent hears them and ends the workers in order."""
 _subject: Any = None
@@ -53,7 +53,7 @@ class Call(Generic[T]):
         """Waits for the answer and returns it.
 
         Raises:
-            DeviceError: The worker process died.
+            DeviceError: The worker process died, or was ended meanwhile.
         """
         try:
             return self._future.result()

@@ -84,6 +84,8 @@ _TABLE = {
         /robots GET
         /robots/{id} GET
         /robots/{id}/state GET
+        /robots/{id}/model GET
+        /robots/{id}/model/meshes/{name} GET
         /robots/{id}/motion GET
         /robots/{id}/cameras/{camera}/look GET
         /robots/state/stream GET

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import time
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, JogBase, JogGripper, JogJoints, Teach
 from skiros_py.client.call import Call
-from skiros_py.client.calls import modules, robots
+from skiros_py.client.calls import modules, robot_models, robots
 from skiros_py.testing.serving import Served, serving
 
 OVER = ("succeeded", "failed", "stopped")
@@ -25,7 +26,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 @pytest.fixture(scope="module")
 def api(served: Served) -> Iterator[httpx2.Client]:
-    with httpx2.Client(base_url=f"{served.url}/api/v1") as client:
+    with httpx2.Client(base_url=f"{served.url}/api/v1", timeout=60.0) as client:  # a model takes a while, once
         yield client
 
 
@@ -169,3 +170,28 @@ def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by
     assert run.status == "failed"
     assert "something else uses its devices" in run.rounds[0].text
     assert done(api, robots.get_robot_state("robot_1")).grippers["gripper_1"].gap != pytest.approx(0.01)
+
+
+def test_the_model_of_a_robot_is_read_with_its_meshes_and_nothing_else(api) -> None:
+    model = sent(api, robot_models.get_robot_model("robot_1"))
+    assert model.headers["content-type"].startswith("application/xml")
+
+    named = [mesh.get("filename") for mesh in ET.fromstring(model.content).iter("mesh")]
+    mesh = api.get(str(model.url.join(named[0])))  # as a browser makes an address of it
+    assert (mesh.status_code, mesh.headers["content-type"]) == (200, "model/stl")
+    assert "immutable" in mesh.headers["cache-control"]
+    assert len(mesh.content) == 84 + 50 * int.from_bytes(mesh.content[80:84], "little")
+    for wrong in ("robot.urdf", "%2e%2e%2frobot.urdf", "..%2f..%2fjournal.db", "%2fetc%2fpasswd", ""):
+        assert api.get(f"/robots/robot_1/model/meshes/{wrong}").status_code == 404
+    assert sent(api, robot_models.get_robot_model("nobody")).json()["code"] == "NotFound"
+
+
+def test_a_robot_is_told_with_the_joints_that_a_picture_moves(api) -> None:
+    robot = done(api, robots.get_robot("robot_1"))
+    model = ET.fromstring(sent(api, robot_models.get_robot_model("robot_1")).content)
+
+    joints = {joint.get("name") for joint in model.iter("joint")}
+    links = {link.get("name") for link in model.iter("link")}
+    assert {*robot.base.joints, *robot.grippers[0].joints, *(j.name for j in robot.arms[0].joints)} <= joints
+    assert (len(robot.base.joints), len(robot.grippers[0].joints)) == (3, 2)
+    assert {robot.arms[0].tip, robot.cameras[0].frame} <= links

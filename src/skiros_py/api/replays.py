@@ -13,7 +13,9 @@ __all__ = ["Replay", "ReplayChange", "ReplayFrames"]
 class ReplayFrames(Answer):
     """Where the devices were, at the same moments each."""
 
-    times: tuple[float, ...] = Field(description="The moments, ascending [s, run time].")
+    times: tuple[float, ...] = Field(
+        description="The moments, ascending [s, run time]; none while nothing moves, apart from the first and the last."
+    )
     arms: dict[str, tuple[tuple[float, ...], ...]] = Field(description="Joint angles [rad] by arm, moment by moment.")
     grippers: dict[str, tuple[float, ...]] = Field(description="Distance between the fingers [m] by gripper.")
     bases: dict[str, tuple[tuple[float, float, float], ...]] = Field(description="x [m], y [m], heading [rad] by base.")
@@ -23,8 +25,16 @@ class ReplayChange(Answer):
     """What looked different from a moment on."""
 
     time: float = Field(description="When [s, run time].", examples=[23.1])
-    author: str = Field(description="Who changed it.", examples=["pick"])
-    view: WorldView = Field(description="The elements that look different, and those that are gone.")
+    author: str = Field(description="Who changed it; empty where it is the world as it was found.", examples=["pick"])
+    anew: bool = Field(
+        default=False,
+        description="True where the view is of the whole world, and what is not in it is gone: the job was held, or"
+        " cut off by a restart, and goes on.",
+    )
+    view: WorldView = Field(
+        description="The elements that look different, and those that are gone; of the shapes those that did not come"
+        " before."
+    )
 
 
 class Replay(Answer):
@@ -33,7 +43,15 @@ class Replay(Answer):
     job: str = Field(description="Id of the job.", examples=["kit-17"])
     start: float = Field(description="When it began [s, run time].", examples=[0.3])
     end: float = Field(description="When it ended; while it runs, how far it is kept [s, run time].", examples=[158.6])
-    complete: bool = Field(description="Whether all of it is there; else what was before a crash, or is too much.")
+    complete: bool = Field(
+        description="Whether it is over and all of it is there; else it still runs or is held, or something is"
+        " missing: it was cut off, or is too much to be kept."
+    )
+    shifts: tuple[tuple[float, float], ...] = Field(
+        default=(),
+        description="Run time begins anew with the server: from the first number on [s], all times in here are later"
+        " by the second [s] than run time was.",
+    )
     beginning: WorldView = Field(description="The world at the beginning.")
     frames: ReplayFrames = Field(description="Where the robots were.")
     changes: tuple[ReplayChange, ...] = Field(description="What changed, in order.")

@@ -37,6 +37,8 @@ _SWITCH = 0.001
 """How long a thread keeps the interpreter when others want it [s]: see :func:`command`."""
 _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
+_OVERRUN_SIMULATED = 2.0
+"""The same where robots are simulated: time stands still for them meanwhile, and a busy machine is nobody's mistake."""
 _ENDING = 9.0
 """The station must stand, and the process be gone, so long after the first signal [s]."""
 
@@ -125,7 +127,7 @@ def command(
         planner_command=planner_command,
         temporal=temporal,
         data=data,
-        overrun=None if pace is None else _OVERRUN,
+        overrun=None if pace is None else _OVERRUN if driver else _OVERRUN_SIMULATED,
     )
     _check_first_content(scene, data)
     # The control thread asks for the interpreter 200 times a second and would wait for 5 ms each time that a request
@@ -178,6 +180,8 @@ def _serve(
         def on_listening() -> None:
             stack.enter_context(announced(data, url, services.keys.local_token))
             _say_where(services, url, data, as_json=as_json)
+            if not as_json:  # a program that starts the server opens no pages
+                _expect_people(services, url)
 
         serving = Serving(services, listening, on_listening)
         stops.end_with(serving)
@@ -195,6 +199,15 @@ def _say_what_lives(services: Services, scene: str, data: Path) -> None:
         return
     name = escaped(found) if found else "another one, of no name"
     click.echo(f"world   in {data} lives {name}: {scene} was not loaded; choose another --data to begin it", err=True)
+
+
+def _expect_people(services: Services, url: str) -> None:
+    """Tells where the pages are, if they are installed, and makes what takes some seconds once."""
+    from skiros_py.server.pages import pages_of
+
+    if pages_of(services.settings) is not None:
+        click.echo(f"pages   {url}/ for people", err=True)
+        services.robot_models.prepare(robot.model for robot in services.session.spec.robots)
 
 
 def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> None:

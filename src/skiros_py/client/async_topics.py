@@ -18,6 +18,7 @@ from skiros_py.client.calls import (
     plugins,
     previews,
     queries,
+    robot_models,
     robots,
     scenes,
     sequences,
@@ -200,6 +201,7 @@ class Jobs(JobWaitingLater, _Part):
     plan = awaiting(jobs.get_job_plan)
     trace = awaiting(jobs.get_job_trace)
     report = awaiting(jobs.get_job_report)
+    replay = awaiting(jobs.get_job_replay)
     transitions = awaiting(jobs.get_job_transitions)
     explanation = awaiting(jobs.get_job_explanation)
     start = awaiting(jobs.start_job)
@@ -296,6 +298,8 @@ class Robots(_Part):
     list = awaiting(robots.list_robots)
     get = awaiting(robots.get_robot)
     state = awaiting(robots.get_robot_state)
+    model = awaiting(robot_models.get_robot_model)
+    mesh = awaiting(robot_models.get_robot_mesh)
     motion = awaiting(robots.get_robot_motion)
     look = awaiting(robots.get_look)
     jog = awaiting(robots.jog_robot)

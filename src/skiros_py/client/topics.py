@@ -18,6 +18,7 @@ from skiros_py.client.calls import (
     plugins,
     previews,
     queries,
+    robot_models,
     robots,
     scenes,
     sequences,
@@ -200,6 +201,7 @@ class Jobs(JobWaiting, _Part):
     plan = blocking(jobs.get_job_plan)
     trace = blocking(jobs.get_job_trace)
     report = blocking(jobs.get_job_report)
+    replay = blocking(jobs.get_job_replay)
     transitions = blocking(jobs.get_job_transitions)
     explanation = blocking(jobs.get_job_explanation)
     start = blocking(jobs.start_job)
@@ -296,6 +298,8 @@ class Robots(_Part):
     list = blocking(robots.list_robots)
     get = blocking(robots.get_robot)
     state = blocking(robots.get_robot_state)
+    model = blocking(robot_models.get_robot_model)
+    mesh = blocking(robot_models.get_robot_mesh)
     motion = blocking(robots.get_robot_motion)
     look = blocking(robots.get_look)
     jog = blocking(robots.jog_robot)

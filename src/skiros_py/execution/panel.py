@@ -32,6 +32,15 @@ class ConditionRow:
     condition: str
     verdict: Verdict | None
 
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data."""
+        return {
+            "kind": self.kind,
+            "condition": self.condition,
+            "holds": None if self.verdict is None else self.verdict.holds,
+            "why": [] if self.verdict is None else self.verdict.lines()[1:],
+        }
+
 
 @dataclass(frozen=True, slots=True)
 class Panel:
@@ -63,15 +72,7 @@ class Panel:
             "arguments": {p.key: as_json(p, self.values.get(p.key)) for p in self.params},
             "inferred": dict(self.reasons),
             "missing": dict(self.missing),
-            "conditions": [
-                {
-                    "kind": row.kind,
-                    "condition": row.condition,
-                    "holds": None if row.verdict is None else row.verdict.holds,
-                    "why": [] if row.verdict is None else row.verdict.lines()[1:],
-                }
-                for row in self.rows
-            ],
+            "conditions": [row.as_json() for row in self.rows],
         }
 
 

@@ -27,6 +27,15 @@ class Running(Protocol):
         """How it ended."""
         ...
 
+    @property
+    def account(self) -> Mapping[str, Any]:
+        """What it was run with, what was found of its conditions, and what it changed, as plain data.
+
+        ``inputs``: values by parameter key; ``conditions``: what was found last of each one that was looked at;
+        ``changes``: numbers of its changes of the world.
+        """
+        ...
+
     def break_off(self, reason: str) -> None:
         """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
         ...
@@ -57,6 +66,10 @@ class RunningModule:
         scope: Its outermost scope; its devices are kept until all stands.
         break_off: Ends it so that what must follow is still done; None for what can only be stopped.
         arguments: Its parameters; those that are inferred come in the first cycle.
+        account: Gives what it was run with and what was found of its conditions; None where it has none.
+
+    Attributes:
+        changes: Numbers of its changes of the world; filled in by whoever runs it.
     """
 
     def __init__(
@@ -67,12 +80,21 @@ class RunningModule:
         break_off: Callable[[str], None] | None = None,
         *,
         arguments: Mapping[str, Any] = MappingProxyType({}),
+        account: Callable[[], Mapping[str, Any]] | None = None,
     ) -> None:
         self.name = name
         self.task = task
         self.scope = scope
         self.arguments = arguments
+        self.changes: list[int] = []
         self._break_off = break_off
+        self._account = account
+
+    @property
+    def account(self) -> Mapping[str, Any]:
+        """What it was run with, what was found of its conditions, and what it changed, as plain data."""
+        said = self._account() if self._account is not None else {"inputs": dict(self.arguments), "conditions": []}
+        return {**said, "changes": list(self.changes)}
 
     @property
     def done(self) -> bool:

@@ -33,11 +33,14 @@ from skiros_py.skills.parameters import Kind, params_of
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
+from skiros_py.world.change import Change
 
 __all__ = ["SkillManager", "Transport"]
 
 _PATIENCE = 1.0
 """For how long a write is waited for when a manager is lost [s]."""
+_MOST_CHANGES = 1000
+"""Changes of which it is kept that one run of a module made them."""
 
 
 class Transport(Protocol):
@@ -121,6 +124,7 @@ class SkillManager:
         self._registration = Registration(context.world, agent)
         self._watchers = Watchers(self._modules, context.world, cycle, self._scope)
         self._leave_cycle = cycle.observe(self._attend)
+        self._leave_world = context.world.subscribe(self._note_change)
         self._retired = False
 
     # ------------------------------------------------------------------ what it offers
@@ -255,7 +259,7 @@ class SkillManager:
         if kind == "skill":
             run = self._modules.skill_run(module, arguments, scope)
             task = self._cycle.start(run.execute(), name=name, clock=clock)
-            started = RunningModule(module, task, scope, run.break_off, arguments=run.arguments)
+            started = RunningModule(module, task, scope, run.break_off, arguments=run.arguments, account=run.account)
         else:
             task = self._cycle.start(self._modules.run(module, arguments, scope), name=name, clock=clock)
             started = RunningModule(module, task, scope, arguments=arguments)
@@ -309,6 +313,16 @@ class SkillManager:
                     self._tell_stopped(running)
         if self._retired and not self._running:
             self._leave_cycle()
+            self._leave_world()
+
+    def _note_change(self, change: Change) -> None:
+        """Keeps which change is whose: that of the module whose code the control thread executes."""
+        pulse = self._cycle.pulse
+        if pulse.thread != threading.get_ident():
+            return
+        for running in tuple(self._running.values()):
+            if running.task is pulse.task and len(running.changes) < _MOST_CHANGES:
+                running.changes.append(change.number)
 
     def _tell_stopped(self, running: RunningModule) -> None:
         broke = running.task.fault is not None

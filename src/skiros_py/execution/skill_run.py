@@ -13,16 +13,17 @@ from skiros_py.execution.composing import lost, run_until
 from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import complete, devices_of
 from skiros_py.execution.monitor import Status
+from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take
 from skiros_py.execution.scope import Scope, Unfinished, make_up
 from skiros_py.execution.telling import teller, to_its_end
 from skiros_py.skills.composition import Node
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.effects import Effects
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.inference import Inferred, Missing, applying, infer
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
-from skiros_py.skills.parameters import read_arguments
+from skiros_py.skills.parameters import as_shown, read_arguments
 from skiros_py.skills.skill import Skill, SkillDescription
 
 __all__ = ["SkillRun"]
@@ -54,6 +55,7 @@ class SkillRun:
         self.started = False
         self._claim: Claim | None = None
         self._finish: Node | None = None
+        self._found: dict[tuple[str, str], ConditionRow] = {}
         self._tell = teller("skill", self.description.name, scope, self._target)
         effects = Effects(scope.context.world, self.description.post, self.arguments)
         self._scope = replace(
@@ -67,6 +69,14 @@ class SkillRun:
     def break_off(self, reason: str) -> None:
         """Ends it in the coming tick; what must follow (recovery, finishing motion) is done all the same."""
         self._broken_off = reason
+
+    def account(self) -> dict[str, Any]:
+        """Returns what it was run with, and what was found last of the conditions it has looked at, as plain data."""
+        params = self.description.params
+        return {
+            "inputs": {p.key: as_shown(p, self.arguments.get(p.key)) for p in params},
+            "conditions": [row.as_json() for row in self._found.values()],
+        }
 
     def recover(self) -> Execution[None]:
         """What must follow where the run was broken off by what it is part of."""
@@ -186,7 +196,10 @@ class SkillRun:
             return interruption or contained(name, lambda: lost(watch, "hold condition") or tick(run))
 
         with closing(watch):
-            return (yield from run_until(node, self._scope, end))
+            outcome = yield from run_until(node, self._scope, end)
+        for condition, verdict in watch.found:
+            self._note("hold", condition, verdict)
+        return outcome
 
     def _interruption(self) -> Failure | None:
         return Failure(self._broken_off, BROKEN_OFF) if self._broken_off else None
@@ -197,9 +210,14 @@ class SkillRun:
             verdict = contained(self.description.name, partial(condition.evaluate, world, self.arguments))
             if isinstance(verdict, Failure):
                 return verdict
+            self._note(kind.removesuffix("condition"), condition, verdict)
             if not verdict:
                 return Failure(f"{kind} {verdict.sentence}")
         return None
+
+    def _note(self, kind: str, condition: Condition, verdict: Verdict) -> None:
+        """Keeps what was found of a condition; what is looked at again counts as it was found last."""
+        self._found[kind, str(condition)] = ConditionRow(kind, str(condition), verdict)
 
     def _target(self) -> str:
         return str(self.arguments.get(self.description.target) or "")

@@ -10,6 +10,7 @@ from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
 from skiros_py.server.documentation import add_documentation
 from skiros_py.server.metrics import RequestMetrics
+from skiros_py.server.pages import Pages, pages_of
 from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
     alarms,
@@ -27,6 +28,7 @@ from skiros_py.server.routes import (
     plugins,
     previews,
     queries,
+    robot_models,
     robots,
     scenes,
     sequences,
@@ -46,7 +48,7 @@ __all__ = ["PREFIX", "create_app"]
 PREFIX = "/api/v1"
 _TOPICS = (
     jobs, goals, templates, previews, world, view, elements, ontology, queries, learned, locks, scenes, simulation,
-    modules, plugins, tasks, sequences, robots, stop, events, alarms, webhooks, keys, session, audit,
+    modules, plugins, tasks, sequences, robots, robot_models, stop, events, alarms, webhooks, keys, session, audit,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 
@@ -74,6 +76,6 @@ def create_app(services: Services) -> FastAPI:
     app.include_router(health.router)
     add_documentation(app, PREFIX)
     add_problem_handlers(app)
-    app.add_middleware(Gate, services)  # which reads and limits bodies, too
+    app.add_middleware(Gate, services, Pages(pages_of(services.settings)))  # it reads and limits bodies, too
     app.add_middleware(RequestMetrics, services.metrics)
     return app

@@ -29,7 +29,7 @@ from skiros_py.server.module_runs import ModuleRun, Round
 from skiros_py.skills.composition import lines
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
-from skiros_py.skills.parameters import Kind, Param, as_json, schema
+from skiros_py.skills.parameters import Kind, Param, as_json, as_shown, schema
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 
@@ -204,7 +204,7 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
         status=run.status,
         started=datetime.fromtimestamp(run.wall, UTC),
         given=dict(run.wish.given),
-        arguments={param.key: _plain(param, run.values.get(param.key)) for param in run.params},
+        arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
         repeat=run.wish.repeat,
         done=run.done,
         succeeded=run.succeeded,
@@ -212,13 +212,6 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
         progress=[_progress(event) for event in tuple(run.progress)] if in_full else [],
         changes=[change.as_json() for change in tuple(run.changes)] if in_full else [],
     )
-
-
-def _plain(param: Param, value: Any) -> Any:
-    try:
-        return as_json(param, value)
-    except (TypeError, ValueError, AttributeError):  # as somebody gave it, before anybody could read it
-        return str(value)
 
 
 def _round(one: Round) -> ModuleRound:

@@ -8,6 +8,8 @@ from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from skiros_py.api.looks import ArmWay, RobotMotion, Waypoint
 from skiros_py.errors import SkirosError
 from skiros_py.execution.library_monitor import LibraryCall
@@ -161,7 +163,7 @@ def _arm_arrived(snapshot: Snapshot, arm: str, plan: MotionPlan) -> bool:
     if not (plan.legs and state.still):
         return state.still
     last = plan.legs[-1].positions[-1]
-    return max(abs(is_ - end) for is_, end in zip(state.positions, last.tolist(), strict=True)) < _BENT
+    return bool(np.abs(np.asarray(state.positions) - last).max() < _BENT)
 
 
 def _waypoints(request: BasePathRequest, path: BasePath) -> tuple[Waypoint, ...]:

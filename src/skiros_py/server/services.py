@@ -31,6 +31,9 @@ from skiros_py.server.module_runs import ModuleRuns
 from skiros_py.server.motions import Motions
 from skiros_py.server.previews import Previews
 from skiros_py.server.queries import Queries
+from skiros_py.server.replays.recorder import ReplayRecorder
+from skiros_py.server.replays.shelf import ReplayShelf
+from skiros_py.server.robot_models import RobotModels
 from skiros_py.server.scene_stage import SceneStage
 from skiros_py.server.scenes import SceneShelf
 from skiros_py.server.settings import ServerSettings
@@ -67,6 +70,7 @@ class Services:
         looks: What the cameras saw last.
         motions: What the robots are about to do.
         live: What the robots do at this moment.
+        replays: What jobs looked like.
         alarms: What stopped a robot, or waits for a person.
         stops: Halts and resets everything.
         modules: What was started by itself, apart from tasks.
@@ -76,6 +80,7 @@ class Services:
         previews: Goals that are planned and not done.
         metrics: Figures for those who watch the server.
         queries: Answers questions in SPARQL.
+        robot_models: What the robots look like.
         scenes: Scenes that can be loaded.
         stage: Where scenes are read beside the live world.
         bodies: Has bodies of a simulation follow what people write.
@@ -112,6 +117,9 @@ class Services:
         ):
             self.control.on_open(part.open)
             self.control.on_close(part.close)
+        self.replays = ReplayRecorder(ReplayShelf(data / "replays"))
+        self.control.on_open(self.replays.open)
+        self.control.on_close(self.replays.close_session)
         self.documents: DocumentStore
         self.desk = JobDesk(settings.open_jobs)
         self.control.on_open(self.desk.open)
@@ -122,6 +130,7 @@ class Services:
         self._office: WebhookOffice | None = None
         self.control.on_open(lambda session: _ignore(session.jobs.subscribe(lambda _job: self.send_webhooks())))
         self.queries = Queries(self.control)
+        self.robot_models = RobotModels(data / "models")
         self.scenes = SceneShelf(data / "scenes")
         self.stage = SceneStage()
         self.control.on_close(self.stage.forget)
@@ -146,6 +155,9 @@ class Services:
         """
         try:
             self.keys, self.doorkeeper, self.audit = set_up_access(self.settings, self.data, self._stack)
+            self._stack.callback(self.replays.close)
+            self.replays.start()
+            self._stack.callback(self.robot_models.close)
             self._stack.callback(self.control.close)
             self.control.start()  # which takes the data directory, so that no other server has its files open
             self._stack.callback(self.desk.close)

@@ -6,6 +6,7 @@ import ipaddress
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from skiros_py.errors import UsageError
@@ -38,6 +39,7 @@ class ServerSettings:
         streams: Event streams that may be open at the same time.
         body: Longest body of a request [bytes].
         kept_events: Events that are kept for replay.
+        pages: Folder of the pages for people; None for none.
 
     Raises:
         UsageError: Everybody could move the robots, or a host or origin is none that a request can ever come with.
@@ -55,6 +57,7 @@ class ServerSettings:
     streams: int = 200
     body: int = 1 << 20
     kept_events: int = 20_000
+    pages: Path | Literal["installed"] | None = "installed"
 
     def __post_init__(self) -> None:
         if self.authentication == "none" and not is_loopback(self.host):

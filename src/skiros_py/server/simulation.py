@@ -17,6 +17,9 @@ from skiros_py.server.problems import Problem
 from skiros_py.server.scene_loading import require_rest
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from skiros_py.judgement import Whereabouts
     from skiros_py.simulation.pybullet.cell import PyBulletCell
 
 __all__ = ["Simulation"]
@@ -71,24 +74,27 @@ class Simulation:
         """Returns where everything really is."""
         from skiros_py.judgement import true_whereabouts  # brings the physics along, which a pretending robot lacks
 
-        def look(session: Session) -> BodiesInfo:
-            cell = _cell(session)
-            poses, places = true_whereabouts(cell)
-            specs = {spec.id: spec for spec, _ in cell.scene.standing()}
-            items = [
-                SimulatedBody(
-                    id=name,
-                    type=specs[name].type,
-                    position=list(poses[name].position),
-                    orientation=list(poses[name].orientation),
-                    place=places.get(name),
-                    believed=session.world.has(name),
-                )
-                for name in sorted(specs)
-            ]
-            return BodiesInfo(time=session.cycle.board.snapshot.time, items=items)
+        def look(session: Session) -> tuple[float, dict[str, str], Callable[[], Whereabouts]]:
+            scene = _cell(session).scene
+            specs = [body.spec for body in scene.bodies.values()] + [spec for spec, _ in scene.compartments.values()]
+            types = {spec.id: spec.type for spec in specs}
+            return session.cycle.board.snapshot.time, types, true_whereabouts(_cell(session))
 
-        return self._control.call(look)
+        time, types, work_out = self._control.call(look)
+        poses, places = work_out()  # not in the control thread, for it takes longer than a cycle
+        view = self._control.session.world.snapshot()
+        items = [
+            SimulatedBody(
+                id=name,
+                type=types[name],
+                position=list(poses[name].position),
+                orientation=list(poses[name].orientation),
+                place=places.get(name),
+                believed=view.has(name),
+            )
+            for name in sorted(poses)
+        ]
+        return BodiesInfo(time=time, items=items)
 
     def move(self, body: str, pose: Pose) -> None:
         """Puts a body somewhere else, at rest, and tells no robot.

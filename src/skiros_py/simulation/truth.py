@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,9 +13,8 @@ from skiros_py.geometry import Pose
 from skiros_py.robot.cell import BodySpec
 from skiros_py.simulation.pybullet.bodies import Body
 from skiros_py.simulation.pybullet.cell import PyBulletCell
-from skiros_py.simulation.pybullet.gripper import Gripper
 
-__all__ = ["FLOOR", "Contact", "Truth"]
+__all__ = ["FLOOR", "Contact", "Glance", "Truth"]
 
 FLOOR = "floor"
 """The place of what lies on nothing in particular."""
@@ -44,6 +44,65 @@ class Contact:
     depth: float
 
 
+@dataclass(frozen=True)
+class Glance:
+    """What only the simulation itself knows at one moment; all else is worked out from it, in any thread.
+
+    Attributes:
+        bodies: The bodies, each with where its centre of mass is in the map [m] and how it is turned.
+        compartments: The compartments, and where they are in the bodies that they belong to.
+        holders: Which gripper holds what, by body id.
+    """
+
+    bodies: tuple[tuple[Body, Pose], ...]
+    compartments: tuple[tuple[BodySpec, Pose], ...]
+    holders: Mapping[str, str]
+
+    @cached_property
+    def poses(self) -> Mapping[str, Pose]:
+        """Where every body and compartment is in the map."""
+        poses = {body.spec.id: body.pose_at(at) for body, at in self.bodies}
+        for spec, relative in self.compartments:
+            if spec.place in poses:
+                poses[spec.id] = poses[spec.place] @ relative
+        return poses
+
+    def placements(self) -> Mapping[str, str]:
+        """Returns the place of every movable body, by body id; see :meth:`Truth.placements`."""
+        movable = [body for body, _ in self.bodies if body.spec.mass > 0.0 and body.constraint is None]
+        return {body.spec.id: self.holders.get(body.spec.id) or self._place(body) for body in movable}
+
+    def _place(self, body: Body) -> str:
+        pose = self.poses[body.spec.id]
+        for compartment, _ in self.compartments:
+            if compartment.id in self.poses and _stands_in(compartment, self._into[compartment.id] @ pose):
+                return compartment.id
+        return self._support_below(body, pose)
+
+    def _support_below(self, body: Body, pose: Pose) -> str:
+        best, best_height = FLOOR, -_SUNK
+        for place in self._supports:
+            if place is body:
+                continue
+            height = self.poses[place.spec.id].position[2] + place.spec.support_height
+            at = self._into[place.spec.id] @ pose
+            inside = _above(place.spec, at)
+            if inside and height >= best_height and at.position[2] >= place.spec.support_height - _SUNK:
+                best, best_height = place.spec.id, height
+        return best
+
+    @cached_property
+    def _supports(self) -> tuple[Body, ...]:
+        kits = {compartment.place for compartment, _ in self.compartments}
+        return tuple(body for body, _ in self.bodies if body.spec.support is not None or body.spec.id in kits)
+
+    @cached_property
+    def _into(self) -> Mapping[str, Pose]:
+        """The map as it is seen from each place."""
+        places = {place.spec.id for place in self._supports} | {spec.id for spec, _ in self.compartments}
+        return {name: pose.inverse() for name, pose in self.poses.items() if name in places}
+
+
 class Truth:
     """Looks behind the sensors of a simulated cell.
 
@@ -68,7 +127,7 @@ class Truth:
 
     def poses(self) -> Mapping[str, Pose]:
         """Returns where every body and compartment is in the map."""
-        return {body_id: self.pose(body_id) for body_id in (*self._scene.bodies, *self._scene.compartments)}
+        return self.glance().poses
 
     def base_pose(self, base_id: str) -> Pose:
         """Returns where a base is in the map, without its localiser's error."""
@@ -82,8 +141,14 @@ class Truth:
         its floor, and the body stands within 15 degrees of upright. Otherwise it is *on* the highest body with a
         support surface, or kit, that is below its origin, or else on the floor.
         """
-        movable = [body for body in self._scene.bodies.values() if body.spec.mass > 0.0 and body.constraint is None]
-        return {body.spec.id: self._placement(body) for body in movable}
+        return self.glance().placements()
+
+    def glance(self) -> Glance:
+        """Takes what the simulation has to be asked for; quick, so that a cycle does not wait for the rest."""
+        scene = self._scene
+        bodies = tuple((body, body.centre_pose(scene.client)) for body in scene.bodies.values())
+        holders = {body.spec.id: held for body, _ in bodies if (held := self._holder(body)) is not None}
+        return Glance(bodies, tuple(scene.compartments.values()), holders)
 
     def contacts(self) -> tuple[Contact, ...]:
         """Returns what the robots touch now, except the floor under their base and what stands on it."""
@@ -106,17 +171,9 @@ class Truth:
         for contact in self.contacts():
             _keep_deeper(self.worst, contact)
 
-    def _placement(self, body: Body) -> str:
-        holder = self._holder(body)
-        if holder is not None:
-            return holder.spec.id
-        pose = self.pose(body.spec.id)
-        for compartment, _ in self._scene.compartments.values():
-            if _stands_in(compartment, self.pose(compartment.id), pose):
-                return compartment.id
-        return self._support_below(body, pose)
-
-    def _holder(self, body: Body) -> Gripper | None:
+    def _holder(self, body: Body) -> str | None:
+        if body.spec.mass <= 0.0 or body.constraint is not None:
+            return None
         points = self._scene.client.getContactPoints(body.index)
         touched = {(point[2], point[4]) for point in points}
         for robot in self._scene.robots:
@@ -124,22 +181,8 @@ class Truth:
                 continue
             for gripper in robot.grippers:
                 if all((robot.body, finger) in touched for finger in gripper.fingers):
-                    return gripper
+                    return gripper.spec.id
         return None
-
-    def _support_below(self, body: Body, pose: Pose) -> str:
-        best, best_height = FLOOR, -_SUNK
-        kits = {compartment.place for compartment, _ in self._scene.compartments.values()}
-        for place in self._scene.bodies.values():
-            if place is body or (place.spec.support is None and place.spec.id not in kits):
-                continue
-            there = self.pose(place.spec.id)
-            height = there.position[2] + place.spec.support_height
-            at = there.inverse() @ pose
-            inside = _above(place.spec, at)
-            if inside and height >= best_height and at.position[2] >= place.spec.support_height - _SUNK:
-                best, best_height = place.spec.id, height
-        return best
 
 
 def _keep_deeper(found: dict[tuple[str, str], Contact], contact: Contact) -> None:
@@ -148,9 +191,10 @@ def _keep_deeper(found: dict[tuple[str, str], Contact], contact: Contact) -> Non
         found[contact.link, contact.body] = contact
 
 
-def _stands_in(compartment: BodySpec, there: Pose, pose: Pose) -> bool:
+def _stands_in(compartment: BodySpec, pose: Pose) -> bool:
+    """Tells whether a pose in a compartment's frame is that of something that stands in it."""
     low, high = compartment.solid.bounds()
-    at = (there.inverse() @ pose).matrix()
+    at = pose.matrix()
     x, y, z = at[:3, 3]
     inside = np.all((low[:2] + _WALL_TOLERANCE <= (x, y)) & ((x, y) <= high[:2] - _WALL_TOLERANCE))
     return bool(inside and -_SUNK <= z - low[2] <= _LOW and at[2, 2] >= _UPRIGHT)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 from skiros_py.errors import UsageError, WorldError
 from skiros_py.execution.running import Running
@@ -146,7 +147,7 @@ class Dispatcher:
         for one in self._active:
             one.running.stop()
             said = f"{self.telling.said(one.step)} is broken off: {why}"
-            self.telling.tell_of(Happening.BROKEN_OFF, said, one.run, {"reason": why})
+            self.telling.tell_of(Happening.BROKEN_OFF, said, one.run, {"reason": why, **one.running.account})
         braking = tuple(one.running for one in self._active)
         moving = {id_ for one in self._active for id_ in (one.robot, *one.step.arguments.values())}
         self._active.clear()
@@ -216,7 +217,7 @@ class Dispatcher:
         except UsageError as refusal:
             failure = Failure(str(refusal), BROKEN_OFF)  # not the target's fault
             self.agenda.again(index)
-            self._note_end(run, failure)
+            self._note_end(run, failure, {})
             return [(step, failure)]
         self._active.append(Active(index, run, robot_of(self._setting.world, run.agent), running))
         return []
@@ -253,14 +254,14 @@ class Dispatcher:
             self.agenda.again(one.index)
         else:
             self.agenda.end(one.index)
-        self._note_end(one.run, outcome)
+        self._note_end(one.run, outcome, one.running.account)
         self._reserve()
         return outcome
 
-    def _note_end(self, run: StepRun, outcome: Outcome) -> None:
+    def _note_end(self, run: StepRun, outcome: Outcome, account: Mapping[str, Any]) -> None:
         now = self._setting.now
         self._history.record(run.step, self._skills[run.step.skill], run.start, now, outcome)
-        said, data = self.telling.said(run.step), {"start": run.start, "seconds": now - run.start}
+        said, data = self.telling.said(run.step), {"start": run.start, "seconds": now - run.start, **account}
         if isinstance(outcome, Failure):
             what = Happening.BROKEN_OFF if outcome.code == BROKEN_OFF else Happening.FAILED
             verb = "is broken off" if outcome.code == BROKEN_OFF else "failed"

@@ -1,4 +1,21 @@
-/** What nobody shall miss: a lost connection, a halt, alarms, questions. */
+import { useTranslation } from "react-i18next";
+import classes from "./always.module.css";
+import { ConnectionBanner } from "./ConnectionBanner";
+import { HaltBanner } from "./HaltBanner";
+import { QuestionBanners } from "./QuestionBanners";
+import { StopVerdict } from "./StopVerdict";
+
+/** What nobody shall miss: a stop, a lost connection, a halt, questions to a person. */
 export function Banners() {
-  return <div />;
+  const { t } = useTranslation("always");
+  return (
+    <div>
+      <StopVerdict />
+      <section aria-label={t("banners")} className={classes.banners}>
+        <ConnectionBanner />
+        <HaltBanner />
+        <QuestionBanners />
+      </section>
+    </div>
+  );
 }

@@ -276,6 +276,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/jobs/{id}/replay": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_job_replay"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/capabilities": {
         parameters: {
             query?: never;
@@ -526,6 +542,22 @@ export interface paths {
         get?: never;
         put?: never;
         post: operations["undo_edit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/view": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["read_view"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1380,6 +1412,38 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/robots/{id}/motion": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_robot_motion"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/robots/{id}/cameras/{camera}/look": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_look"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/robots/{id}/jog": {
         parameters: {
             query?: never;
@@ -1422,6 +1486,38 @@ export interface paths {
         get?: never;
         put?: never;
         post: operations["home_robot"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/robots/{id}/model": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_robot_model"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/robots/{id}/model/meshes/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_robot_mesh"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1930,6 +2026,14 @@ export interface components {
             still: boolean;
             tool: components["schemas"]["PoseInfo"] | null;
         };
+        ArmWay: {
+            arm: string;
+            points: [
+                number,
+                number,
+                number
+            ][];
+        };
         AskAnswer: {
             /**
              * @description discriminator enum property added by openapi-typescript
@@ -1960,6 +2064,8 @@ export interface components {
         };
         BaseDescription: {
             id: string;
+            /** @default [] */
+            joints: string[];
             max_linear: number;
             max_angular: number;
             footprint: [
@@ -1972,6 +2078,12 @@ export interface components {
             linear: number;
             angular: number;
             still: boolean;
+        };
+        Block: {
+            /** @enum {string} */
+            kind: "box" | "cylinder";
+            size: number[];
+            pose: components["schemas"]["PoseInfo"];
         };
         Bodies: {
             time: number;
@@ -2000,6 +2112,8 @@ export interface components {
         };
         CameraDescription: {
             id: string;
+            /** @default  */
+            frame: string;
             width: number;
             height: number;
             vertical_fov: number;
@@ -2278,6 +2392,8 @@ export interface components {
         GripperDescription: {
             id: string;
             arm: string;
+            /** @default [] */
+            joints: string[];
             max_gap: number;
             max_force: number;
         };
@@ -2574,6 +2690,16 @@ export interface components {
         };
         Login: {
             key: string;
+        };
+        Look: {
+            number: number;
+            camera: string;
+            time: number;
+            pose: components["schemas"]["PoseInfo"] | null;
+            points: string;
+            colours: string;
+            seen: components["schemas"]["Seen"][];
+            purpose: string;
         };
         ManagerInfo: {
             agent: string;
@@ -3033,6 +3159,43 @@ export interface components {
             without: string[];
             applicable: boolean;
         };
+        Replay: {
+            job: string;
+            start: number;
+            end: number;
+            complete: boolean;
+            /** @default [] */
+            shifts: [
+                number,
+                number
+            ][];
+            beginning: components["schemas"]["WorldView"];
+            frames: components["schemas"]["ReplayFrames"];
+            changes: components["schemas"]["ReplayChange"][];
+        };
+        ReplayChange: {
+            time: number;
+            author: string;
+            /** @default false */
+            anew: boolean;
+            view: components["schemas"]["WorldView"];
+        };
+        ReplayFrames: {
+            times: number[];
+            arms: {
+                [key: string]: number[][];
+            };
+            grippers: {
+                [key: string]: number[];
+            };
+            bases: {
+                [key: string]: [
+                    number,
+                    number,
+                    number
+                ][];
+            };
+        };
         ResetInfo: {
             id: string;
             /**
@@ -3054,6 +3217,11 @@ export interface components {
             grippers: components["schemas"]["GripperDescription"][];
             cameras: components["schemas"]["CameraDescription"][];
             agents: string[];
+        };
+        RobotMotion: {
+            number: number;
+            base: components["schemas"]["Waypoint"][];
+            arms: components["schemas"]["ArmWay"][];
         };
         RobotReading: {
             id: string;
@@ -3132,6 +3300,17 @@ export interface components {
         Scenes: {
             items: components["schemas"]["SceneEntry"][];
             next?: string | null;
+        };
+        Seen: {
+            type: string | null;
+            pose: components["schemas"]["PoseInfo"];
+            size: [
+                number,
+                number,
+                number
+            ];
+            cost: number;
+            margin: number;
         };
         SelectAnswer: {
             /**
@@ -3238,6 +3417,12 @@ export interface components {
             };
             modules: components["schemas"]["ModuleAtWork"][];
             tasks: components["schemas"]["TaskAtWork"][];
+            looks: {
+                [key: string]: number;
+            };
+            motions: {
+                [key: string]: number;
+            };
         };
         StopInfo: {
             halted: boolean;
@@ -3356,11 +3541,33 @@ export interface components {
             relation: string;
             object: string;
         };
+        ViewElement: {
+            id: string;
+            class: string;
+            label: string;
+            pose: components["schemas"]["PoseInfo"] | null;
+            carrier?: string | null;
+            place: string | null;
+            owner: string | null;
+            held_by: string | null;
+            in_hand?: components["schemas"]["PoseInfo"] | null;
+            shape: string | null;
+            /** @default false */
+            hollow: boolean;
+            /** @enum {string} */
+            kind: "part" | "place" | "furniture" | "floor" | "robot" | "device" | "other";
+            version: number;
+        };
         WantedStep: {
             skill: string;
             arguments?: {
                 [key: string]: string;
             };
+        };
+        Waypoint: {
+            x: number;
+            y: number;
+            heading: number;
         };
         Webhook: {
             id: string;
@@ -3413,6 +3620,15 @@ export interface components {
             locks: number;
             remembered_from: number;
             undoable: components["schemas"]["Undoable"] | null;
+        };
+        WorldView: {
+            version: number;
+            elements: components["schemas"]["ViewElement"][];
+            shapes: {
+                [key: string]: components["schemas"]["Block"][];
+            };
+            /** @default [] */
+            gone: string[];
         };
         Written: {
             version: number;
@@ -4127,6 +4343,37 @@ export interface operations {
             };
         };
     };
+    get_job_replay: {
+        parameters: {
+            query?: never;
+            header?: {
+                "accept-encoding"?: string;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Replay"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     get_capabilities: {
         parameters: {
             query?: never;
@@ -4736,6 +4983,45 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["Change"];
                 };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    read_view: {
+        parameters: {
+            query?: {
+                element?: string[] | null;
+            };
+            header?: {
+                "if-none-match"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WorldView"];
+                };
+            };
+            304: {
+                headers: {
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             default: {
                 headers: {
@@ -6776,6 +7062,65 @@ export interface operations {
             };
         };
     };
+    get_robot_motion: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RobotMotion"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_look: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+                camera: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Look"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
     jog_robot: {
         parameters: {
             query?: never;
@@ -6863,6 +7208,65 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ModuleRunInfo"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_robot_model: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/xml": unknown;
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_robot_mesh: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "model/stl": unknown;
                 };
             };
             default: {

@@ -1,12 +1,32 @@
+import { Center, Loader } from "@mantine/core";
+import { useTranslation } from "react-i18next";
 import { Login } from "../always/Login";
+import { LoginAgain } from "../always/LoginAgain";
+import { Unreachable } from "../always/Unreachable";
+import { ApiProblem } from "../api/client";
 import { useMe } from "../api/session";
 import { Shell } from "./Shell";
 import { useServer } from "./useServer";
 
 /** The pages: of somebody who is let in, else the place to show a key. */
 export function App() {
+  const { t } = useTranslation();
   const { data: me, error } = useMe();
-  useServer(me !== undefined);
-  if (me === undefined) return <Login refusal={error} />;
-  return <Shell />;
+  const refused = error instanceof ApiProblem && error.status === 401;
+  useServer(me !== undefined && !refused);
+  if (me !== undefined) {
+    return (
+      <>
+        <Shell />
+        {refused && <LoginAgain name={me.name} />}
+      </>
+    );
+  }
+  if (refused) return <Login />;
+  if (error !== null) return <Unreachable error={error} />;
+  return (
+    <Center component="main" h="100%">
+      <Loader aria-label={t("loading")} />
+    </Center>
+  );
 }

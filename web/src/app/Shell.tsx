@@ -1,37 +1,49 @@
-import { useMantineTheme } from "@mantine/core";
-import { useMediaQuery } from "@mantine/hooks";
 import { lazy } from "react";
 import { useTranslation } from "react-i18next";
-import { Group, Panel, Separator } from "react-resizable-panels";
+import { AlarmsDrawer } from "../always/AlarmsDrawer";
 import { Banners } from "../always/Banners";
 import { Header } from "../always/Header";
+import { HelpDialog } from "../always/HelpDialog";
+import { LoadSceneDialog } from "../always/LoadSceneDialog";
+import { usePalette } from "../always/palette";
+import { ResetDialog } from "../always/ResetDialog";
+import { useKeys } from "../always/useKeys";
+import { useWindowTitle } from "../always/useWindowTitle";
+import { Panes } from "./Panes";
 import { Part } from "./Part";
-import { Tabs } from "./Tabs";
 
-const Scene = lazy(() => import("../scene3d/Scene"));
+const Palette = lazy(() => import("../always/Palette"));
 
 /** The one screen: what is always there above, the live 3D view beside the four tabs below. */
 export function Shell() {
   const { t } = useTranslation();
-  const { breakpoints } = useMantineTheme();
-  const narrow = useMediaQuery(`(max-width: ${breakpoints.sm})`);
+  const paletteAsked = usePalette(({ asked }) => asked > 0);
+  useKeys();
+  useWindowTitle();
   return (
     <div className="shell">
+      <a
+        className="skip"
+        href="#main"
+        onClick={(event) => {
+          event.preventDefault(); // the address names a tab
+          document.getElementById("main")?.focus();
+        }}
+      >
+        {t("skip")}
+      </a>
       <Header />
       <Banners />
-      <Group orientation={narrow ? "vertical" : "horizontal"}>
-        <Panel defaultSize="50%" minSize="20%" className="pane">
-          <section aria-label={t("view3d")} className="pane">
-            <Part>
-              <Scene />
-            </Part>
-          </section>
-        </Panel>
-        <Separator className="divider" />
-        <Panel minSize="30%" className="pane">
-          <Tabs />
-        </Panel>
-      </Group>
+      <Panes />
+      <ResetDialog />
+      <LoadSceneDialog />
+      <HelpDialog />
+      <AlarmsDrawer />
+      {paletteAsked && (
+        <Part>
+          <Palette />
+        </Part>
+      )}
     </div>
   );
 }

@@ -1,7 +1,15 @@
-import { Tabs as MantineTabs } from "@mantine/core";
-import { IconBox, IconListCheck, IconPuzzle, IconTargetArrow } from "@tabler/icons-react";
+import { ActionIcon, Tabs as MantineTabs, Tooltip } from "@mantine/core";
+import {
+  IconBox,
+  IconLayoutSidebarLeftCollapse,
+  IconLayoutSidebarLeftExpand,
+  IconListCheck,
+  IconPuzzle,
+  IconTargetArrow,
+} from "@tabler/icons-react";
 import { lazy } from "react";
 import { useTranslation } from "react-i18next";
+import { useLayout } from "./layout";
 import { Part } from "./Part";
 import classes from "./Tabs.module.css";
 import { TABS, type Tab, useTab } from "./useTab";
@@ -20,16 +28,19 @@ export function Tabs() {
   const Content = CONTENTS[tab];
   return (
     <MantineTabs value={tab} onChange={(value) => open(value as Tab)} keepMounted={false} className={classes.tabs}>
-      <MantineTabs.List aria-label={t("tabs.label")}>
-        {TABS.map((name) => {
-          const Icon = ICONS[name];
-          return (
-            <MantineTabs.Tab key={name} value={name} leftSection={<Icon size={16} aria-hidden />}>
-              {t(`tabs.${name}`)}
-            </MantineTabs.Tab>
-          );
-        })}
-      </MantineTabs.List>
+      <div className={classes.bar}>
+        <View3dButton />
+        <MantineTabs.List aria-label={t("tabs.label")} className={classes.list}>
+          {TABS.map((name) => {
+            const Icon = ICONS[name];
+            return (
+              <MantineTabs.Tab key={name} value={name} leftSection={<Icon size={16} aria-hidden />}>
+                {t(`tabs.${name}`)}
+              </MantineTabs.Tab>
+            );
+          })}
+        </MantineTabs.List>
+      </div>
       {TABS.map((name) => (
         <MantineTabs.Panel key={name} value={name} className={classes.panel}>
           {name === tab && (
@@ -40,5 +51,19 @@ export function Tabs() {
         </MantineTabs.Panel>
       ))}
     </MantineTabs>
+  );
+}
+
+function View3dButton() {
+  const { t } = useTranslation();
+  const { view3d, toggle } = useLayout();
+  const label = view3d ? t("hide3d") : t("show3d");
+  const Icon = view3d ? IconLayoutSidebarLeftCollapse : IconLayoutSidebarLeftExpand;
+  return (
+    <Tooltip label={label}>
+      <ActionIcon aria-label={label} aria-expanded={view3d} onClick={toggle}>
+        <Icon size={18} />
+      </ActionIcon>
+    </Tooltip>
   );
 }

@@ -1,42 +1,66 @@
-import { useQuery } from "@tanstack/react-query";
 import { useEffect } from "react";
-import { BASE } from "../api/client";
+import { ApiProblem } from "../api/client";
+import { keys } from "../api/keys";
 import { queryClient } from "../api/queries";
-import { connect, disconnect, givenUp, useConnection } from "../live/connection";
+import { connect, disconnect } from "../live/connection";
 import { keepFresh } from "../live/freshness";
-
-const LOOK_AGAIN = 1000; // ms
+import { watch } from "../live/watch";
 
 /** Follows the server while somebody is let in and sees the page; a lost connection heals itself. */
 export function useServer(letIn: boolean): void {
   useEffect(() => (letIn ? keepFresh() : undefined), [letIn]);
-  useEffect(() => {
-    if (!letIn) return;
-    const follow = () => (document.hidden ? disconnect() : connect());
-    follow();
-    document.addEventListener("visibilitychange", follow);
-    return () => {
-      document.removeEventListener("visibilitychange", follow);
-      disconnect();
-    };
-  }, [letIn]);
-  useReconnection(letIn);
+  useEffect(() => (letIn ? whileSeen(followed) : undefined), [letIn]);
+  useEffect(() => askAgainWhenRefused(), []);
 }
 
-/** Browsers open a broken stream again by themselves, unless the server refused it: then we ask whether it is back. */
-function useReconnection(letIn: boolean): void {
-  const lost = useConnection((connection) => connection.status === "lost");
-  const { dataUpdatedAt } = useQuery({
-    queryKey: ["health"],
-    queryFn: async () => (await fetch(`${BASE}/healthz`)).ok,
-    enabled: lost,
-    refetchInterval: LOOK_AGAIN,
-    staleTime: 0,
-    retry: false,
-  });
-  useEffect(() => {
-    if (!lost || dataUpdatedAt === 0 || document.hidden || !givenUp()) return;
-    void queryClient.invalidateQueries({ queryKey: ["me"] });
-    if (letIn) connect();
-  }, [lost, dataUpdatedAt, letIn]);
+function followed(): () => void {
+  connect();
+  const endWatch = watch(askWhoIAm);
+  return () => {
+    endWatch();
+    disconnect();
+  };
+}
+
+function askWhoIAm(): void {
+  void queryClient.invalidateQueries({ queryKey: keys.me });
+}
+
+/** Does something while the page can be seen; returns how to end that. */
+function whileSeen(begin: () => () => void): () => void {
+  let end: (() => void) | undefined;
+  const look = () => {
+    if (document.hidden === (end === undefined)) return;
+    if (document.hidden) {
+      end?.();
+      end = undefined;
+    } else {
+      end = begin();
+    }
+  };
+  look();
+  document.addEventListener("visibilitychange", look);
+  return () => {
+    document.removeEventListener("visibilitychange", look);
+    end?.();
+  };
+}
+
+/** A key that was revoked shows in any answer: then we ask who we are, and the place to show a key appears. */
+function askAgainWhenRefused(): () => void {
+  const look = (error: unknown) => {
+    const known = queryClient.getQueryState(keys.me)?.error;
+    if (error instanceof ApiProblem && error.status === 401 && !(known instanceof ApiProblem)) askWhoIAm();
+  };
+  const ends = [
+    queryClient.getQueryCache().subscribe(({ type, query }) => {
+      if (type === "updated" && query.queryKey[0] !== keys.me[0]) look(query.state.error);
+    }),
+    queryClient.getMutationCache().subscribe(({ type, mutation }) => {
+      if (type === "updated") look(mutation?.state.error);
+    }),
+  ];
+  return () => {
+    for (const end of ends) end();
+  };
 }

@@ -1,13 +1,11 @@
 import { useHashLocation } from "wouter/use-hash-location";
+import { addressOf, readAddress, type Tab } from "./address";
 
-export const TABS = ["goal", "task", "modules", "world"] as const;
-export type Tab = (typeof TABS)[number];
+export { type Tab, TABS } from "./address";
 
 /** The tab that the address names (`#/task/kit-17`), how to open one, and what the address says behind it. */
 export function useTab(): [tab: Tab, open: (tab: Tab, detail?: string) => void, detail: string] {
   const [path, navigate] = useHashLocation();
-  const [, name = "", ...rest] = path.split("/");
-  const tab = TABS.find((known) => known === name) ?? "goal";
-  const open = (next: Tab, detail = "") => navigate(detail ? `/${next}/${encodeURIComponent(detail)}` : `/${next}`);
-  return [tab, open, decodeURIComponent(rest.join("/"))];
+  const { tab, detail } = readAddress(path);
+  return [tab, (next, detail = "") => navigate(addressOf(next, detail)), detail];
 }

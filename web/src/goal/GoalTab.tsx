@@ -1,3 +1,67 @@
+import { Loader, Stack, Title, VisuallyHidden } from "@mantine/core";
+import { useEffect, useMemo } from "react";
+import { useTranslation } from "react-i18next";
+import { useGhosts } from "../scene3d/ghosts";
+import { useVerdict, useVerdicts, type Verdict } from "./checks";
+import { type Draft, useDraft, useSceneName } from "./draft";
+import { ghostsOf } from "./ghosts";
+import { goalOrder } from "./goals";
+import { JobPanel } from "./JobPanel";
+import { PreviewPanel } from "./PreviewPanel";
+import { usePreview } from "./preview";
+import { RunBar } from "./RunBar";
+import { Sentences } from "./Sentences";
+import { TemplateChoice } from "./TemplateChoice";
+import { TemplateForm } from "./TemplateForm";
+import { type Template, templateOrder, useTemplates } from "./templates";
+
+/** What shall be so: stated, looked at, planned, ordered, followed. */
 export default function GoalTab() {
-  return <div />;
+  const { t } = useTranslation();
+  const scene = useSceneName();
+  if (scene === undefined) return <Loader size="sm" aria-label={t("loading")} />;
+  return <Goal key={scene} />;
+}
+
+function Goal() {
+  const { t } = useTranslation("goal");
+  const { draft, change } = useDraft();
+  const wanted = useWanted(draft);
+  const { order, verdicts, template } = wanted;
+  const preview = usePreview(order);
+  const conditions = verdicts.flatMap((verdict) => verdict.conditions);
+  useShownGhosts(verdicts);
+  return (
+    <Stack gap="md">
+      <VisuallyHidden>
+        <Title order={2}>{t("title")}</Title>
+      </VisuallyHidden>
+      <TemplateChoice verdicts={verdicts} />
+      {template && draft.template ? (
+        <TemplateForm template={template} filled={draft.template} verdict={wanted.whole} />
+      ) : (
+        <Sentences verdicts={verdicts} />
+      )}
+      {draft.preview && <PreviewPanel {...preview} conditions={conditions} again={preview.ask} />}
+      {draft.job && <JobPanel id={draft.job} onClose={() => change({ job: null })} />}
+      <RunBar order={order} planning={preview.planning} onPreview={preview.ask} />
+    </Stack>
+  );
+}
+
+/** What the draft orders, and what the server says of its conditions. */
+function useWanted(draft: Draft) {
+  const templates = useTemplates();
+  const template: Template | undefined = templates.find(({ name }) => name === draft.template?.name);
+  const filled = template && draft.template ? templateOrder(draft.template, template.content) : null;
+  const whole = useVerdict(filled);
+  const each = useVerdicts(draft.template ? [] : draft.rows);
+  const order = draft.template ? filled : goalOrder(draft.rows);
+  return { order, whole, template, verdicts: draft.template ? [whole] : each };
+}
+
+function useShownGhosts(verdicts: readonly Verdict[]): void {
+  const said = JSON.stringify(ghostsOf(verdicts.flatMap(({ conditions }) => conditions)));
+  const ghosts = useMemo(() => JSON.parse(said) as ReturnType<typeof ghostsOf>, [said]);
+  useEffect(() => useGhosts.getState().show(ghosts), [ghosts]);
 }

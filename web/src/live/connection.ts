@@ -4,55 +4,91 @@ import { create } from "zustand";
 import { BASE, type Schema } from "../api/client";
 import { tellEvent, tellReset } from "./events";
 import { useStation } from "./station";
+import { follow } from "./stream";
 
 export type ConnectionStatus = "connecting" | "open" | "lost";
 
 interface Connection {
   status: ConnectionStatus;
+  /** When it was lost [ms since 1970]; null while it is not. */
+  since: number | null;
+  /** Since when the server says nothing of the robots' state, though it answers [ms since 1970]; null while it does. */
+  silent: number | null;
 }
 
-export const useConnection = create<Connection>(() => ({ status: "connecting" }));
+export const useConnection = create<Connection>(() => ({ status: "connecting", since: null, silent: null }));
 
 const KINDS = ["world", "module", "task", "job", "alarm", "system"];
 const STATE_RATE = 20; // Hz, the most that there is
+const FORGOTTEN_AFTER = 60_000; // ms: after a longer gap all is read anew, which is less than all the events
 
-let streams: EventSource[] = [];
-let missed = false;
+let endings: (() => void)[] = [];
+let lastSeen = ""; // id of the last event
+let gap = false; // something may have been missed of which the server does not know
+let leftAt = 0;
 
 /** Follows the server until {@link disconnect}; what was open is closed first. */
 export function connect(): void {
   closeAll();
-  const events = new EventSource(`${BASE}/api/v1/events`);
-  events.onopen = () => {
-    if (missed) tellReset(); // whatever happened meanwhile
-    missed = false;
-    useConnection.setState({ status: "open" });
-  };
-  events.onerror = () => {
-    missed = true;
-    useConnection.setState({ status: "lost" });
-  };
-  for (const kind of KINDS) {
-    events.addEventListener(kind, (message) => tellEvent(JSON.parse(message.data) as Schema<"EventInfo">));
-  }
-  events.addEventListener("reset", () => tellReset());
-  const state = new EventSource(`${BASE}/api/v1/robots/state/stream?rate=${STATE_RATE}`);
-  state.addEventListener("state", (message) => useStation.getState().take(JSON.parse(message.data)));
-  streams = [events, state];
+  if (leftAt > 0 && Date.now() - leftAt > FORGOTTEN_AFTER) lastSeen = "";
+  gap ||= leftAt > 0 && lastSeen === "";
+  leftAt = 0;
+  endings = [followEvents(), followState()];
 }
 
 /** Follows nothing any more: a page that nobody sees shall not hold connections, of which a browser has six. */
 export function disconnect(): void {
-  missed = true;
+  leftAt = Date.now();
   closeAll();
 }
 
-/** Whether the browser has given up a stream (the server refused it), so that somebody has to connect anew. */
-export function givenUp(): boolean {
-  return streams.length === 0 || streams.some((stream) => stream.readyState === EventSource.CLOSED);
+/** Opens the streams anew: whatever hangs in the connection hangs no longer. */
+export function reconnect(): void {
+  noteLost();
+  if (endings.length > 0) connect();
+}
+
+function followEvents(): () => void {
+  return follow({
+    address: () => `${BASE}/api/v1/events${lastSeen ? `?after=${encodeURIComponent(lastSeen)}` : ""}`,
+    messages: {
+      ...Object.fromEntries(KINDS.map((kind) => [kind, takeEvent])),
+      reset: (message) => {
+        lastSeen = message.lastEventId;
+        tellReset();
+      },
+    },
+    onOpen: noteOpen,
+    onBreak: noteLost,
+  });
+}
+
+function takeEvent(message: MessageEvent<string>): void {
+  lastSeen = message.lastEventId;
+  tellEvent(JSON.parse(message.data) as Schema<"EventInfo">);
+}
+
+function followState(): () => void {
+  return follow({
+    address: () => `${BASE}/api/v1/robots/state/stream?rate=${STATE_RATE}`,
+    messages: { state: (message) => useStation.getState().take(JSON.parse(message.data)) },
+    onOpen: () => undefined,
+    onBreak: () => undefined, // it is silent then, which is looked at
+  });
+}
+
+function noteOpen(): void {
+  useConnection.setState({ status: "open", since: null });
+  if (gap) tellReset();
+  gap = false;
+}
+
+function noteLost(): void {
+  gap ||= lastSeen === ""; // else the stream goes on behind that, or says that it cannot
+  useConnection.setState(({ since }) => ({ status: "lost", since: since ?? Date.now() }));
 }
 
 function closeAll(): void {
-  for (const stream of streams) stream.close();
-  streams = [];
+  for (const end of endings) end();
+  endings = [];
 }

@@ -1,12 +1,12 @@
-import { ActionIcon, Group, Loader, Select, Tooltip } from "@mantine/core";
+import { ActionIcon, type ComboboxData, type ComboboxItem, Group, Loader, Select, Text, Tooltip } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconClick } from "@tabler/icons-react";
-import { useQuery } from "@tanstack/react-query";
-import { useMemo, useState } from "react";
+import { useEffect, useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api } from "../api/client";
-import { keys } from "../api/keys";
-import { useSelection } from "../selection/selection";
+import { type Pick, useSelection } from "../selection/selection";
+import { type Candidate, type Candidates, idsOf, useCandidates } from "./candidates";
+import { useClassLabels, useElementName } from "./names";
+import { notifyProblem } from "./problems";
 
 interface Props {
   label: string;
@@ -17,69 +17,155 @@ interface Props {
   /** Offers abstract individuals and classes, too: "any starter". */
   abstract?: boolean;
   required?: boolean;
-  error?: string;
+  error?: string | undefined;
+  /** What is said below the field. */
+  description?: string | undefined;
+  disabled?: boolean;
+  /** Stands in a line of text: its label is not shown, only told to who cannot see. */
+  inline?: boolean;
+  /** Stands in a table: its label is only told to who cannot see, and it takes the width there is. */
+  hideLabel?: boolean;
 }
 
-const MANY = 200;
+const TYPING = 150; // ms
 
 /** Chooses an element of a class: by name, or by a click in the 3D view or the tree. */
-export function ElementPicker({ label, class_, value, onChange, abstract = false, required, error }: Props) {
+export function ElementPicker(props: Props) {
+  const {
+    label,
+    class_,
+    value,
+    onChange,
+    abstract = false,
+    required,
+    error,
+    description,
+    disabled,
+    inline,
+    hideLabel,
+  } = props;
   const { t } = useTranslation();
+  const chosen = useChosen(value);
   const [search, setSearch] = useState("");
-  const [asked] = useDebouncedValue(search, 150);
-  const { data, isFetching } = useCandidates(class_, abstract, value !== null && asked.startsWith(value) ? "" : asked);
-  const options = useMemo(() => withValue(data ?? [], value), [data, value]);
-  const awaitPick = useSelection((selection) => selection.awaitPick);
-  const pick = () =>
-    awaitPick({ purpose: label, fits: (id) => data?.some((o) => o.value === id) ?? false, take: onChange });
+  const [opened, setOpened] = useState(false);
+  const [asked] = useDebouncedValue(search === chosen ? "" : search.trim(), TYPING);
+  const { candidates, isFetching } = useCandidates(class_, abstract, asked, opened);
+  const kinds = new Map([...candidates.elements, ...candidates.described].map((one) => [one.value, one.kind]));
   return (
-    <Group gap={4} align="end" wrap="nowrap">
+    <Group gap={2} align={inline ? "center" : "end"} wrap="nowrap" flex={inline ? undefined : 1}>
       <Select
-        flex={1}
-        label={label}
-        data={options}
+        flex={inline ? undefined : 1}
+        w={inline ? `${Math.min(Math.max(chosen.length, 9) + 6, 30)}ch` : undefined}
+        label={inline || hideLabel ? undefined : label}
+        aria-label={label}
+        description={description}
+        placeholder={t("pick.choose")}
+        data={withValue(grouped(candidates, t), value, chosen)}
         value={value}
         onChange={onChange}
         searchable
-        clearable={!required}
+        searchValue={search}
+        onSearchChange={setSearch}
+        onDropdownOpen={() => setOpened(true)}
+        onFocus={(event) => event.currentTarget.select()}
+        filter={({ options }) => options}
+        renderOption={({ option }) => <Offer option={option} kind={kinds.get(option.value)} />}
+        clearable={!required && !inline}
         withAsterisk={required}
         error={error}
-        onSearchChange={setSearch}
-        nothingFoundMessage={t("pick.empty")}
-        rightSection={isFetching ? <Loader size={12} /> : undefined}
+        disabled={disabled}
+        maxDropdownHeight={320}
+        comboboxProps={{ width: "max-content", position: "bottom-start", shadow: "md" }}
+        nothingFoundMessage={isFetching ? t("loading") : t("pick.empty")}
+        rightSection={isFetching && opened ? <Loader size={12} /> : undefined}
       />
-      <Tooltip label={t("pick.inView")}>
-        <ActionIcon aria-label={`${label}: ${t("pick.inView")}`} onClick={pick} mb={2}>
-          <IconClick size={16} />
-        </ActionIcon>
-      </Tooltip>
+      <PickButton label={label} class_={class_} take={onChange} disabled={disabled} />
     </Group>
   );
 }
 
-interface Option {
-  value: string;
-  label: string;
-}
-
-function useCandidates(class_: string, abstract: boolean, search: string) {
+/** Returns what the chosen one is called, in the words of the list. */
+function useChosen(value: string | null): string {
   const { t } = useTranslation();
-  return useQuery({
-    queryKey: keys.world("candidates", class_, abstract, search),
-    queryFn: async (): Promise<Option[]> => {
-      const page = await answer(
-        api.GET("/api/v1/elements", { params: { query: { class: class_, text: search || undefined, limit: MANY } } }),
-      );
-      const there = page.items.map(({ id, label }) => ({ value: id, label: label === id ? id : `${label} (${id})` }));
-      if (!abstract) return there;
-      const kinds = [...new Set(page.items.map((item) => item.class))];
-      const any = kinds.map((kind) => ({ value: kind, label: t("pick.any", { class: kind.replace(/^.*:/, "") }) }));
-      return [...any, ...there];
-    },
-  });
+  const name = useElementName(value);
+  const class_ = useClassLabels().get(value ?? "");
+  if (value === null || value === "") return "";
+  return name ?? t("pick.any", { class: class_ ?? value });
 }
 
-function withValue(options: Option[], value: string | null): Option[] {
-  if (value === null || options.some((option) => option.value === value)) return options;
-  return [{ value, label: value }, ...options];
+function Offer({ option, kind }: { option: ComboboxItem; kind: string | undefined }) {
+  return (
+    <Group gap="md" justify="space-between" wrap="nowrap" w="100%">
+      <span>{option.label}</span>
+      {kind && (
+        <Text span size="xs" c="dimmed">
+          {kind}
+        </Text>
+      )}
+    </Group>
+  );
+}
+
+type Translate = ReturnType<typeof useTranslation>["t"];
+
+function grouped({ classes, elements, described, more }: Candidates, t: Translate): ComboboxData {
+  const rest = more ? [{ value: "", label: t("pick.more"), disabled: true }] : [];
+  const groups = [
+    { group: t("pick.kinds"), items: classes.map((one) => ({ ...one, label: t("pick.any", { class: one.label }) })) },
+    { group: t("pick.here"), items: [...elements, ...rest] },
+    { group: t("pick.described"), items: described },
+  ].filter(({ items }) => items.length > 0);
+  return groups.length > 1 ? groups : (groups[0]?.items ?? []);
+}
+
+/** The chosen one has to be among the options, or its name could not be shown. */
+function withValue(data: ComboboxData, value: string | null, label: string): ComboboxData {
+  if (!value || listed(data).some((one) => one.value === value)) return data;
+  const missing = { value, label };
+  const grouped = data.some((one) => typeof one === "object" && "group" in one);
+  return grouped ? [{ group: "", items: [missing] }, ...data] : [missing, ...data];
+}
+
+function listed(data: ComboboxData): Candidate[] {
+  return data.flatMap((one) => (typeof one === "object" && "items" in one ? one.items : [one])) as Candidate[];
+}
+
+interface PickButtonProps {
+  label: string;
+  class_: string;
+  take: (id: string) => void;
+  disabled?: boolean | undefined;
+}
+
+/** Waits for a click on something of the class; pressed again, it waits no longer. */
+function PickButton({ label, class_, take, disabled }: PickButtonProps) {
+  const { t } = useTranslation();
+  const [mine, setMine] = useState<Pick | null>(null);
+  const waiting = useSelection(({ pick }) => pick !== null && pick === mine);
+  useEffect(() => () => endPick(mine), [mine]);
+  const begin = async () => {
+    const ids = await idsOf(class_);
+    const pick = { purpose: label, fits: (id: string) => ids.has(id), take };
+    setMine(pick);
+    useSelection.getState().awaitPick(pick);
+  };
+  const toggle = () => (waiting ? endPick(mine) : void begin().catch(notifyProblem));
+  return (
+    <Tooltip label={t("pick.inView")}>
+      <ActionIcon
+        aria-label={`${label}: ${t("pick.inView")}`}
+        aria-pressed={waiting}
+        variant={waiting ? "filled" : "subtle"}
+        onClick={toggle}
+        disabled={disabled}
+      >
+        <IconClick size={16} aria-hidden />
+      </ActionIcon>
+    </Tooltip>
+  );
+}
+
+function endPick(pick: Pick | null): void {
+  const { pick: awaited, endPick: end } = useSelection.getState();
+  if (pick !== null && awaited === pick) end();
 }

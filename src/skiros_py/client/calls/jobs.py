@@ -28,6 +28,7 @@ from skiros_py.api.jobs import (
     JobTransitions,
     StateName,
 )
+from skiros_py.api.replays import Replay
 from skiros_py.client.call import Call
 from skiros_py.errors import UsageError
 
@@ -40,6 +41,7 @@ __all__ = [
     "get_job",
     "get_job_explanation",
     "get_job_plan",
+    "get_job_replay",
     "get_job_report",
     "get_job_response",
     "get_job_trace",
@@ -165,6 +167,11 @@ def get_job_trace(job: str, *, limit: int = 1000, cursor: str | None = None) -> 
 def get_job_report(job: str) -> Call[JobReport]:
     """Reports what came of a job, as ``skiros run`` does."""
     return Call("GET", f"{_path(job)}/report", _read(JobReport))
+
+
+def get_job_replay(job: str) -> Call[Replay]:
+    """Shows what a job looked like."""
+    return Call("GET", f"{_path(job)}/replay", _read(Replay))
 
 
 def get_job_transitions(job: str) -> Call[JobTransitions]:

@@ -8,7 +8,7 @@ from starlette.datastructures import Headers
 
 from skiros_py.errors import UsageError
 from skiros_py.server.access.keys import Key, KeyStore
-from skiros_py.server.access.logins import COOKIE, Logins
+from skiros_py.server.access.logins import Logins, cookie_name
 from skiros_py.server.access.networks import network_of
 from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import LOCAL, Caller, Role
@@ -150,11 +150,11 @@ def _shown(headers: Headers) -> str | None:
 
 
 def _cookie(headers: Headers) -> str | None:
-    given = headers.get("cookie", "")
-    if COOKIE not in given:
+    given, name = headers.get("cookie", ""), cookie_name(headers.get("host", ""))
+    if name not in given:
         return None
     try:
-        morsel = SimpleCookie(given).get(COOKIE)
+        morsel = SimpleCookie(given).get(name)
     except CookieError:
         return None
     return morsel.value if morsel is not None else None

@@ -24,6 +24,7 @@ from skiros_py.server.access.places import SAFE, Places
 from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.logs import request_id
+from skiros_py.server.pages import is_page
 from skiros_py.server.problems import Problem, problem_response
 from skiros_py.server.settings import ServerSettings
 
@@ -85,10 +86,12 @@ class Gate:
     Args:
         app: What is behind it.
         services: What is guarded.
+        pages: What answers for pages, which hold no data and are for everybody; None for none.
     """
 
-    def __init__(self, app: ASGIApp, services: Guarded) -> None:
+    def __init__(self, app: ASGIApp, services: Guarded, pages: ASGIApp | None = None) -> None:
         self._app = app
+        self._pages = pages
         self._services = services
         self._places = Places(services.settings)
         self._rates = Rates(services.settings.rate, 1.0)
@@ -135,6 +138,9 @@ class Gate:
             return
         self._places.check_origin(request.method, scope["scheme"], headers)
         _check_url(scope)
+        if self._pages is not None and is_page(*what):
+            await self._pages(scope, receive, answer)
+            return
         if what == _LOGIN:
             with self._load.stranger(_address(scope)):
                 body = await read_body(headers, receive, _LONGEST_LOGIN, _PATIENCE_WITH_STRANGERS)

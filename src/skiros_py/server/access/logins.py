@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import secrets
 import time
 from collections import OrderedDict
 
-__all__ = ["COOKIE", "LIFETIME", "Logins"]
+__all__ = ["COOKIE", "LIFETIME", "Logins", "cookie_name"]
 
 COOKIE = "skiros_session"
-"""Name of the cookie."""
+"""Name of the cookie, where the address has no port."""
 LIFETIME = 12 * 3600
 """How long a login lasts [s]."""
 _MOST = 1000
 """Logins that are kept; the oldest goes when there is one more."""
+
+
+def cookie_name(host: str) -> str:
+    """Returns the name of the cookie: browsers show a cookie to every port of a host, and each may be another server.
+
+    Args:
+        host: The address as the browser calls it: the Host header.
+    """
+    port = re.search(r":(\d{1,5})$", host)
+    return f"{COOKIE}_{port[1]}" if port else COOKIE
 
 
 class Logins:

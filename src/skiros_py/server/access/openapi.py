@@ -18,7 +18,12 @@ __all__ = ["GuardedApi", "operations"]
 _SCHEMES = {
     "key": {"type": "http", "scheme": "bearer", "description": "A key: Authorization: Bearer sk_…"},
     "keyHeader": {"type": "apiKey", "in": "header", "name": "X-API-Key", "description": "A key, for older systems."},
-    "login": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "Of web pages: POST /session."},
+    "login": {
+        "type": "apiKey",
+        "in": "cookie",
+        "name": COOKIE,
+        "description": f"Of web pages: POST /session. At an address with a port its name is {COOKIE}_PORT.",
+    },
 }
 
 

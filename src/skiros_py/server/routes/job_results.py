@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
+import gzip
+import re
 import time
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Header, Query, Response
 
 from skiros_py.api.jobs import JobExplanation, JobPlan, JobReport, JobResponse, JobTrace, JobTransitions
+from skiros_py.api.replays import Replay
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.job_accounts import explanation_of, plan_of, planned_steps, report_of, response_of
 from skiros_py.server.job_faults import job_faults
 from skiros_py.server.job_views import transitions_view
+from skiros_py.server.problems import Problem
+from skiros_py.server.replays.answer import replay_text
 from skiros_py.server.routes.job_access import JobId, JobsDep
 from skiros_py.server.services import ServicesDep
+from skiros_py.tasks.jobs import Job
 
 __all__ = ["router"]
 
 router = APIRouter()
 
 _NEEDS = [needs(Role.VIEWER, mes=True)]
+_GZIP = re.compile(r"(?:^|[,\s])(?:gzip|\*)\s*(?!\s*;\s*q=0(?:\.0*)?\s*(?:,|$))")
+_LEVEL = 5
 
 
 @router.get("/jobs/{id}/response", summary="What a job has come to (ISA-95 job response)", dependencies=_NEEDS)
@@ -75,3 +83,43 @@ def get_job_explanation(id: JobId, jobs: JobsDep) -> JobExplanation:  # noqa: A0
     """Says why there is no plan for a job, and what would help; empty where there is one, or nobody has looked yet."""
     with job_faults():
         return explanation_of(jobs.job(id), jobs.trace(id))
+
+
+@router.get(
+    "/jobs/{id}/replay",
+    summary="What a job looked like",
+    dependencies=[needs(Role.VIEWER)],
+    response_class=Response,
+    responses={200: {"model": Replay, "description": "The job as it was seen; compressed where that is accepted."}},
+)
+def get_job_replay(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    services: ServicesDep,
+    accept_encoding: Annotated[str, Header(max_length=1000)] = "",
+) -> Response:
+    """Shows a job that runs or ran as moving pictures: the world at its beginning, what changed, where the robots were.
+
+    Of a job that runs, the last seconds may be missing. Replays are kept for the last 200 jobs, and go with the job.
+    """
+    with job_faults():
+        job = jobs.job(id)
+    try:
+        text = replay_text(services.replays.lines(job.number), over=not job.state.is_open)
+    except (OSError, ValueError, KeyError) as error:
+        raise _no_replay(job, error) from None
+    headers = {"Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
+    if _GZIP.search(accept_encoding):
+        text = gzip.compress(text, _LEVEL)
+        headers["Content-Encoding"] = "gzip"
+    return Response(text, media_type="application/json", headers=headers)
+
+
+def _no_replay(job: Job, error: Exception) -> Problem:
+    if job.started is None:
+        why = "it has not begun" if job.state.is_open else "it never began"
+    elif job.state.is_open:
+        why = "nothing is written down yet: ask again in some seconds"
+    else:
+        why = f"it is kept no longer, or never was ({error}): there is room for those of the last jobs only"
+    return Problem(404, "NoReplay", f"there is no replay of job '{job.id}': {why}")

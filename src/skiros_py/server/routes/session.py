@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Literal, TypedDict
+
 from fastapi import APIRouter, Request, Response
 
 from skiros_py.api.session import Login, Me
-from skiros_py.server.access.logins import COOKIE, LIFETIME
+from skiros_py.server.access.logins import LIFETIME, cookie_name
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.services import Services, ServicesDep
 
 __all__ = ["router"]
+
+
+class _CookieOptions(TypedDict):
+    httponly: bool
+    samesite: Literal["strict"]
+    secure: bool
+
 
 router = APIRouter(prefix="/session", tags=["access"])
 
@@ -30,9 +39,7 @@ async def login(login: Login, request: Request, services: ServicesDep, response:
     address = request.client.host if request.client is not None else ""
     key, text = services.doorkeeper.login(login.key, address)
     request.state.caller = Caller(key.name, key.role, key.id)
-    response.set_cookie(
-        COOKIE, text, max_age=LIFETIME, httponly=True, samesite="strict", secure=request.url.scheme == "https"
-    )
+    response.set_cookie(_cookie(request), text, max_age=LIFETIME, **_options(request))
     return _me(request, services, request.state.caller)
 
 
@@ -41,8 +48,16 @@ async def logout(request: Request, services: ServicesDep) -> Response:
     """Ends the login that the cookie stands for. Once more does no harm."""
     services.doorkeeper.logout(request.headers)
     response = Response(status_code=204)
-    response.delete_cookie(COOKIE, httponly=True, samesite="strict", secure=request.url.scheme == "https")
+    response.delete_cookie(_cookie(request), **_options(request))
     return response
+
+
+def _cookie(request: Request) -> str:
+    return cookie_name(request.headers.get("host", ""))
+
+
+def _options(request: Request) -> _CookieOptions:
+    return {"httponly": True, "samesite": "strict", "secure": request.url.scheme == "https"}
 
 
 def _me(request: Request, services: Services, caller: Caller) -> Me:

@@ -43,8 +43,16 @@ class Body:
 
     def pose(self, client: Client) -> Pose:
         """Returns the pose of the solid's frame in the map."""
+        return self.pose_at(self.centre_pose(client))
+
+    def centre_pose(self, client: Client) -> Pose:
+        """Returns where its centre of mass is in the map, which is all that PyBullet says."""
         position, orientation = client.getBasePositionAndOrientation(self.index)
-        return Pose(tuple(position), tuple(orientation)) @ Pose(tuple(-c for c in self.centre))  # type: ignore[arg-type]
+        return Pose(tuple(position), tuple(orientation))
+
+    def pose_at(self, centre: Pose) -> Pose:
+        """Returns the pose of the solid's frame where the centre of mass is at a pose."""
+        return centre @ Pose(tuple(-c for c in self.centre))  # type: ignore[arg-type]
 
     def place(self, client: Client, pose: Pose) -> None:
         """Puts the body somewhere in the map, at rest."""

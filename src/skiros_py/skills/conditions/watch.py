@@ -55,6 +55,11 @@ class Watch:
             self._look()
         return self._broken
 
+    @property
+    def found(self) -> tuple[tuple[Condition, Verdict], ...]:
+        """What was found last of each condition that was evaluated."""
+        return tuple((one.condition, one.verdict) for one in self._watched if one.verdict.text)
+
     def touch(self) -> None:
         """Has those conditions that are stale evaluated when it is asked next."""
         self._stale = True

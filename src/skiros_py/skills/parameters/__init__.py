@@ -4,7 +4,7 @@ from skiros_py.skills.parameters.arguments import Arguments, missing, read_argum
 from skiros_py.skills.parameters.checks import check_params
 from skiros_py.skills.parameters.fields import param, params_of
 from skiros_py.skills.parameters.param import IT, Cost, Kind, Param
-from skiros_py.skills.parameters.values import as_json, as_text, read_value, schema
+from skiros_py.skills.parameters.values import as_json, as_shown, as_text, read_value, schema
 
 __all__ = [
     "IT",
@@ -13,6 +13,7 @@ __all__ = [
     "Kind",
     "Param",
     "as_json",
+    "as_shown",
     "as_text",
     "check_params",
     "missing",

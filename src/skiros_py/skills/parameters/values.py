@@ -12,7 +12,7 @@ from skiros_py.skills.parameters.value_types import VALUE_TYPES, ValueType
 from skiros_py.world.literals import shown
 from skiros_py.world.view import WorldView
 
-__all__ = ["as_json", "as_text", "read_value", "schema"]
+__all__ = ["as_json", "as_shown", "as_text", "read_value", "schema"]
 
 
 def read_value(param: Param, value: Any, view: WorldView) -> Any:
@@ -55,6 +55,14 @@ def as_json(param: Param, value: Any) -> Any:
         return value
     written = _type_of(param).json
     return written(value) if param.length == 1 else [written(one) for one in value]
+
+
+def as_shown(param: Param, value: Any) -> Any:
+    """Returns a value as plain data for those who look on: what nobody can read as text, as somebody gave it."""
+    try:
+        return as_json(param, value)
+    except (TypeError, ValueError, AttributeError):
+        return str(value)
 
 
 def schema(param: Param) -> dict[str, Any]:

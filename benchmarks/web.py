@@ -1,0 +1,253 @@
+"""The pages in a real browser, drawn by software: how soon, how smooth, how large.
+
+    uv run --all-groups python benchmarks/web.py
+    uv run --all-groups python benchmarks/web.py --only frames
+    uv run --all-groups python benchmarks/web.py --only memory --minutes 60
+
+Server, physics and browser share the machine. What the control cycle does beside the browser is compared with what it
+does alone, in the same run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+
+import httpx2
+from playwright.sync_api import Browser, Page
+from rest_server import Server, running
+from rest_settings import JOB, SCENE
+from table import Figure, finish
+from web_browser import browsing, cost_of, heap, new_page, ready, transferred
+from web_large import large_scene
+
+_TRIES = 5
+_MEGABYTE = 1e6
+
+
+def main() -> int:
+    """Measures."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=25.0, help="for how long frames and cycles are counted")
+    parser.add_argument("--objects", type=int, default=2000, help="things in the large scene")
+    parser.add_argument("--minutes", type=float, default=15.0, help="for how long memory is watched")
+    parser.add_argument("--settled", type=float, default=10.0, help="after so many minutes memory has to be flat")
+    parser.add_argument("--only", choices=sorted(_PARTS), help="one part of it")
+    options = parser.parse_args()
+    parts = [options.only] if options.only else list(_PARTS)
+    with browsing() as browser:
+        return finish("web", [figure for part in parts for figure in _PARTS[part](browser, options)])
+
+
+def _pages(server: Server) -> str:
+    return server.url.removesuffix("/api/v1") + "/"
+
+
+# ---------------------------------------------------------------------- opening
+
+
+def _opening(browser: Browser, _options: argparse.Namespace) -> list[Figure]:
+    with _data() as data, running(SCENE, Path(data), "--pace", "real") as server:
+        opened = [_open(browser, server) for _ in range(_TRIES)]
+    seconds = [one for one, _ in opened]
+    pages, api = opened[0][1]["pages"] / _MEGABYTE, opened[0][1]["api"] / _MEGABYTE
+    best = min(seconds)
+    return [
+        Figure(
+            f"usable after opening, best of {_TRIES}",
+            f"{best:.2f} s",
+            "<= 2 s",
+            best <= 2.0,
+            f"median {median(seconds):.2f} s, worst {max(seconds):.2f} s; nothing in the browser's cache",
+        ),
+        Figure(
+            "first load, compressed",
+            f"{pages:.2f} MB",
+            "<= 1.5 MB",
+            pages <= 1.5,
+            f"pages; besides {api:.2f} MB of data, the robot's model among it",
+        ),
+    ]
+
+
+def _open(browser: Browser, server: Server) -> tuple[float, dict[str, int]]:
+    """Returns after how long a page is usable [s], and what it has loaded by then and in the two seconds after."""
+    page = new_page(browser)
+    came = transferred(page)
+    start = time.monotonic()
+    page.goto(_pages(server))
+    ready(page)
+    taken = time.monotonic() - start
+    page.wait_for_timeout(2000.0)
+    page.context.close()
+    return taken, came
+
+
+# ---------------------------------------------------------------------- the 3D view while the robot works
+
+
+def _frames(browser: Browser, options: argparse.Namespace) -> list[Figure]:
+    with _data() as data, running(SCENE, Path(data), "--pace", "real") as server:
+        server.order(JOB)
+        server.wait_for_start(JOB)
+        alone = _cycles(server, options.seconds)
+        page = new_page(browser)
+        page.goto(_pages(server))
+        ready(page)
+        page.wait_for_timeout(3000.0)
+        drawn, start = page.evaluate("window.skiros3d.frames"), time.monotonic()
+        beside = _cycles(server, options.seconds)
+        frames = (page.evaluate("window.skiros3d.frames") - drawn) / (time.monotonic() - start)
+        state = server.job(JOB)["state"]["text"]
+        page.context.close()
+    return [
+        Figure(
+            "frames of the 3D view while the robot works at pace 1",
+            f"{frames:.1f} /s",
+            ">= 20 /s",
+            frames >= 20.0 and state == "Running",
+            f"drawn by software, 1280 x 800; the job: {state}",
+        ),
+        Figure(
+            "control cycles beside the browser",
+            f"{100.0 * beside / alone:.1f} %",
+            ">= 95 %",
+            beside >= 0.95 * alone,
+            f"{beside:.0f} against {alone:.0f} cycles/s without one",
+        ),
+    ]
+
+
+def _cycles(server: Server, seconds: float) -> float:
+    """Returns the rate of the control cycle by the wall clock [1/s]."""
+    with httpx2.Client(base_url=server.url, timeout=30.0) as client:
+        first, start = client.get("/state").json()["cycle"], time.monotonic()
+        time.sleep(seconds)
+        last: int = client.get("/state").json()["cycle"]
+        return (last - first) / (time.monotonic() - start)
+
+
+# ---------------------------------------------------------------------- from a change to pixels
+
+
+def _change(browser: Browser, _options: argparse.Namespace) -> list[Figure]:
+    with _data() as data, running(SCENE, Path(data), "--pace", "real") as server:
+        page = new_page(browser)
+        page.goto(_pages(server))
+        ready(page)
+        page.wait_for_function("() => window.skiros3d.pose('rack_1') !== null")
+        page.evaluate(_WATCH)
+        taken = [_change_to_pixels(page, server, x) for x in (1.2, 1.3, 1.4, 1.5, 1.6)]
+        page.context.close()
+    best = min(taken)
+    return [
+        Figure(
+            f"a change of the world by somebody else, to pixels, best of {_TRIES}",
+            f"{best:.0f} ms",
+            "<= 300 ms",
+            best <= 300.0,
+            f"median {median(taken):.0f} ms, worst {max(taken):.0f} ms",
+        )
+    ]
+
+
+_WATCH = """
+() => {
+  window.seenAt = {};
+  const look = () => {
+    const pose = window.skiros3d.pose("rack_1");
+    const x = pose === null ? "" : pose[0].toFixed(3);
+    if (!(x in window.seenAt)) requestAnimationFrame(() => (window.seenAt[x] = Date.now()));
+    requestAnimationFrame(look);
+  };
+  look();
+}
+"""
+
+
+def _change_to_pixels(page: Page, server: Server, x: float) -> float:
+    pose = {"position": [x, 0.5, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
+    start = time.time()
+    url = f"{server.url}/elements/rack_1"
+    httpx2.patch(url, json={"properties": {"sk:pose": pose}}, headers={"If-Match": "*"}, timeout=30.0).raise_for_status()
+    seen = page.wait_for_function("(x) => window.seenAt[x]", arg=f"{x:.3f}").json_value()
+    page.wait_for_timeout(300.0)
+    return float(seen) - start * 1000.0
+
+
+# ---------------------------------------------------------------------- many things
+
+
+def _large(browser: Browser, options: argparse.Namespace) -> list[Figure]:
+    with _data() as data, running(SCENE, Path(data), "--fake", "--pace", "real") as server:
+        costs = large_scene(browser, server, _pages(server), options.objects)
+    return [
+        Figure(
+            f"{name}, {options.objects} things, best of {len(taken)}",
+            f"{min(taken):.0f} ms",
+            "<= 200 ms",
+            min(taken) <= 200.0,
+            f"median {median(taken):.0f} ms, worst {max(taken):.0f} ms",
+        )
+        for name, taken in costs.items()
+    ]
+
+
+# ---------------------------------------------------------------------- memory
+
+
+def _memory(browser: Browser, options: argparse.Namespace) -> list[Figure]:
+    """One job after the other on the pretending robot, a few times as quick as a real one: the more events."""
+    held: list[tuple[float, float]] = []
+    with _data() as data, running(SCENE, Path(data), "--fake", "--pace", "5") as server:
+        page = new_page(browser)
+        page.goto(_pages(server))
+        ready(page)
+        begun, jobs = time.monotonic(), 0
+        while (minutes := (time.monotonic() - begun) / 60.0) < options.minutes:
+            jobs += 1
+            _job(server, f"job-{jobs}")
+            held.append((minutes, heap(page)))
+        page.context.close()
+    settled = [used for at, used in held if at >= options.settled]
+    first, last = settled[0], max(settled[-3:])
+    return [
+        Figure(
+            f"memory of the page after {options.minutes:g} minutes of jobs",
+            f"{last / first:.3f} x",
+            "<= 1.1 x",
+            last <= 1.1 * first,
+            f"{last:.1f} MiB against {first:.1f} MiB after {options.settled:g} minutes; {jobs} jobs",
+        )
+    ]
+
+
+def _job(server: Server, job: str) -> None:
+    """Has parts brought to the kit, and puts them back where they were."""
+    server.order(job)
+    server.wait_for_end(job)
+    for part, place in (("starter_1", "pallet_a"), ("alternator_1", "pallet_a"), ("compressor_1", "pallet_b")):
+        body = {"placement": {"relation": "sk:in", "place": place}}
+        url = f"{server.url}/elements/{part}"
+        httpx2.patch(url, json=body, headers={"If-Match": "*"}, timeout=30.0).raise_for_status()
+
+
+def _data() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="skiros-bench-")
+
+
+_PARTS: dict[str, Callable[[Browser, argparse.Namespace], list[Figure]]] = {
+    "opening": _opening,
+    "frames": _frames,
+    "change": _change,
+    "large": _large,
+    "memory": _memory,
+}
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,107 @@
+"""A real browser for the benchmark of the pages, and what it tells of itself."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
+
+__all__ = ["browsing", "cost_of", "heap", "new_page", "ready", "transferred"]
+
+_ARGUMENTS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--enable-precise-memory-info"]
+"""Software rendering, as on a machine without a graphics card."""
+_PATIENCE = 60_000.0
+
+
+@contextmanager
+def browsing() -> Iterator[Browser]:
+    """Runs the machine's Chromium, without a window, while the block runs.
+
+    Raises:
+        FileNotFoundError: There is none.
+    """
+    path = shutil.which("chromium")
+    if path is None:
+        raise FileNotFoundError("this benchmark needs Chromium: apt-get install chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=_ARGUMENTS)
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def new_page(browser: Browser) -> Page:
+    """Returns a page of a browser that has seen nothing yet."""
+    page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
+    page.set_default_timeout(_PATIENCE)
+    return page
+
+
+def ready(page: Page) -> None:
+    """Returns when an operator can work: the stop button, the first tab and a drawn 3D view are there."""
+    page.get_by_role("button", name="Stop all").wait_for()
+    page.get_by_role("tabpanel").get_by_role("button").first.wait_for()
+    page.wait_for_function("() => window.skiros3d !== undefined && window.skiros3d.frames > 0")
+
+
+class _Counter:
+    """Counts what comes over the network, as it comes: compressed."""
+
+    def __init__(self, session: CDPSession) -> None:
+        self.bytes = {"pages": 0, "api": 0}
+        self._urls: dict[str, str] = {}
+        session.on("Network.requestWillBeSent", self._begun)
+        session.on("Network.dataReceived", self._came)
+        session.send("Network.enable")
+
+    def _begun(self, event: dict[str, Any]) -> None:
+        self._urls[event["requestId"]] = event["request"]["url"]
+
+    def _came(self, event: dict[str, Any]) -> None:
+        kind = "api" if "/api/v1/" in self._urls.get(event["requestId"], "") else "pages"
+        self.bytes[kind] += event["encodedDataLength"]
+
+
+def transferred(page: Page) -> dict[str, int]:
+    """Returns how many bytes come from now on, by whether they are the pages' own or data; it goes on counting."""
+    return _Counter(page.context.new_cdp_session(page)).bytes
+
+
+def heap(page: Page) -> float:
+    """Returns what the page's scripts hold after the garbage was collected [MiB]."""
+    session = page.context.new_cdp_session(page)
+    session.send("HeapProfiler.collectGarbage")
+    used: float = session.send("Runtime.getHeapUsage")["usedSize"]
+    session.detach()
+    return used / 2**20
+
+
+_COST = """
+async () => {
+  const frame = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+  const start = performance.now();
+  %(act)s;
+  while (!(%(done)s)) {
+    if (performance.now() - start > 10000) throw new Error("that was not seen within ten seconds");
+    await frame();
+  }
+  await frame();  // until it is painted
+  return performance.now() - start;
+}
+"""
+
+
+def cost_of(page: Page, act: str, done: str) -> float:
+    """Returns how long something takes from the input to the painted result [ms], by the page's own clock.
+
+    Args:
+        page: The page.
+        act: JavaScript that does it, as a click does.
+        done: JavaScript expression that is true when the result is there.
+    """
+    cost: float = page.evaluate(_COST % {"act": act, "done": done})
+    return cost

@@ -1,0 +1,1 @@
+"""What jobs looked like: kept while they run, shown again afterwards."""

@@ -1,0 +1,259 @@
+"""Models of robots as pages draw them: what is visible only, with meshes that any machine draws quickly.
+
+They are made once for each model, which takes some seconds, and kept in the data directory.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import shutil
+import threading
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from skiros_py.errors import DeviceError, SkirosError
+from skiros_py.robot.models import write_robot_urdf
+from skiros_py.workers import Worker
+
+if TYPE_CHECKING:
+    from skiros_py.perception.light_meshes import MeshPiece
+
+__all__ = ["MESHES", "DrawnModel", "RobotModels"]
+
+MESHES = "model/meshes/"
+"""Where the meshes are, seen from the address of the model."""
+
+_FORM = b"1"
+"""Of what is kept; another one makes the server forget what an older one kept."""
+_MOST_TRIANGLES = 14_000
+"""Of a whole robot: enough for the eye, and drawn by software 30 times a second."""
+_INVISIBLE = ("collision", "inertial")
+_WHITE = (1.0, 1.0, 1.0, 1.0)
+_log = logging.getLogger(__name__)
+
+_Colour = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnModel:
+    """A model as it is drawn.
+
+    Attributes:
+        urdf: The description; mesh files are named from the address of the model.
+        meshes: The files that it names.
+    """
+
+    urdf: bytes
+    meshes: Mapping[str, bytes]
+
+
+class RobotModels:
+    """The models that were asked for; any thread may ask.
+
+    Args:
+        folder: Where they are kept.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._made: dict[str, DrawnModel] = {}
+        self._making = threading.Lock()
+        self._lightening = _Lightening()
+        self._preparing: threading.Thread | None = None
+
+    def get(self, name: str) -> DrawnModel:
+        """Returns a model; the first time it may take some seconds, and whoever else asks waits for it, too.
+
+        Raises:
+            UnknownName: Nobody knows how to build it.
+            SkirosError: A part of it is not installed, or the server ends.
+        """
+        with self._making:
+            if name not in self._made:
+                self._made[name] = self._kept(name)
+            return self._made[name]
+
+    def prepare(self, names: Iterable[str]) -> None:
+        """Has models made before anybody asks, beside everything else; what cannot be made is told who asks."""
+        wanted = tuple(dict.fromkeys(names))
+
+        def make() -> None:
+            for name in wanted:
+                with suppress(SkirosError):
+                    self.get(name)
+
+        self._preparing = threading.Thread(target=make, name="skiros-robot-models")
+        self._preparing.start()
+
+    def close(self) -> None:
+        """Leaves off whatever is being made."""
+        self._lightening.close()
+        if self._preparing is not None:
+            self._preparing.join()
+
+    def _kept(self, name: str) -> DrawnModel:
+        with TemporaryDirectory(prefix="skiros-model-") as place:
+            robot = ET.parse(write_robot_urdf(name, Path(place))).getroot()  # noqa: S314 - written just now
+        for link in robot.iter("link"):
+            for child in [child for child in link if child.tag in _INVISIBLE]:
+                link.remove(child)
+        folder = self._folder / f"{name}-{_fingerprint(robot)}"
+        return _read(folder) or self._make(robot, folder)
+
+    def _make(self, robot: ET.Element, folder: Path) -> DrawnModel:
+        with TemporaryDirectory(prefix="skiros-model-") as place:
+            made = Path(place)
+            pieces = self._lightening.do(tuple(_sources(robot)), made)
+            _log.info("robot model %s: %d triangles", folder.name, _triangles(robot, pieces))
+            _draw(robot, pieces)
+            urdf = ET.tostring(robot, encoding="utf-8", xml_declaration=True)
+            model = DrawnModel(urdf, {file.name: file.read_bytes() for file in sorted(made.glob("*.stl"))})
+        _keep(model, folder)
+        return model
+
+
+class _Lightening:
+    """Has meshes made light in a process of its own, which ends with the server at the latest."""
+
+    def __init__(self) -> None:
+        self._changing = threading.Lock()
+        self._worker: Worker | None = None
+        self._closed = False
+
+    def do(self, sources: tuple[Path, ...], folder: Path) -> Mapping[Path, tuple[MeshPiece, ...]]:
+        """Returns the pieces of meshes.
+
+        Raises:
+            DeviceError: The process died, or the server ends.
+        """
+        if not sources:
+            return {}
+        with self._changing:
+            if self._closed:
+                raise DeviceError("the server ends")
+            worker = self._worker = Worker("robot model", _lightener)
+        try:
+            pieces: Mapping[Path, tuple[MeshPiece, ...]] = worker.call(
+                "light", sources, folder, _MOST_TRIANGLES
+            ).result()
+        finally:
+            self._end()
+        return pieces
+
+    def close(self) -> None:
+        """Ends what is under way; nothing is begun any more."""
+        self._closed = True
+        self._end()
+
+    def _end(self) -> None:
+        with self._changing:
+            worker, self._worker = self._worker, None
+            if worker is not None:
+                worker.close()
+
+
+def _lightener() -> object:
+    from skiros_py.perception.light_meshes import MeshLightener
+
+    return MeshLightener()
+
+
+def _sources(robot: ET.Element) -> Iterator[Path]:
+    """Yields the file of each mesh, as often as it is drawn."""
+    yield from (Path(mesh.get("filename", "")) for mesh in robot.iter("mesh"))
+
+
+def _fingerprint(robot: ET.Element) -> str:
+    """Returns what changes with the model, its meshes, or how they are kept."""
+    digest = hashlib.sha256(_FORM + ET.tostring(robot))
+    for source in dict.fromkeys(_sources(robot)):
+        digest.update(source.read_bytes() if source.is_file() else b"none")
+    return digest.hexdigest()[:16]
+
+
+def _read(folder: Path) -> DrawnModel | None:
+    """Reads what is kept; None where nothing is, or not all of it."""
+    try:
+        urdf = (folder / "robot.urdf").read_bytes()
+        names = {mesh.get("filename", "").removeprefix(MESHES) for mesh in ET.fromstring(urdf).iter("mesh")}  # noqa: S314 - our own
+        return DrawnModel(urdf, {name: (folder / name).read_bytes() for name in sorted(names)})
+    except (OSError, ET.ParseError):
+        return None
+
+
+def _triangles(robot: ET.Element, pieces: Mapping[Path, tuple[MeshPiece, ...]]) -> int:
+    return sum(piece.triangles for source in _sources(robot) for piece in pieces[source])
+
+
+def _keep(model: DrawnModel, folder: Path) -> None:
+    """Writes a model; a folder is there wholly or not at all, and if it cannot be there, it is made anew next time."""
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(dir=folder.parent, prefix=".new-") as place:
+            new = Path(place) / folder.name
+            new.mkdir()
+            (new / "robot.urdf").write_bytes(model.urdf)
+            for name, content in model.meshes.items():
+                (new / name).write_bytes(content)
+            shutil.rmtree(folder, ignore_errors=True)  # one of which something is missing
+            new.rename(folder)
+    except OSError as error:
+        _log.warning("the robot model is not kept: %s", error)
+
+
+# ---------------------------------------------------------------- what is drawn
+
+
+def _draw(robot: ET.Element, pieces: Mapping[Path, tuple[MeshPiece, ...]]) -> None:
+    """Puts light meshes in the place of those of the model: one shape for each colour."""
+    colours = _colours(robot)
+    for link in robot.iter("link"):
+        for visual in link.findall("visual"):
+            mesh = visual.find("geometry/mesh")
+            own = colours.get(_material(visual), _WHITE)
+            if mesh is None:
+                _paint(visual, own)
+                continue
+            link.remove(visual)
+            found = pieces[Path(mesh.get("filename", ""))]
+            link.extend(_shape(visual, piece, piece.colour if len(found) > 1 else own) for piece in found)
+
+
+def _colours(robot: ET.Element) -> Mapping[str, _Colour]:
+    """Returns the colours that materials have anywhere in the model: they are said once, and meant everywhere."""
+    found: dict[str, _Colour] = {}
+    for material in robot.iter("material"):
+        colour = material.find("color")
+        if colour is not None:
+            red, green, blue, opacity = map(float, colour.get("rgba", "1 1 1 1").split())
+            found[material.get("name", "")] = red, green, blue, opacity
+    return found
+
+
+def _material(visual: ET.Element) -> str:
+    material = visual.find("material")
+    return "" if material is None else material.get("name", "")
+
+
+def _shape(visual: ET.Element, piece: MeshPiece, colour: _Colour) -> ET.Element:
+    shape = deepcopy(visual)
+    mesh = shape.find("geometry/mesh")
+    assert mesh is not None
+    mesh.set("filename", f"{MESHES}{piece.file}")
+    _paint(shape, colour)
+    return shape
+
+
+def _paint(visual: ET.Element, colour: _Colour) -> None:
+    for old in visual.findall("material"):
+        visual.remove(old)
+    rgba = " ".join(f"{part:.4g}" for part in colour)
+    material = ET.SubElement(visual, "material", name=f"rgba {rgba}")
+    ET.SubElement(material, "color", rgba=rgba)

@@ -1,0 +1,66 @@
+"""Routes: models of robots, as they are drawn."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path, Response
+
+from skiros_py.errors import SkirosError, UnknownName
+from skiros_py.server import robots
+from skiros_py.server.access.roles import Role, needs
+from skiros_py.server.problems import Problem, found
+from skiros_py.server.robot_models import DrawnModel
+from skiros_py.server.services import Services, ServicesDep
+
+__all__ = ["router"]
+
+router = APIRouter(tags=["robots"])
+
+_Id = Annotated[str, Path(max_length=200)]
+_MeshName = Annotated[str, Path(max_length=200, description="As the model names it.")]
+_FOREVER = {"Cache-Control": "private, max-age=31536000, immutable"}
+"""What is named by its content never changes."""
+_URDF: dict[int | str, dict[str, Any]] = {200: {"description": "The model.", "content": {"application/xml": {}}}}
+_STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "content": {"model/stl": {}}}}
+
+
+@router.get(
+    "/robots/{id}/model",
+    summary="Read a robot's model",
+    dependencies=[needs(Role.VIEWER)],
+    response_class=Response,
+    responses=_URDF,
+)
+def get_robot_model(id: _Id, services: ServicesDep) -> Response:  # noqa: A002 - as the address says it
+    """Tells what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
+
+    Files of meshes are named from the address of the model, are binary STL, and have few triangles. The description of
+    the robot says which joints stand where. The first time it may take some seconds.
+    """
+    return Response(_model(services, id).urdf, media_type="application/xml")
+
+
+@router.get(
+    "/robots/{id}/model/meshes/{name}",
+    summary="Read a mesh of a robot's model",
+    dependencies=[needs(Role.VIEWER)],
+    response_class=Response,
+    responses=_STL,
+)
+def get_robot_mesh(id: _Id, name: _MeshName, services: ServicesDep) -> Response:  # noqa: A002
+    """Gives one of the meshes that the model names, as binary STL [m]; nothing else."""
+    meshes = _model(services, id).meshes
+    with found("UnknownMesh"):
+        if name not in meshes:
+            raise UnknownName("mesh", name, meshes)
+    return Response(meshes[name], media_type="model/stl", headers=_FOREVER)
+
+
+def _model(services: Services, id_: str) -> DrawnModel:
+    with found():
+        robot = robots.robot_of(services.session, id_)
+    try:
+        return services.robot_models.get(robot.model)
+    except SkirosError as error:  # cells of plug-ins may have robots of their own
+        raise Problem(404, "NoModel", f"nobody knows what {id_} looks like: {error}") from None

@@ -1,0 +1,82 @@
+"""What a run tells of itself afterwards: with what, which conditions were looked at, what it changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from skiros_py.execution.running import RunningModule
+from skiros_py.skills.composition import Do, P
+from skiros_py.skills.outcome import Outcome, Success
+from skiros_py.skills.parameters import param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.testing import SKILLS, Bench, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, HAS_PART, REACHABLE
+from skiros_py.world.change import Writer
+
+
+class Wander(Primitive["Wander.Params"]):
+    """Goes somewhere in two steps."""
+
+    name: ClassVar[str] = "wander"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        goes: str = param("sk:Location", "Where to.")
+
+    def execute(self) -> Execution[Outcome]:
+        for place in ("floor", self.params.goes):
+            with self.world.transaction("wander", "goes on") as tx:
+                tx.place("robot_1", "sk:at", place)
+            yield
+        return Success()
+
+
+def wandering(description: SkillDescription) -> Skill:
+    return Skill(description, Do.of("wander", goes=P("Location")), driver="fake")
+
+
+def ended(bench: Bench, **arguments: Any) -> RunningModule:
+    running = bench.start("drive", **arguments)
+    bench.until(lambda: running.done)
+    return running
+
+
+def found(running: RunningModule) -> list[tuple[str, bool]]:
+    return [(row["kind"], row["holds"]) for row in running.account["conditions"]]
+
+
+def test_an_account_has_all_parameters_also_those_that_were_inferred() -> None:
+    with Bench(tiny_world(), SKILLS) as bench:
+        running = ended(bench, Location="box_a")
+    assert running.account["inputs"] == {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
+
+
+def test_an_account_has_the_conditions_before_meanwhile_and_after() -> None:
+    watched = replace(DRIVE, pre=(REACHABLE("Location"),), hold=(HAS_PART("Robot", "Base"),))
+    with Bench(tiny_world(), (wandering(watched),), (Wander,)) as bench:
+        running = ended(bench, Location="box_a")
+    assert found(running) == [("pre", True), ("hold", True), ("post", True)]
+
+
+def test_a_postcondition_that_does_not_hold_is_in_the_account_with_its_reason() -> None:
+    idle = Skill(replace(DRIVE, pre=()), Do.of("wander", goes="box_b"), driver="fake")
+    with Bench(tiny_world(), (idle,), (Wander,)) as bench:
+        running = ended(bench, Location="box_a")
+    row = running.account["conditions"][-1]
+    assert (row["kind"], row["holds"]) == ("post", False)
+    assert "robot_1" in " ".join(row["why"])
+
+
+def test_an_account_has_the_numbers_of_the_changes_that_the_run_made_and_no_others() -> None:
+    with Bench(tiny_world(), (wandering(replace(DRIVE, pre=())),), (Wander,)) as bench:
+        before = bench.world.version
+        running = bench.start("drive", Location="box_a")
+        bench.advance(0.005)
+        with bench.world.transaction("anna", "moves it meanwhile", writer=Writer.PERSON) as tx:
+            tx.set("box_b", "rdfs:label", "other box")
+        bench.until(lambda: running.done)
+        own = [change.number for change in bench.world.changes_since(before) if change.author == "wander"]
+    assert len(own) == 2
+    assert running.account["changes"] == own

@@ -1,0 +1,19 @@
+import { IconPlugConnectedX } from "@tabler/icons-react";
+import { useTranslation } from "react-i18next";
+import { useConnection } from "../live/connection";
+import { Moment } from "../widgets/Moment";
+import { Banner } from "./Banner";
+
+/** The server is lost, or says nothing of the robots: what the page shows may be old. It heals by itself. */
+export function ConnectionBanner() {
+  const { t } = useTranslation("always");
+  const { status, since, silent } = useConnection();
+  const lost = status === "lost";
+  if (!lost && silent === null) return null;
+  return (
+    <Banner tone="orange" icon={IconPlugConnectedX} title={lost ? t("connection.lost") : t("connection.silent")}>
+      {t("connection.since")} <Moment at={lost ? since : silent} />.{" "}
+      {lost ? t("connection.lostText") : t("connection.silentText")}
+    </Banner>
+  );
+}

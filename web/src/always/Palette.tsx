@@ -1,0 +1,38 @@
+import "@mantine/spotlight/styles.css";
+import { useDebouncedValue } from "@mantine/hooks";
+import { Spotlight, spotlight } from "@mantine/spotlight";
+import { IconSearch } from "@tabler/icons-react";
+import { useEffect, useState } from "react";
+import { useTranslation } from "react-i18next";
+import { usePalette } from "./palette";
+import { useActions } from "./useActions";
+
+/** Everything by a few letters: tabs, commands, scenes, jobs, and elements by search. */
+export default function Palette() {
+  const { t } = useTranslation("always");
+  const asked = usePalette((palette) => palette.asked);
+  const [query, setQuery] = useState("");
+  const [searched] = useDebouncedValue(query.trim(), 150);
+  const actions = useActions(searched);
+  useEffect(() => {
+    if (asked > 0) spotlight.open();
+  }, [asked]);
+  return (
+    <Spotlight
+      shortcut={null}
+      actions={actions}
+      query={query}
+      onQueryChange={setQuery}
+      highlightQuery
+      scrollable
+      maxHeight={420}
+      limit={30}
+      nothingFound={t("palette.nothing")}
+      searchProps={{
+        leftSection: <IconSearch size={18} aria-hidden />,
+        placeholder: t("palette.placeholder"),
+        "aria-label": t("palette.placeholder"),
+      }}
+    />
+  );
+}

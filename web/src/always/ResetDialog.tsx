@@ -1,0 +1,59 @@
+import { Alert, Button, Group, Modal, Stack, Text } from "@mantine/core";
+import { useMutation } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, api } from "../api/client";
+import { keys } from "../api/keys";
+import { queryClient } from "../api/queries";
+import { MayButton } from "../widgets/MayButton";
+import { problemText } from "../widgets/problems";
+import { useDialogs } from "./dialogs";
+import { useStopping } from "./stopping";
+import { useHalt } from "./useHalt";
+
+/** Lets things start again: of somebody who has looked, and says so. */
+export function ResetDialog() {
+  const { t } = useTranslation("always");
+  const { opened, close } = useDialogs();
+  return (
+    <Modal opened={opened === "reset"} onClose={close} title={t("reset.title")} centered>
+      <Question done={close} />
+    </Modal>
+  );
+}
+
+function Question({ done }: { done: () => void }) {
+  const { t } = useTranslation("always");
+  const { t: common } = useTranslation();
+  const halt = useHalt();
+  const reset = useReset(done);
+  return (
+    <Stack>
+      <Text size="sm">{halt?.halted ? t("reset.why", { why: halt.why }) : t("reset.nothing")}</Text>
+      <Text size="sm">{t("reset.text")}</Text>
+      {reset.error && (
+        <Alert role="alert" color="red" title={t("reset.refused")}>
+          {problemText(reset.error)}
+        </Alert>
+      )}
+      <Group justify="flex-end">
+        <Button variant="default" onClick={done} data-autofocus>
+          {common("cancel")}
+        </Button>
+        <MayButton operation="reset" color="red" loading={reset.isPending} onClick={() => reset.mutate()}>
+          {t("reset.confirm")}
+        </MayButton>
+      </Group>
+    </Stack>
+  );
+}
+
+function useReset(done: () => void) {
+  return useMutation({
+    mutationFn: () => answer(api.POST("/api/v1/reset")),
+    onSuccess: (halt) => {
+      queryClient.setQueryData(keys.station("stop"), halt);
+      useStopping.getState().forget();
+      done();
+    },
+  });
+}

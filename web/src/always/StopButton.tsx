@@ -1,0 +1,31 @@
+import { Button, Tooltip } from "@mantine/core";
+import { IconHandStop } from "@tabler/icons-react";
+import { useTranslation } from "react-i18next";
+import { useMay } from "../api/session";
+import classes from "./always.module.css";
+import { stopAll } from "./stopping";
+
+/** Stops everything at once: no question, no queue, above everything else on the page. */
+export function StopButton() {
+  const { t } = useTranslation("always");
+  const { t: common } = useTranslation();
+  const may = useMay("stop");
+  return (
+    <Tooltip label={may ? t("stop.hint") : common("mayNot")} multiline maw={280} position="right" zIndex={10_001}>
+      <Button
+        className={classes.stop}
+        color="red"
+        size="md"
+        aria-label={t("stop.label")}
+        aria-keyshortcuts="Control+Shift+Space"
+        leftSection={<IconHandStop size={22} aria-hidden />}
+        // Who may not sees it and hears why; it is tried all the same, the server decides.
+        data-disabled={!may || undefined}
+        aria-disabled={!may}
+        onClick={() => void stopAll(t("stop.reason"))}
+      >
+        {t("stop.label")}
+      </Button>
+    </Tooltip>
+  );
+}

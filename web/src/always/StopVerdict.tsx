@@ -1,0 +1,52 @@
+import { Button, Text } from "@mantine/core";
+import { IconAlertOctagon, IconCheck, IconHandStop, type TablerIcon } from "@tabler/icons-react";
+import { useEffect } from "react";
+import { useTranslation } from "react-i18next";
+import classes from "./always.module.css";
+import { useStopping, type Verdict } from "./stopping";
+
+const ICONS: Record<Verdict, TablerIcon> = {
+  asking: IconHandStop,
+  noAnswer: IconAlertOctagon,
+  notObeyed: IconAlertOctagon,
+  refused: IconAlertOctagon,
+  obeyed: IconCheck,
+};
+const SHOWN = 8000; // ms, of a good verdict: that everything is halted is said as long as it is so
+
+/** What became of a stop that was asked for here, in big words: nobody shall rely on one that was not obeyed. */
+export function StopVerdict() {
+  const { verdict } = useStopping();
+  const forget = useStopping((stopping) => stopping.forget);
+  useEffect(() => {
+    if (verdict !== "obeyed") return;
+    const timer = setTimeout(forget, SHOWN);
+    return () => clearTimeout(timer);
+  }, [verdict, forget]);
+  return <div role="alert">{verdict && <Words verdict={verdict} />}</div>;
+}
+
+function Words({ verdict }: { verdict: Verdict }) {
+  const { t } = useTranslation("always");
+  const { text, forget } = useStopping();
+  const Icon = ICONS[verdict];
+  const good = verdict === "obeyed" || verdict === "asking";
+  return (
+    <div className={classes.verdict} data-bad={!good || undefined}>
+      <Icon size={32} aria-hidden />
+      <div className={classes.bannerText}>
+        <Text fz={22} fw={800} lh={1.2}>
+          {t(`verdict.${verdict}.title`)}
+        </Text>
+        <Text size="md">
+          {t(`verdict.${verdict}.text`)} {text}
+        </Text>
+      </div>
+      {verdict !== "asking" && (
+        <Button variant="white" color="dark" onClick={forget}>
+          {t("verdict.giveUp")}
+        </Button>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,14 @@
+/** The command palette; its code comes when it is opened first. */
+
+import { create } from "zustand";
+
+interface Palette {
+  /** How often somebody wanted to see it. */
+  asked: number;
+  open: () => void;
+}
+
+export const usePalette = create<Palette>((set) => ({
+  asked: 0,
+  open: () => set(({ asked }) => ({ asked: asked + 1 })),
+}));

@@ -1,0 +1,37 @@
+/** The keys of the pages: what each does, and how it is said to people. */
+
+import { TABS, type Tab } from "../app/address";
+
+export type Command = "stop" | "palette" | "help" | "view3d" | { tab: Tab };
+
+type Press = Pick<KeyboardEvent, "code" | "key" | "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
+
+/**
+ * Tells what a press of keys commands; undefined for nothing.
+ *
+ * @param writing - Whether it goes into a text field, where letters alone command nothing.
+ */
+export function commandOf(press: Press, writing: boolean): Command | undefined {
+  const control = press.ctrlKey || press.metaKey;
+  if (control && press.shiftKey && press.code === "Space") return "stop";
+  if (control && !press.altKey && !press.shiftKey && press.code === "KeyK") return "palette";
+  if (!control && press.altKey && !press.shiftKey) return withAlt(press.code);
+  return !control && !press.altKey && !writing && press.key === "?" ? "help" : undefined;
+}
+
+function withAlt(code: string): Command | undefined {
+  if (code === "Digit0") return "view3d";
+  const tab = TABS[Number(/^Digit([1-9])$/.exec(code)?.[1] ?? 0) - 1];
+  return tab && { tab };
+}
+
+/** Names of the commands in the texts, with the keys, for the list of them. */
+export const SHORTCUTS = [
+  ["stop", ["Ctrl", "Shift", "Space"]],
+  ["palette", ["Ctrl", "K"]],
+  ["tabs", ["Alt", "1 … 4"]],
+  ["view3d", ["Alt", "0"]],
+  ["help", ["?"]],
+  ["escape", ["Esc"]],
+  ["panes", ["Tab", "←", "→"]],
+] as const;

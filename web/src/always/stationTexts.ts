@@ -1,0 +1,53 @@
+import type { StationState } from "../live/station";
+
+/** Seconds as people read them: 75 is "1:15", 3675 is "1:01:15". */
+export function clock(seconds: number): string {
+  const [hours, minutes] = [Math.floor(seconds / 3600), Math.floor(seconds / 60) % 60];
+  const ending = String(Math.floor(seconds) % 60).padStart(2, "0");
+  return hours > 0 ? `${hours}:${String(minutes).padStart(2, "0")}:${ending}` : `${minutes}:${ending}`;
+}
+
+/** What it takes to tell whether a robot moves. */
+interface Robot {
+  id: string;
+  label: string;
+  base: { id: string };
+  arms: { id: string }[];
+  grippers: { id: string }[];
+}
+
+/** Names of the robots that move, with commas; as text, so that what does not change draws nothing anew. */
+export function movingRobots(state: StationState | null, robots: readonly Robot[]): string {
+  if (state === null) return "";
+  return robots
+    .filter((robot) => moves(state, robot))
+    .map(({ label, id }) => label || id)
+    .join(", ");
+}
+
+function moves({ arms, bases, grippers }: StationState, robot: Robot): boolean {
+  return (
+    bases[robot.base.id]?.still === false ||
+    robot.arms.some(({ id }) => arms[id]?.still === false) ||
+    robot.grippers.some(({ id }) => grippers[id]?.still === false)
+  );
+}
+
+/** What the window of the browser is called, so that it says how things are while somebody looks elsewhere. */
+export function windowTitle(state: StationState | null, lost: boolean, questions: number, t: TitleWords): string {
+  const said = lost ? `⚠ ${t.lost}` : questions > 0 ? `? ${t.asks}` : doing(state, t);
+  return said ? `${said} – skiros` : "skiros";
+}
+
+export interface TitleWords {
+  lost: string;
+  asks: string;
+  halted: string;
+  running: string;
+}
+
+function doing(state: StationState | null, t: TitleWords): string {
+  if (state?.halted) return `■ ${t.halted}`;
+  const running = state?.tasks.find(({ status }) => status === "running" || status === "planning");
+  return running ? `● ${running.name} ${t.running}` : "";
+}

@@ -1,0 +1,40 @@
+import { useEffect } from "react";
+import { useTranslation } from "react-i18next";
+import { useLayout } from "../app/layout";
+import { useTab } from "../app/useTab";
+import { useSelection } from "../selection/selection";
+import { useDialogs } from "./dialogs";
+import { usePalette } from "./palette";
+import { type Command, commandOf } from "./shortcuts";
+import { stopAll } from "./stopping";
+
+/** Hears the keys of the pages, before anything else on them does. */
+export function useKeys(): void {
+  const { t } = useTranslation("always");
+  const [, openTab] = useTab();
+  useEffect(() => {
+    const run = (command: Command) => {
+      if (command === "stop") void stopAll(t("stop.reason"));
+      else if (command === "palette") usePalette.getState().open();
+      else if (command === "help") useDialogs.getState().open("help");
+      else if (command === "view3d") useLayout.getState().toggle();
+      else openTab(command.tab);
+    };
+    const hear = (event: KeyboardEvent) => {
+      if (event.key === "Escape") useSelection.getState().endPick();
+      const command = commandOf(event, isWriting(event.target));
+      if (command === undefined) return;
+      event.preventDefault();
+      event.stopPropagation();
+      if (!event.repeat) run(command);
+    };
+    window.addEventListener("keydown", hear, { capture: true });
+    return () => window.removeEventListener("keydown", hear, { capture: true });
+  }, [t, openTab]);
+}
+
+function isWriting(target: EventTarget | null): boolean {
+  return (
+    target instanceof HTMLElement && (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName))
+  );
+}

@@ -1,0 +1,20 @@
+import { useDocumentTitle } from "@mantine/hooks";
+import { useTranslation } from "react-i18next";
+import { useConnection } from "../live/connection";
+import { useStation } from "../live/station";
+import { windowTitle } from "./stationTexts";
+import { useAlarms } from "./useAlarms";
+
+/** Has the browser's tab say how things are. */
+export function useWindowTitle(): void {
+  const { t } = useTranslation("always");
+  const lost = useConnection(({ status }) => status === "lost");
+  const questions = useAlarms(true).filter(({ choices }) => choices.length > 0).length;
+  const words = {
+    lost: t("title.lost"),
+    asks: t("title.asks"),
+    halted: t("title.halted"),
+    running: t("title.running"),
+  };
+  useDocumentTitle(useStation(({ state }) => windowTitle(state, lost, questions, words)));
+}

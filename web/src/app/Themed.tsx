@@ -1,0 +1,20 @@
+import { MantineProvider, mergeThemeOverrides } from "@mantine/core";
+import { type ReactNode, useMemo } from "react";
+import { useTranslation } from "react-i18next";
+import { theme } from "./theme";
+
+/** Looks of the pages, with the words that the library's own buttons have. */
+export function Themed({ children }: { children: ReactNode }) {
+  const { t } = useTranslation();
+  const close = t("close");
+  const worded = useMemo(() => withWords(close), [close]);
+  return (
+    <MantineProvider theme={worded} defaultColorScheme="auto">
+      {children}
+    </MantineProvider>
+  );
+}
+
+function withWords(close: string) {
+  return mergeThemeOverrides(theme, { components: { CloseButton: { defaultProps: { "aria-label": close } } } });
+}

@@ -1,0 +1,81 @@
+import { Alert, Button, Group, List, Modal, Stack, Text } from "@mantine/core";
+import { notifications } from "@mantine/notifications";
+import { useMutation, useQuery } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, answerWithTag, api, ApiProblem } from "../api/client";
+import { keys } from "../api/keys";
+import { queryClient } from "../api/queries";
+import { MayButton } from "../widgets/MayButton";
+import { notifyProblem } from "../widgets/problems";
+import { useDraft } from "./draft";
+import { type Goal, goalOf } from "./goals";
+import { understood } from "./TextEditor";
+
+const KEY = keys.goals("scene");
+
+interface Write {
+  goals: Goal[];
+  tag: string;
+}
+
+/** The goals that go with the scene: taken as a beginning, and saved. */
+export function SceneGoals() {
+  const { t } = useTranslation("goal");
+  const { draft, setRows } = useDraft();
+  const { data } = useQuery({ queryKey: KEY, queryFn: () => answerWithTag(api.GET("/api/v1/goals")) });
+  const take = useMutation({
+    mutationFn: (goals: readonly string[]) => understood(goals.join("\n")),
+    onSuccess: setRows,
+    onError: notifyProblem,
+  });
+  const write = useMutation({
+    mutationFn: ({ goals, tag }: Write) =>
+      answer(api.PUT("/api/v1/goals", { body: { goals }, params: { header: { "if-match": tag } } })),
+    onSuccess: () => notifications.show({ message: t("scene.saved") }),
+    onError: (error) => (isStale(error) ? undefined : notifyProblem(error)),
+    onSettled: () => queryClient.invalidateQueries({ queryKey: KEY }),
+  });
+  const theirs = data?.data.goals ?? [];
+  const ours = draft.rows.map(goalOf);
+  const complete = ours.filter((goal) => goal !== null);
+  const ready = complete.length > 0 && complete.length === ours.length;
+  const save = () => write.mutate({ goals: complete, tag: data?.tag ?? "" });
+  return (
+    <Stack gap={4}>
+      <Group gap="xs">
+        <Button
+          variant="default"
+          disabled={theirs.length === 0}
+          loading={take.isPending}
+          onClick={() => take.mutate(theirs)}
+        >
+          {t("scene.take", { count: theirs.length })}
+        </Button>
+        <MayButton operation="put_goals" variant="default" disabled={!ready} loading={write.isPending} onClick={save}>
+          {t("scene.save")}
+        </MayButton>
+      </Group>
+      {data?.data.fault && <Alert color="yellow">{t("scene.fault", { fault: data.data.fault })}</Alert>}
+      <Modal opened={isStale(write.error)} onClose={write.reset} title={t("scene.changed")}>
+        <Stack>
+          <Text size="sm">{t("scene.changedHelp")}</Text>
+          <List size="sm">
+            {theirs.map((goal) => (
+              <List.Item key={goal}>{goal}</List.Item>
+            ))}
+          </List>
+          <Group>
+            <Button onClick={save}>{t("scene.replace")}</Button>
+            <Button variant="default" onClick={write.reset}>
+              {t("scene.leave")}
+            </Button>
+          </Group>
+        </Stack>
+      </Modal>
+    </Stack>
+  );
+}
+
+function isStale(error: unknown): boolean {
+  return error instanceof ApiProblem && error.status === 412;
+}

@@ -1,0 +1,134 @@
+import { ActionIcon, Alert, Button, Group, Stack, Text, TextInput, Title, Tooltip } from "@mantine/core";
+import { IconArrowBackUp, IconTrash } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, api } from "../api/client";
+import { queryClient } from "../api/queries";
+import { useMay } from "../api/session";
+import { ElementPicker } from "../widgets/ElementPicker";
+import { notifyProblem } from "../widgets/problems";
+import type { Verdict as Told } from "./checks";
+import { type Filled, useDraft } from "./draft";
+import classes from "./goal.module.css";
+import { rowOf, shortText } from "./goals";
+import { Materials } from "./Materials";
+import { classOf, type Template, TEMPLATES } from "./templates";
+import { Verdict } from "./Verdict";
+import { useWords } from "./words";
+
+interface Props {
+  template: Template;
+  filled: Filled;
+  verdict: Told;
+}
+
+/** A goal template to be filled in: its parameters by type, and the parts as a table. */
+export function TemplateForm({ template, filled, verdict }: Props) {
+  const { t } = useTranslation("goal");
+  const { change, setRows } = useDraft();
+  const { words } = useWords();
+  const { content } = template;
+  const fill = (part: Partial<Filled>) => change({ template: { ...filled, ...part } });
+  const give = (name: string, value: string | null) =>
+    fill({ parameters: { ...filled.parameters, [name]: value ?? "" } });
+  return (
+    <Stack gap="xs" component="section" aria-label={t("template.one", { name: template.name })}>
+      <Group justify="space-between">
+        <Title order={3} size="h5">
+          {t("template.one", { name: template.name })}
+        </Title>
+        <Group gap={4}>
+          <RemoveTemplate template={template} />
+          <Button
+            variant="default"
+            leftSection={<IconArrowBackUp size={14} aria-hidden />}
+            onClick={() => change({ template: null })}
+          >
+            {t("template.leave")}
+          </Button>
+        </Group>
+      </Group>
+      {content.description && <Text size="sm">{content.description}</Text>}
+      {content.parameters.map((parameter) => {
+        const class_ = parameter.class || classOf(content, { parameter: parameter.name }, words);
+        const common = {
+          label: parameter.name,
+          description: parameter.description || undefined,
+          required: !parameter.default,
+        };
+        const value = filled.parameters[parameter.name] || parameter.default || "";
+        return class_ ? (
+          <ElementPicker
+            key={parameter.name}
+            {...common}
+            class_={class_}
+            value={value || null}
+            onChange={(id) => give(parameter.name, id)}
+          />
+        ) : (
+          <TextInput
+            key={parameter.name}
+            {...common}
+            value={value}
+            onChange={(event) => give(parameter.name, event.currentTarget.value)}
+          />
+        );
+      })}
+      {content.per_material && (
+        <Materials
+          content={content}
+          filled={filled}
+          words={words}
+          onChange={(materials) => fill({ materials: [...materials] })}
+        />
+      )}
+      {verdict.state === "wrong" ? (
+        <Alert color="red">{verdict.why}</Alert>
+      ) : (
+        <ul className={classes.rows} aria-label={t("conditions")}>
+          {verdict.conditions.map(({ text, holds, why }) => (
+            <li key={text} className={classes.row}>
+              <pre className={classes.code}>{shortText(text)}</pre>
+              <Verdict verdict={{ state: holds ? "holds" : "open", why, conditions: [] }} />
+            </li>
+          ))}
+        </ul>
+      )}
+      {verdict.conditions.length > 0 && (
+        <Group>
+          <Button variant="default" onClick={() => setRows(verdict.conditions.map(rowOf))}>
+            {t("template.dissolve")}
+          </Button>
+        </Group>
+      )}
+    </Stack>
+  );
+}
+
+function RemoveTemplate({ template: { name, version } }: { template: Template }) {
+  const { t } = useTranslation("goal");
+  const { change } = useDraft();
+  const may = useMay("remove_goal_template");
+  const remove = useMutation({
+    mutationFn: () =>
+      answer(
+        api.DELETE("/api/v1/goal-templates/{name}", {
+          params: { path: { name }, header: { "if-match": `"${version}"` } },
+        }),
+      ),
+    onSuccess: () => change({ template: null }),
+    onError: notifyProblem,
+    onSettled: () => queryClient.invalidateQueries({ queryKey: TEMPLATES }),
+  });
+  if (!may) return null;
+  const ask = () => {
+    if (window.confirm(t("template.removeSure", { name }))) remove.mutate();
+  };
+  return (
+    <Tooltip label={t("template.remove")}>
+      <ActionIcon color="red" aria-label={t("template.remove")} loading={remove.isPending} onClick={ask}>
+        <IconTrash size={16} aria-hidden />
+      </ActionIcon>
+    </Tooltip>
+  );
+}

@@ -1,0 +1,151 @@
+import { Alert, Button, Card, Group, List, Stack, Text, Title } from "@mantine/core";
+import { IconBulb, IconX } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, api } from "../api/client";
+import { ElementName } from "../widgets/ElementName";
+import { MayButton } from "../widgets/MayButton";
+import { notifyProblem } from "../widgets/problems";
+import { useDraft } from "./draft";
+import { type CheckedCondition, isSame, without } from "./goals";
+import type { Preview } from "./preview";
+
+interface Props {
+  preview: Preview;
+  /** The conditions that are wanted now. */
+  conditions: readonly CheckedCondition[];
+  /** Whether the preview is about what is wanted now, so that its changes mean something. */
+  canChange: boolean;
+  /** Plans anew. */
+  again: () => void;
+}
+
+type Repair = Preview["repairs"][number];
+
+/** Why there is no plan, and what would help. */
+export function WhyNot({ preview, conditions, canChange, again }: Props) {
+  const { t } = useTranslation("goal");
+  return (
+    <>
+      <Alert
+        color="red"
+        icon={<IconX size={18} aria-hidden />}
+        title={preview.state === "failed" ? t("whyNot.failed") : t("whyNot.title")}
+      >
+        <List size="sm" spacing={4}>
+          {preview.reasons.map((reason, index) => (
+            <List.Item key={reason}>
+              {reason}
+              <About elements={elementsOf(preview.causes[index])} />
+            </List.Item>
+          ))}
+        </List>
+      </Alert>
+      {preview.repairs.length > 0 && (
+        <Stack gap="xs" component="section" aria-label={t("repair.title")}>
+          <Title order={4} size="h6">
+            <IconBulb size={16} aria-hidden /> {t("repair.title")}
+          </Title>
+          {preview.repairs.map((repair) => (
+            <RepairCard
+              key={repair.id}
+              preview={preview.id}
+              repair={repair}
+              conditions={conditions}
+              disabled={!canChange}
+              again={again}
+            />
+          ))}
+        </Stack>
+      )}
+    </>
+  );
+}
+
+/** The elements that a reason is about, to be looked at in the 3D view. */
+function About({ elements }: { elements: readonly string[] }) {
+  if (elements.length === 0) return null;
+  return (
+    <Group gap={8} mt={2}>
+      {elements.map((id) => (
+        <Text key={id} span size="xs">
+          <ElementName id={id} />
+        </Text>
+      ))}
+    </Group>
+  );
+}
+
+function elementsOf(cause: Record<string, unknown> | undefined): string[] {
+  const named: unknown = cause?.elements;
+  if (!Array.isArray(named)) return [];
+  return named.filter((one): one is string => typeof one === "string" && !one.includes(":"));
+}
+
+interface CardProps {
+  preview: string;
+  repair: Repair;
+  conditions: readonly CheckedCondition[];
+  disabled: boolean;
+  again: () => void;
+}
+
+function RepairCard({ preview, repair, conditions, disabled, again }: CardProps) {
+  const { t } = useTranslation("goal");
+  const { setRows } = useDraft();
+  const make = useMutation({
+    mutationFn: () =>
+      answer(
+        api.POST("/api/v1/previews/{id}/repairs/{number}/apply", {
+          params: { path: { id: preview, number: repair.id } },
+        }),
+      ),
+    onSuccess: again,
+    onError: notifyProblem,
+  });
+  const rest = without(conditions, repair.without);
+  const found = repair.without.every((one) => conditions.some(({ text }) => isSame(one, text)));
+  const canLeaveOut = repair.edits.length === 0 && repair.without.length > 0 && found;
+  return (
+    <Card withBorder padding="xs" role="group" aria-label={repair.text}>
+      <Group justify="space-between" wrap="nowrap" align="start">
+        <div>
+          <Text size="sm">{repair.text}</Text>
+          {repair.edits
+            .filter((edit) => edit !== repair.text)
+            .map((edit) => (
+              <Text key={edit} size="xs" c="dimmed">
+                {edit}
+              </Text>
+            ))}
+        </div>
+        {repair.applicable && (
+          <MayButton
+            operation="apply_repair"
+            disabled={disabled}
+            loading={make.isPending}
+            onClick={() => make.mutate()}
+            aria-label={`${t("repair.do")}: ${repair.text}`}
+          >
+            {t("repair.do")}
+          </MayButton>
+        )}
+        {!repair.applicable && canLeaveOut && (
+          <Button
+            variant="default"
+            disabled={disabled || rest.length === 0}
+            onClick={() => setRows(rest)}
+            aria-label={`${t("repair.leaveOut")}: ${repair.text}`}
+          >
+            {t("repair.leaveOut")}
+          </Button>
+        )}
+        {!repair.applicable && !canLeaveOut && (
+          <Text size="xs" c="dimmed">
+            {t("repair.byHand")}
+          </Text>
+        )}
+      </Group>
+    </Card>
+  );
+}

@@ -1,0 +1,105 @@
+/** What an operator is about to want: kept over changes of the tab and reloads of the page, for each scene. */
+
+import { useQuery } from "@tanstack/react-query";
+import { create } from "zustand";
+import { createJSONStorage, persist } from "zustand/middleware";
+import { answer, api, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+import { type NewRow, type Row, keyed } from "./goals";
+
+export interface Filled {
+  /** Name of the goal template. */
+  name: string;
+  parameters: Record<string, string>;
+  materials: Piece[];
+}
+
+/** A row of the bill of parts; all fields are texts, empty for "does not matter". */
+export interface Piece {
+  class: string;
+  quantity: number;
+  id: string;
+  location: string;
+  use: string;
+  definition: string;
+  lot: string;
+}
+
+export interface Options {
+  description: string;
+  priority: number;
+  policy: Schema<"JobPolicy">;
+}
+
+export interface Draft {
+  rows: Row[];
+  /** The goal template that is filled in instead; null for the rows. */
+  template: Filled | null;
+  options: Options;
+  /** The kit whose places are shown as a table; null for none. */
+  kit: string | null;
+  /** The plan that was asked for last: its id and time (ids begin anew with the server), and for which order. */
+  preview: { id: string; asked: string; order: string } | null;
+  /** An order that is on its way: sent again under the same key, it makes no second job. */
+  pending: { key: string; body: string } | null;
+  /** Id of the job that was ordered last. */
+  job: string | null;
+}
+
+export const NEW: Draft = {
+  rows: [],
+  template: null,
+  options: { description: "", priority: 0, policy: { rest: true, ask: false, attempts: 3, partial: false } },
+  kit: null,
+  preview: null,
+  pending: null,
+  job: null,
+};
+
+type Change = Partial<Draft> | ((draft: Draft) => Partial<Draft>);
+
+interface Drafts {
+  drafts: Record<string, Draft>;
+  change: (scene: string, change: Change) => void;
+}
+
+export const useDrafts = create<Drafts>()(
+  persist(
+    (set) => ({
+      drafts: {},
+      change: (scene, change) =>
+        set(({ drafts }) => {
+          const draft = { ...NEW, ...drafts[scene] };
+          return {
+            drafts: { ...drafts, [scene]: { ...draft, ...(change instanceof Function ? change(draft) : change) } },
+          };
+        }),
+    }),
+    { name: "skiros-goals", version: 1, storage: createJSONStorage(() => sessionStorage) },
+  ),
+);
+
+/** The name of the present scene; undefined until it is known. */
+export function useSceneName(): string | undefined {
+  const { data } = useQuery({
+    queryKey: keys.scenes("present"),
+    queryFn: () => answer(api.GET("/api/v1/scene")),
+    select: ({ name }) => name,
+  });
+  return data;
+}
+
+/** The draft of the present scene, and how to change it. */
+export function useDraft() {
+  const scene = useSceneName() ?? "";
+  const draft = useDrafts(({ drafts }) => drafts[scene]) ?? NEW;
+  const change = (next: Change) => useDrafts.getState().change(scene, next);
+  return {
+    draft,
+    change,
+    addRows: (rows: readonly NewRow[]) => change((now) => ({ rows: [...now.rows, ...keyed(rows)] })),
+    setRows: (rows: readonly NewRow[]) => change({ rows: keyed(rows), template: null }),
+    setRow: (row: Row) => change((now) => ({ rows: now.rows.map((one) => (one.key === row.key ? row : one)) })),
+    removeRow: (key: string) => change((now) => ({ rows: now.rows.filter((one) => one.key !== key) })),
+  };
+}

@@ -1,0 +1,108 @@
+/** A goal as a list of conditions that must hold together: what the operator builds, and what the server is sent. */
+
+import type { Schema } from "../api/client";
+import { localName } from "../widgets/names";
+
+/** A structured condition, as the server reads and writes it. */
+export type GoalData = Record<string, unknown>;
+/** What the server takes for one condition: structured, or as text. */
+export type Goal = string | GoalData;
+export type GoalOrder = Schema<"GoalOrder">;
+export type CheckedCondition = Schema<"CheckedCondition">;
+
+/** A condition as a sentence with slots. */
+export interface WordRow {
+  key: string;
+  kind: "word";
+  /** The condition's name ("InKit"). */
+  word: string;
+  /** Ids of elements, or classes; null for an empty slot. */
+  arguments: (string | null)[];
+  /** Whether it must not hold. */
+  not: boolean;
+}
+
+/** A condition that is more than one sentence, as text. */
+export interface TextRow {
+  key: string;
+  kind: "text";
+  text: string;
+}
+
+export type Row = WordRow | TextRow;
+
+/** A row that has no key yet. */
+export type NewRow = Omit<WordRow, "key"> | Omit<TextRow, "key">;
+
+let last = 0;
+
+/** Gives rows their keys, which tell them apart on the page. */
+export function keyed(rows: readonly NewRow[]): Row[] {
+  return rows.map((row) => ({ ...row, key: `${Date.now().toString(36)}-${++last}` }));
+}
+
+/** What a row says to the server; null while something is missing. */
+export function goalOf(row: Row): Goal | null {
+  if (row.kind === "text") return row.text.trim() || null;
+  if (row.arguments.some((argument) => !argument)) return null;
+  const said = { condition: row.word, arguments: row.arguments };
+  return row.not ? { not: said } : said;
+}
+
+/** The goal that all rows make; null while there is none, or something is missing. */
+export function goalOrder(rows: readonly Row[]): GoalOrder | null {
+  const goals = rows.map(goalOf);
+  const complete = goals.filter((goal) => goal !== null);
+  if (goals.length === 0 || complete.length < goals.length) return null;
+  return { goal: complete, work_master: "", parameters: {}, materials: [] };
+}
+
+/** Rows of conditions that the server has understood: a sentence where one word is all, else text. */
+export function rowOf({ data, text }: Pick<CheckedCondition, "data" | "text">): NewRow {
+  const not = "not" in data;
+  const inner = not ? data.not : data;
+  if (!isWord(inner)) return { kind: "text", text };
+  return { kind: "word", word: inner.condition, arguments: inner.arguments, not };
+}
+
+interface Word {
+  condition: string;
+  arguments: string[];
+}
+
+/** Whether a structured condition is one word with names, and nothing around it. */
+export function isWord(data: unknown): data is Word {
+  if (typeof data !== "object" || data === null || !("condition" in data && "arguments" in data)) return false;
+  return Array.isArray(data.arguments) && data.arguments.every((argument) => typeof argument === "string");
+}
+
+/** The text of a row in the language of goals. */
+export function textOf(row: NewRow): string {
+  if (row.kind === "text") return row.text;
+  const names = row.arguments.map((argument) => quoted(argument ?? "?"));
+  return `${row.not ? "not " : ""}${row.word}(${names.join(", ")})`;
+}
+
+const PLAIN = /^[\p{L}_](?:[\p{L}\p{N}_.-]|:(?=[\p{L}\p{N}_]))*$/u;
+
+function quoted(name: string): string {
+  return PLAIN.test(name) || name === "?" ? name : `"${name.replaceAll(/["\\]/g, "\\$&")}"`;
+}
+
+/** A condition's text without the prefixes of ontologies, as explanations write it. */
+export function shortText(text: string): string {
+  return text.replaceAll(/(?<![\w"])[A-Za-z_][\w.-]*:(?=\w)/g, "");
+}
+
+/** The same condition said in short, to compare what different answers write. */
+export function isSame(text: string, other: string): boolean {
+  return shortText(text).replaceAll(/\s+/g, "") === shortText(other).replaceAll(/\s+/g, "");
+}
+
+/** The conditions that are left when some are given up. */
+export function without(conditions: readonly CheckedCondition[], givenUp: readonly string[]): NewRow[] {
+  return conditions.filter(({ text }) => !givenUp.some((one) => isSame(one, text))).map(rowOf);
+}
+
+/** The short name of what an argument names. */
+export const shortName = localName;

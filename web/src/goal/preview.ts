@@ -1,0 +1,47 @@
+/** A plan that is asked for and not carried out. */
+
+import { useMutation, useQuery } from "@tanstack/react-query";
+import { answer, api, ApiProblem, type Schema } from "../api/client";
+import { notifyProblem } from "../widgets/problems";
+import { useDraft } from "./draft";
+import type { GoalOrder } from "./goals";
+
+export type Preview = Schema<"Preview">;
+
+const WAIT = 10; // s: the server answers as soon as it knows
+const PAUSE = 300; // ms
+
+/** Asks for a plan, and follows it until it is there. */
+export function usePreview(order: GoalOrder | null) {
+  const { draft, change } = useDraft();
+  const asked = draft.preview;
+  const ask = useMutation({
+    mutationFn: (wanted: GoalOrder) => answer(api.POST("/api/v1/previews", { body: wanted })),
+    onSuccess: ({ id, asked: at }, wanted) =>
+      change({ preview: { id, asked: at ?? "", order: JSON.stringify(wanted) } }),
+    onError: notifyProblem,
+  });
+  const { data, error } = useQuery({
+    queryKey: ["previews", asked?.id, asked?.asked],
+    queryFn: ({ signal }) => look(asked?.id ?? "", asked?.asked ?? "", signal),
+    enabled: asked !== null,
+    refetchInterval: ({ state }) => (state.data?.state === "planning" ? PAUSE : false),
+  });
+  return {
+    ask: () => order !== null && ask.mutate(order),
+    forget: () => change({ preview: null }),
+    preview: data,
+    /** It is kept no longer. */
+    lost: error instanceof ApiProblem,
+    planning: ask.isPending || data?.state === "planning",
+    /** It is the plan for what is wanted now. */
+    fits: asked !== null && asked.order === JSON.stringify(order),
+  };
+}
+
+async function look(id: string, asked: string, signal: AbortSignal): Promise<Preview> {
+  const params = { path: { id }, query: { wait: WAIT } };
+  const preview = await answer(api.GET("/api/v1/previews/{id}", { params, signal }));
+  if (preview.asked !== asked) throw new ApiProblem(404, undefined); // of another run of the server
+  return preview;
+}

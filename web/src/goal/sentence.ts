@@ -1,0 +1,50 @@
+/** Conditions as sentences: words with slots between them. */
+
+import type { Schema } from "../api/client";
+import { localName } from "../widgets/names";
+
+export type ConditionWord = Schema<"ConditionWord">;
+type Role = Schema<"Role">;
+
+/** A piece of a sentence: words, or the slot of a role (by its index). */
+export type Piece = string | number;
+
+/** Takes a sentence such as "{object} lies in {location}" to pieces; a slot for each role, those not named at the end. */
+export function piecesOf(sentence: string, roles: readonly Pick<Role, "name">[]): Piece[] {
+  const left = new Set(roles.keys());
+  const pieces = sentence.split(/(\{\w+\})/).map((part): Piece => {
+    const index = roles.findIndex(({ name }) => part === `{${name}}`);
+    if (!left.delete(index)) return part.replaceAll(/[{}]/g, "");
+    return index;
+  });
+  const missing = [...left].flatMap((index): Piece[] => [`, ${roles[index]?.name}:`, index]);
+  return [...pieces, ...missing].filter((piece) => typeof piece === "number" || piece.trim() !== "");
+}
+
+/**
+ * Makes a sentence with slots of a condition's help: "The object lies in the container." is "{object} lies in
+ * {location}", for the container is of the class of the role "location". Null where a role is not spoken of.
+ */
+export function sentenceOfHelp({ help, roles }: Pick<ConditionWord, "help" | "roles">): string | null {
+  let sentence = help.trim().replace(/\.$/, "");
+  for (const { name, class: class_ } of roles) {
+    const slotted = slotted1(sentence, name, [name, localName(class_)]);
+    if (slotted === null) return null;
+    sentence = slotted;
+  }
+  return sentence;
+}
+
+function slotted1(sentence: string, role: string, nouns: readonly string[]): string | null {
+  for (const noun of nouns) {
+    const spoken = noun.replaceAll(/([a-z])([A-Z])/g, "$1 $2").replaceAll("_", " ");
+    const match = new RegExp(`\\b(the|a|an) ${spoken}\\b`, "i").exec(sentence);
+    if (match) return `${sentence.slice(0, match.index)}{${role}}${sentence.slice(match.index + match[0].length)}`;
+  }
+  return null;
+}
+
+/** A sentence for a condition that has no other: "Name, first: …, second: …". */
+export function plainSentence({ name, roles }: Pick<ConditionWord, "name" | "roles">): string {
+  return [name, ...roles.map((role) => `${role.name}: {${role.name}}`)].join(", ").replace(",", ":");
+}

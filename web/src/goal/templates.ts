@@ -1,0 +1,120 @@
+/** Goal templates: goals with placeholders, which an order fills in. */
+
+import { useQuery } from "@tanstack/react-query";
+import { answer, api, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+import type { Filled, Piece } from "./draft";
+import { type CheckedCondition, type GoalData, type GoalOrder, isWord } from "./goals";
+import type { ConditionWord } from "./sentence";
+
+export type Template = Schema<"GoalTemplate">;
+type Content = Schema<"GoalTemplateContent">;
+
+export const TEMPLATES = keys.goals("templates");
+
+export function useTemplates(): readonly Template[] {
+  const { data } = useQuery({
+    queryKey: TEMPLATES,
+    queryFn: () => answer(api.GET("/api/v1/goal-templates")),
+    select: ({ templates }) => templates,
+  });
+  return data ?? NONE;
+}
+
+const NONE: readonly Template[] = [];
+
+/** What a material may say, in the order of the table's columns. */
+export const FIELDS = ["class", "location", "id", "definition", "lot", "use"] as const;
+export type Field = (typeof FIELDS)[number];
+
+export const EMPTY: Piece = { class: "", quantity: 1, id: "", location: "", use: "", definition: "", lot: "" };
+
+/** The fields of materials that a template makes use of; always the class. */
+export function fieldsOf({ per_material: each }: Content): Field[] {
+  const said = JSON.stringify(each ?? null);
+  return FIELDS.filter((field) => field === "class" || said.includes(JSON.stringify({ material: field })));
+}
+
+/** Whether a number of pieces can be said: where each piece is told apart, each has a row. */
+export function isCounted(fields: readonly Field[]): boolean {
+  return !fields.includes("location") && !fields.includes("id");
+}
+
+/** The order that a filled template makes; null while something is missing. */
+export function templateOrder(filled: Filled, content: Content): GoalOrder | null {
+  const given = content.parameters.filter(({ name }) => filled.parameters[name]);
+  const missing = content.parameters.some(({ name, default: fallback }) => !filled.parameters[name] && !fallback);
+  const fields = fieldsOf(content);
+  const materials = content.per_material ? filled.materials : [];
+  const incomplete = materials.some((piece) => fields.some((field) => !piece[field]));
+  if (missing || incomplete || (content.per_material && materials.length === 0)) return null;
+  const parameters = Object.fromEntries(given.map(({ name }) => [name, filled.parameters[name] ?? ""]));
+  return { work_master: filled.name, parameters, materials: materials.map((piece) => ({ ...piece, units: "" })) };
+}
+
+/** The class of what a placeholder stands for, read from the word in which it stands. */
+export function classOf(content: Content, placeholder: GoalData, words: readonly ConditionWord[]): string | undefined {
+  const wanted = JSON.stringify(placeholder);
+  for (const data of inner([...content.goal, content.per_material])) {
+    const at = data.arguments.findIndex((argument) => JSON.stringify(argument) === wanted);
+    const role = words.find(({ name }) => name === data.condition)?.roles[at];
+    if (role) return role.class;
+  }
+  return undefined;
+}
+
+interface Said {
+  condition: string;
+  arguments: unknown[];
+}
+
+/** All words in structured conditions, however deep. */
+function inner(data: unknown): Said[] {
+  if (typeof data !== "object" || data === null) return [];
+  if ("condition" in data && "arguments" in data && Array.isArray(data.arguments)) return [data as Said];
+  return Object.values(data).flatMap(inner);
+}
+
+/** An element of the conditions that may become a parameter: its id, and what it would be called. */
+export interface Variable {
+  id: string;
+  name: string;
+  class: string;
+}
+
+/** The elements that conditions name, each once, with a name for a parameter after the role that they fill. */
+export function variablesOf(conditions: readonly CheckedCondition[], words: readonly ConditionWord[]): Variable[] {
+  const found = new Map<string, Variable>();
+  for (const said of inner(conditions.map(({ data }) => data))) {
+    if (!isWord(said)) continue;
+    const roles = words.find(({ name }) => name === said.condition)?.roles ?? [];
+    for (const [index, id] of said.arguments.entries()) {
+      const role = roles[index];
+      if (role === undefined || id.includes(":") || found.has(id)) continue;
+      const taken = [...found.values()].filter(({ name }) => name.replace(/_\d+$/, "") === role.name).length;
+      found.set(id, { id, name: taken === 0 ? role.name : `${role.name}_${taken + 1}`, class: role.class });
+    }
+  }
+  return [...found.values()];
+}
+
+/** Puts placeholders where conditions name what shall be a parameter. */
+export function withPlaceholders(data: unknown, variables: readonly Variable[]): unknown {
+  if (Array.isArray(data)) return data.map((one) => withPlaceholders(one, variables));
+  if (typeof data === "object" && data !== null)
+    return Object.fromEntries(
+      Object.entries(data).map(([key, one]) => [
+        key,
+        key === "arguments" ? named(one, variables) : withPlaceholders(one, variables),
+      ]),
+    );
+  return data;
+}
+
+function named(names: unknown, variables: readonly Variable[]): unknown {
+  if (!Array.isArray(names)) return names;
+  return names.map((name) => {
+    const variable = variables.find(({ id }) => id === name);
+    return variable ? { parameter: variable.name } : name;
+  });
+}

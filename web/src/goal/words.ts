@@ -1,0 +1,43 @@
+/** The words that the present robots can do something for. */
+
+import { useQuery } from "@tanstack/react-query";
+import { useEffect } from "react";
+import { useTranslation } from "react-i18next";
+import { answer, api } from "../api/client";
+import { keys } from "../api/keys";
+import { queryClient } from "../api/queries";
+import { type EventInfo, onEvent } from "../live/events";
+import { type ConditionWord, plainSentence, type Piece, piecesOf, sentenceOfHelp } from "./sentence";
+
+const KEY = keys.modules("goal-words");
+const NONE: readonly ConditionWord[] = [];
+
+/** The condition words, which come and go with the skill managers; and how to ask for them again. */
+export function useWords() {
+  const { data, refetch, isFetching } = useQuery({
+    queryKey: KEY,
+    queryFn: () => answer(api.GET("/api/v1/goals/conditions")),
+    select: ({ conditions }) => conditions,
+  });
+  useEffect(
+    () => onEvent((event) => void (mayChangeSkills(event) && queryClient.invalidateQueries({ queryKey: KEY }))),
+    [],
+  );
+  return { words: data ?? NONE, refetch, isFetching, known: data !== undefined };
+}
+
+/** Whether an event may mean that a skill manager came or went: its skills are elements, which no job adds or removes. */
+function mayChangeSkills({ kind, data }: EventInfo): boolean {
+  if (kind === "alarm") return "kind" in data && data.kind === "manager";
+  if (kind !== "world" || !Array.isArray(data.edits)) return false;
+  return data.edits.some(
+    (edit: unknown) => typeof edit === "object" && edit !== null && "edit" in edit && edit.edit === "element",
+  );
+}
+
+/** Returns what makes a sentence with slots of a condition, in the language of the reader where the words are ours. */
+export function useSentence(): (word: ConditionWord) => Piece[] {
+  const { t } = useTranslation("goal");
+  const ours: Record<string, string> = t("words", { returnObjects: true });
+  return (word) => piecesOf(ours[word.name] ?? sentenceOfHelp(word) ?? plainSentence(word), word.roles);
+}

@@ -1,0 +1,30 @@
+/** Which modules a list shows. */
+
+import type { Summary } from "./queries";
+
+export interface Filter {
+  text: string;
+  kind: "all" | Summary["kind"];
+  /** Id of a robot; empty for all. */
+  robot: string;
+}
+
+export const EVERYTHING: Filter = { text: "", kind: "all", robot: "" };
+
+/** Returns the modules that fit, skills first; all words have to be in name, help or the names of who can do it. */
+export function fitting(modules: readonly Summary[], { text, kind, robot }: Filter): Summary[] {
+  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+  return modules
+    .filter((module) => kind === "all" || module.kind === kind)
+    .filter((module) => robot === "" || module.agents.some((place) => place.robot === robot))
+    .filter((module) => words.every((word) => spoken(module).includes(word)))
+    .sort((a, b) => rank(a) - rank(b) || a.name.localeCompare(b.name));
+}
+
+function spoken({ name, help, agents }: Summary): string {
+  return [name, help, ...agents.map(({ agent }) => agent)].join(" ").toLowerCase();
+}
+
+function rank({ kind }: Summary): number {
+  return kind === "skill" ? 0 : 1;
+}

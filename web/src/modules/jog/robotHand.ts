@@ -1,0 +1,51 @@
+/** The hand on the real server. */
+
+import { answer, api, type Schema } from "../../api/client";
+import { onEvent } from "../../live/events";
+import { problemText } from "../../widgets/problems";
+import type { Run } from "../queries";
+import { makeHand, type Step } from "./hand";
+
+const LOOK_AGAIN = 400; // ms, where no event tells
+
+async function over(id: string): Promise<Run> {
+  for (;;) {
+    const news = nextNews();
+    const run = await answer(api.GET("/api/v1/module-runs/{id}", { params: { path: { id } } }));
+    if (["succeeded", "failed", "stopped"].includes(run.status)) return run;
+    await news;
+  }
+}
+
+/** Resolves when a module tells something, or after a while: its last word comes a moment before its end. */
+function nextNews(): Promise<void> {
+  return new Promise((resolve) => {
+    const done = () => {
+      clearTimeout(timer);
+      end();
+      resolve();
+    };
+    const timer = setTimeout(done, LOOK_AGAIN);
+    const end = onEvent((event) => {
+      if (event.kind === "module" && event.type !== "running") setTimeout(done, 10);
+    });
+  });
+}
+
+function stop(id: string): Promise<unknown> {
+  return answer(api.POST("/api/v1/module-runs/{id}/{command}", { params: { path: { id, command: "stop" } } }));
+}
+
+export const hand = makeHand({ over, stop }, problemText);
+
+export function jog(robot: string, body: Partial<Schema<"Jog">>): Step {
+  return () => answer(api.POST("/api/v1/robots/{id}/jog", { params: { path: { id: robot } }, body }));
+}
+
+export function home(robot: string): Step {
+  return () => answer(api.POST("/api/v1/robots/{id}/home", { params: { path: { id: robot } }, body: {} }));
+}
+
+export function teach(robot: string, body: Schema<"Teach">): Step {
+  return () => answer(api.POST("/api/v1/robots/{id}/teach", { params: { path: { id: robot } }, body }));
+}

@@ -1,0 +1,83 @@
+import { Group, Paper, Stack, Text } from "@mantine/core";
+import { notifications } from "@mantine/notifications";
+import { IconPlayerPlay, IconRefresh } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, api } from "../../api/client";
+import { keys } from "../../api/keys";
+import { queryClient } from "../../api/queries";
+import { NumberField } from "../../widgets/arguments/NumberField";
+import { MayButton } from "../../widgets/MayButton";
+import { notifyProblem } from "../../widgets/problems";
+import type { Draft } from "../drafts";
+import { CopyAs } from "./CopyAs";
+
+interface Props {
+  agent: string;
+  module: string;
+  draft: Draft;
+  change: (change: Partial<Draft>) => void;
+  /** Whether the arguments can be sent at all. */
+  sound: boolean;
+}
+
+const MOST = 1000;
+
+/** Runs a module once or N times, and makes it fit again after a fault. */
+export function RunBar({ agent, module, draft, change, sound }: Props) {
+  const { t } = useTranslation("modules");
+  const path = { agent, module };
+  const run = useMutation({
+    mutationFn: () =>
+      answer(
+        api.POST("/api/v1/modules/{agent}/{module}/runs", {
+          params: { path },
+          body: { arguments: draft.values, repeat: draft.repeat },
+        }),
+      ),
+    onSuccess: () => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),
+    onError: notifyProblem,
+  });
+  const reset = useMutation({
+    mutationFn: () => answer(api.POST("/api/v1/modules/{agent}/{module}/reset", { params: { path } })),
+    onSuccess: () => notifications.show({ message: t("run.wasReset", { module }) }),
+    onError: notifyProblem,
+  });
+  return (
+    <Paper withBorder p="sm" component="section" aria-label={t("run.label")}>
+      <Stack gap={4}>
+        <Group align="end" gap="xs">
+          <NumberField
+            label={t("run.repeat")}
+            w="6rem"
+            min={1}
+            max={MOST}
+            allowDecimal={false}
+            value={draft.repeat}
+            onChange={(repeat) => change({ repeat: Math.min(MOST, Math.max(1, repeat ?? 1)) })}
+          />
+          <MayButton
+            operation="run_module"
+            leftSection={<IconPlayerPlay size={14} aria-hidden />}
+            loading={run.isPending}
+            disabled={!sound}
+            onClick={() => run.mutate()}
+          >
+            {draft.repeat > 1 ? t("run.runMany", { count: draft.repeat }) : t("run.run")}
+          </MayButton>
+          <MayButton
+            operation="reset_module"
+            variant="default"
+            leftSection={<IconRefresh size={14} aria-hidden />}
+            loading={reset.isPending}
+            onClick={() => reset.mutate()}
+          >
+            {t("run.reset")}
+          </MayButton>
+          <CopyAs wanted={{ agent, module, values: draft.values, repeat: draft.repeat }} />
+        </Group>
+        {!sound && <Text size="xs">{t("run.faulty")}</Text>}
+      </Stack>
+    </Paper>
+  );
+}

@@ -1,0 +1,66 @@
+import { useFrame, useThree } from "@react-three/fiber";
+import { useEffect, useRef } from "react";
+import { addAfterEffect, addEffect } from "@react-three/fiber";
+import type { Group } from "three";
+import { CameraMan } from "./camera/CameraMan";
+import { followDevices, moveDevices } from "./devices";
+import { Elements } from "./elements/Elements";
+import { Highlight } from "./Highlight";
+import { offerHook } from "./hook";
+import { LabelMover } from "./overlay/LabelMover";
+import type { Palette } from "./palette";
+import { Pointer } from "./Pointer";
+import { Robots } from "./robots/Robots";
+import { Surroundings } from "./Surroundings";
+import { drawBy } from "./ticker";
+import { followView } from "./view";
+
+/** All that is in the picture. */
+export function Stage({ palette }: { palette: Palette }) {
+  const matter = useRef<Group>(null);
+  useDrawing();
+  useEffect(followView, []);
+  useEffect(followDevices, []);
+  useFrame(() => moveDevices(performance.now()), -3);
+  return (
+    <>
+      <Surroundings palette={palette} />
+      <group ref={matter}>
+        <Elements palette={palette} />
+        <Robots palette={palette} />
+      </group>
+      <Highlight palette={palette} />
+      <Pointer among={matter} />
+      <CameraMan />
+      <LabelMover />
+    </>
+  );
+}
+
+/** Draws when somebody wakes the picture, and lets tests look at it. */
+function useDrawing(): void {
+  const invalidate = useThree((three) => three.invalidate);
+  const gl = useThree((three) => three.gl);
+  const camera = useThree((three) => three.camera);
+  useEffect(() => {
+    drawBy(() => invalidate());
+    return () => drawBy(null);
+  }, [invalidate]);
+  useEffect(() => offerHook(gl, camera), [gl, camera]);
+  useEffect(() => measure(), []);
+}
+
+function measure(): () => void {
+  let [begun, frames] = [0, 0];
+  const endings = [
+    addEffect((now) => void (begun = now)),
+    addAfterEffect(() => {
+      const hook = window.skiros3d;
+      if (hook !== undefined && hook.frames !== frames) hook.drawMs = performance.now() - begun;
+      frames = hook?.frames ?? 0;
+    }),
+  ];
+  return () => {
+    for (const end of endings) end();
+  };
+}

@@ -1,0 +1,19 @@
+/** Where people want to look from. */
+
+import { create } from "zustand";
+
+export const VIEWPOINTS = ["overview", "top", "follow", "selection"] as const;
+export type Viewpoint = (typeof VIEWPOINTS)[number];
+
+interface Camera {
+  viewpoint: Viewpoint;
+  /** Counts the wishes, so that the same one can be wished again. */
+  wishes: number;
+  look: (viewpoint: Viewpoint) => void;
+}
+
+export const useCamera = create<Camera>((set) => ({
+  viewpoint: "overview",
+  wishes: 0,
+  look: (viewpoint) => set(({ wishes }) => ({ viewpoint, wishes: wishes + 1 })),
+}));

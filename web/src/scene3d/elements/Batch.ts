@@ -1,0 +1,59 @@
+/** All elements of one shape and look in a single draw. */
+
+import { type Color, DynamicDrawUsage, InstancedMesh, type Material, type Matrix4, MeshLambertMaterial } from "three";
+import type { Shape } from "../shapes";
+
+/** How something is drawn: as matter, as room, as one of which nobody knows where it is. */
+export type Look = "solid" | "room" | "unsure";
+
+const MATERIALS: Record<Look, Material> = {
+  solid: new MeshLambertMaterial({ vertexColors: true }),
+  room: new MeshLambertMaterial({ transparent: true, opacity: 0.16, depthWrite: false }),
+  unsure: new MeshLambertMaterial({ vertexColors: true, transparent: true, opacity: 0.45, depthWrite: false }),
+};
+const ROOM_TO_GROW = 1.5;
+
+export class Batch {
+  readonly mesh: InstancedMesh;
+  readonly ids: string[] = [];
+
+  constructor(shape: Shape, look: Look, count: number) {
+    this.mesh = new InstancedMesh(shape.geometry, MATERIALS[look], Math.ceil(count * ROOM_TO_GROW));
+    this.mesh.frustumCulled = false; // it is all over the place
+    this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+    this.mesh.userData["ids"] = this.ids;
+    this.mesh.renderOrder = look === "solid" ? 0 : 1;
+    this.clear();
+  }
+
+  fits(shape: Shape, count: number): boolean {
+    return this.mesh.geometry === shape.geometry && this.mesh.instanceMatrix.count >= count;
+  }
+
+  clear(): void {
+    this.ids.length = 0;
+    this.mesh.count = 0;
+  }
+
+  /** Adds one; returns its number. */
+  add(id: string): number {
+    this.mesh.count = this.ids.push(id);
+    return this.mesh.count - 1;
+  }
+
+  move(number: number, matrix: Matrix4): void {
+    this.mesh.setMatrixAt(number, matrix);
+    this.mesh.instanceMatrix.needsUpdate = true;
+    this.mesh.boundingSphere = null; // worked out anew when somebody points at it
+  }
+
+  paint(number: number, colour: Color): void {
+    this.mesh.setColorAt(number, colour);
+    if (this.mesh.instanceColor !== null) this.mesh.instanceColor.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.mesh.removeFromParent();
+    this.mesh.dispose();
+  }
+}

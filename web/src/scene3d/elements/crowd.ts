@@ -1,0 +1,141 @@
+/** The elements of a view as they are drawn: few draws for many, and only what rides or is held moves by itself. */
+
+import { type Color, Group, Matrix4 } from "three";
+import { frameInMap } from "../frames";
+import { type Item, layout } from "../layout";
+import { type Shape, shapeOf } from "../shapes";
+import type { View, ViewElement } from "../view";
+import { Batch, type Look } from "./Batch";
+
+interface Drawn {
+  item: Item;
+  batch: Batch | null;
+  number: number;
+}
+
+const frame = new Matrix4();
+const pose = new Matrix4();
+
+class Crowd {
+  readonly group = new Group();
+  private readonly batches = new Map<string, Batch>();
+  private drawn = new Map<string, Drawn>();
+  private riders: Drawn[] = [];
+  private shapes: View["shapes"] = {};
+
+  /** Shows a view; what is hidden has a place but no picture. */
+  show(view: View, hidden: (element: ViewElement) => boolean): void {
+    this.shapes = view.shapes;
+    const items = layout(view, (element) => this.shape(element)?.bounds ?? null);
+    const visible = [...items.values()].filter((item) => isMatter(item.element) && !hidden(item.element));
+    this.makeRoom(visible);
+    this.drawn = new Map([...items].map(([id, item]) => [id, { item, batch: null, number: 0 }]));
+    for (const item of visible) this.enlist(item);
+    this.riders = [...this.drawn.values()].filter(({ item, batch }) => batch !== null && item.frame.on !== "map");
+    for (const one of this.drawn.values()) this.place(one);
+  }
+
+  /** Brings what moves with a robot to where that is. */
+  follow(): void {
+    for (const one of this.riders) this.place(one);
+  }
+
+  paint(colour: (element: ViewElement, sure: boolean) => Color): void {
+    for (const { item, batch, number } of this.drawn.values()) batch?.paint(number, colour(item.element, item.sure));
+  }
+
+  ids(): string[] {
+    return [...this.drawn.keys()];
+  }
+
+  item(id: string): Item | undefined {
+    return this.drawn.get(id)?.item;
+  }
+
+  items(): IterableIterator<Item> {
+    return (function* (all) {
+      for (const { item } of all) yield item;
+    })(this.drawn.values());
+  }
+
+  /** Writes where an element is drawn now; false for what is not. */
+  poseOf(id: string, into: Matrix4): boolean {
+    const one = this.drawn.get(id);
+    if (one === undefined || !frameInMap(one.item.frame, into)) return false;
+    into.multiply(one.item.matrix);
+    return true;
+  }
+
+  shapeOf(id: string): Shape | null {
+    const one = this.drawn.get(id);
+    return one === undefined ? null : this.shape(one.item.element);
+  }
+
+  dispose(): void {
+    for (const batch of this.batches.values()) batch.dispose();
+    this.batches.clear();
+    this.drawn.clear();
+    this.riders = [];
+  }
+
+  private shape(element: ViewElement): Shape | null {
+    if (element.shape === null) return isMatter(element) ? shapeOf("") : null;
+    return shapeOf(element.shape, this.shapes[element.shape]);
+  }
+
+  private makeRoom(visible: readonly Item[]): void {
+    const needed = new Map<string, { shape: Shape; look: Look; count: number }>();
+    for (const item of visible) {
+      const need = needed.get(keyOf(item));
+      const shape = this.shape(item.element);
+      if (need !== undefined) need.count += 1;
+      else if (shape !== null) needed.set(keyOf(item), { shape, look: lookOf(item), count: 1 });
+    }
+    for (const [key, batch] of this.batches) {
+      const need = needed.get(key);
+      if (need !== undefined && batch.fits(need.shape, need.count)) batch.clear();
+      else this.drop(key, batch);
+    }
+    for (const [key, { shape, look, count }] of needed) {
+      if (!this.batches.has(key)) this.found(key, new Batch(shape, look, count));
+    }
+  }
+
+  private found(key: string, batch: Batch): void {
+    this.batches.set(key, batch);
+    this.group.add(batch.mesh);
+  }
+
+  private drop(key: string, batch: Batch): void {
+    batch.dispose();
+    this.batches.delete(key);
+  }
+
+  private enlist(item: Item): void {
+    const batch = this.batches.get(keyOf(item)) ?? null;
+    const { id } = item.element;
+    this.drawn.set(id, { item, batch, number: batch?.add(id) ?? 0 });
+  }
+
+  private place({ item, batch, number }: Drawn): void {
+    if (batch === null || !frameInMap(item.frame, frame)) return;
+    batch.move(number, pose.multiplyMatrices(frame, item.matrix));
+  }
+}
+
+/** Whether an element has a picture of its own: robots have a model, and their devices are in that. */
+function isMatter({ kind, shape }: ViewElement): boolean {
+  return kind !== "robot" && (shape !== null || kind !== "device");
+}
+
+function lookOf({ element, sure }: Item): Look {
+  if (!sure) return "unsure";
+  return element.hollow ? "room" : "solid";
+}
+
+function keyOf(item: Item): string {
+  return `${lookOf(item)} ${item.element.shape ?? ""}`;
+}
+
+/** There is one view, and one crowd in it. */
+export const crowd = new Crowd();

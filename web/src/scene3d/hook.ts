@@ -1,0 +1,74 @@
+/** What tests and measurements ask about the picture: it is drawn, not in the page's text. */
+
+import { type Camera, Matrix4, Vector3, type WebGLRenderer } from "three";
+import { devices } from "./devices";
+import { crowd } from "./elements/crowd";
+import { planarMatrix, poseOf } from "./pose";
+import { onPicture, pointOf, type Spot } from "./pointing";
+import { baseOf, models } from "./robots/models";
+
+export interface Hook {
+  /** CSS pixels of an element's middle in the page; null for what is not seen. */
+  screen: (id: string) => Spot | null;
+  /** Ids of all that is drawn. */
+  shown: () => string[];
+  /** Position and quaternion (x, y, z, w) in the map, as drawn now; null for what is nowhere. */
+  pose: (id: string) => number[] | null;
+  /** Joint angles [rad], or lengths [m], by name, as drawn now. */
+  joints: (robot: string) => Record<string, number>;
+  /** Frames since the page was opened. */
+  frames: number;
+  /** How long the last frame kept the page busy [ms]. */
+  drawMs: number;
+  stats: () => { triangles: number; calls: number; geometries: number; textures: number };
+}
+
+declare global {
+  interface Window {
+    skiros3d?: Hook;
+  }
+}
+
+const matrix = new Matrix4();
+const point = new Vector3();
+
+/** Offers the hook on the window; returns how to take it away. */
+export function offerHook(gl: WebGLRenderer, camera: Camera): () => void {
+  const hook: Hook = {
+    screen: (id) => screenOf(id, gl.domElement, camera),
+    shown: () => crowd.ids(),
+    pose: (id) => poseNow(id),
+    joints: (robot) => Object.fromEntries(jointsOf(robot)),
+    get frames() {
+      return gl.info.render.frame;
+    },
+    drawMs: 0,
+    stats: () => ({ ...numbers(gl) }),
+  };
+  window.skiros3d = hook;
+  return () => delete window.skiros3d;
+}
+
+function numbers({ info }: WebGLRenderer) {
+  const { triangles, calls } = info.render;
+  return { triangles, calls, geometries: info.memory.geometries, textures: info.memory.textures };
+}
+
+function screenOf(id: string, canvas: HTMLElement, camera: Camera): Spot | null {
+  const { left, top, width, height } = canvas.getBoundingClientRect();
+  const spot = pointOf(id, "middle", point) ? onPicture(point, camera, width, height) : null;
+  return spot === null ? null : { x: left + spot.x, y: top + spot.y };
+}
+
+function poseNow(id: string): number[] | null {
+  const base = devices.bases[baseOf.get(id) ?? ""];
+  if (base !== undefined) planarMatrix(base, matrix);
+  else if (!crowd.poseOf(id, matrix)) return null;
+  const { position, orientation } = poseOf(matrix);
+  return [...position, ...orientation];
+}
+
+function jointsOf(robot: string): [string, number][] {
+  const joints = Object.entries(models.get(robot)?.joints ?? {});
+  return joints.filter(([, joint]) => joint.jointType !== "fixed").map(([name, joint]) => [name, joint.angle]);
+}

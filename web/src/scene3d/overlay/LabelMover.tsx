@@ -1,0 +1,40 @@
+import { useFrame } from "@react-three/fiber";
+import { type Camera, Vector3 } from "three";
+import { onPicture, pointOf, type Spot } from "../pointing";
+import { labelNodes } from "./labelNodes";
+
+const point = new Vector3();
+const LINE = 20; // px
+const taken: { x: number; y: number; half: number }[] = [];
+
+/** Moves the labels to where their elements are drawn; those that would cover others go above them. */
+export function LabelMover() {
+  useFrame(({ camera, size }) => {
+    taken.length = 0;
+    for (const [id, node] of labelNodes) move(id, node, camera, size);
+  });
+  return null;
+}
+
+function move(id: string, node: HTMLElement, camera: Camera, { width, height }: { width: number; height: number }) {
+  const spot = pointOf(id, "top", point) ? onPicture(point, camera, width, height) : null;
+  const there = spot !== null && spot.x > 0 && spot.x < width && spot.y > 0 && spot.y < height;
+  const visibility = there ? "visible" : "hidden";
+  if (node.style.visibility !== visibility) node.style.visibility = visibility;
+  if (!there) return;
+  const transform = `translate(${Math.round(spot.x)}px, ${Math.round(free(spot, node))}px)`;
+  if (node.style.transform !== transform) node.style.transform = transform;
+}
+
+/** The lowest line at or above a spot that no other label has. */
+function free({ x, y }: Spot, node: HTMLElement): number {
+  const half = (node.textContent.length * 6.5 + 14) / 2; // measured is too slow, every frame
+  let line = y;
+  for (let tries = 0; tries < taken.length && taken.some((one) => covers(one, x, line, half)); tries++) line -= LINE;
+  taken.push({ x, y: line, half });
+  return line;
+}
+
+function covers(one: { x: number; y: number; half: number }, x: number, y: number, half: number): boolean {
+  return Math.abs(one.x - x) < one.half + half && Math.abs(one.y - y) < LINE;
+}

@@ -1,0 +1,56 @@
+import { Line } from "@react-three/drei";
+import { useFrame } from "@react-three/fiber";
+import { useMemo, useRef } from "react";
+import { ExtrudeGeometry, type Group, Shape, Vector2 } from "three";
+import { useSelection } from "../../selection/selection";
+import { devices } from "../devices";
+import type { Palette } from "../palette";
+import type { RobotInfo } from "./Robot";
+
+const HEIGHT = 0.35; // m, of a robot of which only the outline is known
+const MARGIN = 1.2;
+
+interface Props {
+  robot: RobotInfo;
+  palette: Palette;
+  /** Draws a body, for a robot without a model. */
+  solid: boolean;
+}
+
+/** The outline of a robot on the floor: shows that it is selected, and stands in for its model. */
+export function Footprint({ robot, palette, solid }: Props) {
+  const group = useRef<Group>(null);
+  const selected = useSelection((state) => state.selected === robot.id);
+  const hovered = useSelection((state) => state.hovered === robot.id);
+  const corners = useMemo(() => outline(robot), [robot]);
+  useFrame(() => {
+    const [x = 0, y = 0, heading = 0] = devices.bases[robot.base.id] ?? [];
+    group.current?.position.set(x, y, 0);
+    group.current?.rotation.set(0, 0, heading);
+  }, -2);
+  return (
+    <group ref={group} userData={{ element: robot.id }}>
+      {(selected || hovered) && (
+        <Line points={corners} color={selected ? palette.selected : palette.hovered} lineWidth={selected ? 4 : 2} />
+      )}
+      {solid && <Body robot={robot} palette={palette} />}
+    </group>
+  );
+}
+
+function Body({ robot, palette }: { robot: RobotInfo; palette: Palette }) {
+  const geometry = useMemo(() => {
+    const shape = new Shape(robot.base.footprint.map(([x, y]) => new Vector2(x, y)));
+    return new ExtrudeGeometry(shape, { depth: HEIGHT, bevelEnabled: false });
+  }, [robot]);
+  return (
+    <mesh geometry={geometry}>
+      <meshLambertMaterial color={palette.kinds.robot} />
+    </mesh>
+  );
+}
+
+function outline(robot: RobotInfo): [number, number, number][] {
+  const corners = robot.base.footprint.map(([x, y]): [number, number, number] => [x * MARGIN, y * MARGIN, 0.01]);
+  return [...corners, ...corners.slice(0, 1)];
+}

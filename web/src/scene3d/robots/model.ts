@@ -1,0 +1,99 @@
+/** A robot's model from its URDF, with few draws: what belongs to one link is one mesh. */
+
+import {
+  BufferAttribute,
+  type BufferGeometry,
+  Color,
+  LoadingManager,
+  Mesh,
+  MeshLambertMaterial,
+  type MeshPhongMaterial,
+  type Object3D,
+} from "three";
+import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
+import { mergeGeometries, toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import URDFLoader, { type URDFRobot } from "urdf-loader";
+import { ApiProblem, BASE } from "../../api/client";
+
+const CREASE = 0.6; // rad: sharper edges stay edges
+const MATERIAL = new MeshLambertMaterial({ vertexColors: true });
+
+/** Loads the model of a robot; null where nobody knows what it looks like. */
+export async function loadModel(robot: string): Promise<URDFRobot | null> {
+  const address = `${BASE}/api/v1/robots/${encodeURIComponent(robot)}/model`;
+  const response = await fetch(address);
+  if (response.status === 404) return null;
+  if (!response.ok) throw new ApiProblem(response.status, undefined);
+  const model = await parsed(await response.text(), address.replace(/[^/]*$/, ""));
+  for (const link of Object.values(model.links)) condense(link);
+  for (const joint of Object.values(model.joints)) joint.ignoreLimits = true; // it is where it is
+  return model;
+}
+
+function parsed(urdf: string, folder: string): Promise<URDFRobot> {
+  return new Promise((resolve, reject) => {
+    const manager = new LoadingManager();
+    const loader = new URDFLoader(manager);
+    loader.loadMeshCb = (path, _manager, material, done) => {
+      new STLLoader(manager).load(path, (geometry) => done(new Mesh(smooth(geometry), material)), undefined, reject);
+    };
+    manager.itemStart(folder); // so that it does not end before it has begun
+    loader.workingPath = folder;
+    const model = loader.parse(urdf);
+    manager.onLoad = () => resolve(model);
+    manager.itemEnd(folder);
+  });
+}
+
+function smooth(geometry: BufferGeometry): BufferGeometry {
+  const smoothed = toCreasedNormals(geometry, CREASE);
+  if (smoothed !== geometry) geometry.dispose();
+  return smoothed;
+}
+
+/** Makes one mesh of all that is seen of a link. */
+function condense(link: Object3D): void {
+  const visuals = link.children.filter((child) => "isURDFVisual" in child);
+  const pieces = visuals.flatMap((visual) => piecesOf(visual, link));
+  for (const visual of visuals) visual.removeFromParent();
+  if (pieces.length === 0) return;
+  const mesh = new Mesh(mergeGeometries(pieces), MATERIAL);
+  for (const piece of pieces) piece.dispose();
+  link.add(mesh);
+}
+
+function piecesOf(visual: Object3D, link: Object3D): BufferGeometry[] {
+  const pieces: BufferGeometry[] = [];
+  link.updateWorldMatrix(true, true);
+  const toLink = link.matrixWorld.clone().invert();
+  visual.traverse((object) => {
+    if (!(object instanceof Mesh)) return;
+    const geometry = plain(object.geometry as BufferGeometry).applyMatrix4(toLink.clone().multiply(object.matrixWorld));
+    pieces.push(coloured(geometry, (object.material as MeshPhongMaterial).color));
+  });
+  return pieces;
+}
+
+/** The geometry with what all have: places and normals. */
+function plain(geometry: BufferGeometry): BufferGeometry {
+  const flat = geometry.index === null ? geometry.clone() : geometry.toNonIndexed();
+  geometry.dispose();
+  for (const name of Object.keys(flat.attributes)) {
+    if (name !== "position" && name !== "normal") flat.deleteAttribute(name);
+  }
+  return flat;
+}
+
+function coloured(geometry: BufferGeometry, colour: Color): BufferGeometry {
+  const count = geometry.getAttribute("position").count;
+  const colours = new Float32Array(count * 3);
+  for (let i = 0; i < count; i++) colour.toArray(colours, 3 * i);
+  return geometry.setAttribute("color", new BufferAttribute(colours, 3));
+}
+
+/** Lets go of what a model holds on the graphics card. */
+export function disposeModel(model: Object3D): void {
+  model.traverse((object) => {
+    if (object instanceof Mesh) (object.geometry as BufferGeometry).dispose();
+  });
+}

@@ -1,0 +1,69 @@
+/** Shapes as geometries: the boxes and cylinders of one in a single piece, made once for each key. */
+
+import { Box3, BoxGeometry, BufferAttribute, type BufferGeometry, CylinderGeometry, EdgesGeometry } from "three";
+import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import { matrixOf } from "./pose";
+import type { Block } from "./view";
+
+export interface Shape {
+  geometry: BufferGeometry;
+  edges: EdgesGeometry;
+  bounds: Box3;
+}
+
+const ROUND = 20; // segments of a cylinder
+const EDGE = 25; // degrees: flatter ones are not drawn
+/** Later blocks of a shape are a little darker, so that one sees of what it is built. */
+const SHADES = [1, 0.82, 0.68, 0.9, 0.75];
+/** What has a place and no shape is a flat mark on it. */
+const MARK: Block[] = [
+  { kind: "cylinder", size: [0.05, 0.004], pose: { position: [0, 0, 0.002], orientation: [0, 0, 0, 1] } },
+];
+
+let known = new Map<string, { blocks: readonly Block[]; shape: Shape }>();
+
+/** The shape of a key; "" for the mark of what has none. */
+export function shapeOf(key: string, blocks: readonly Block[] = MARK): Shape {
+  const kept = known.get(key);
+  if (kept !== undefined && same(kept.blocks, blocks)) return kept.shape;
+  if (kept !== undefined) dispose(kept.shape); // another start of the server, another meaning
+  const shape = built(blocks);
+  known.set(key, { blocks, shape });
+  return shape;
+}
+
+/** Lets go of all of them. */
+export function forgetShapes(): void {
+  for (const { shape } of known.values()) dispose(shape);
+  known = new Map();
+}
+
+function same(one: readonly Block[], other: readonly Block[]): boolean {
+  return one === other || JSON.stringify(one) === JSON.stringify(other);
+}
+
+function built(blocks: readonly Block[]): Shape {
+  const pieces = blocks.map((block, i) => tinted(geometryOf(block), SHADES[i % SHADES.length] ?? 1));
+  const geometry = mergeGeometries(pieces);
+  for (const piece of pieces) piece.dispose();
+  geometry.computeBoundingBox();
+  return { geometry, edges: new EdgesGeometry(geometry, EDGE), bounds: geometry.boundingBox ?? new Box3() };
+}
+
+function geometryOf({ kind, size, pose }: Block): BufferGeometry {
+  const [a = 0.01, b = 0.01, c = 0.01] = size;
+  const geometry =
+    kind === "box" ? new BoxGeometry(a, b, c) : new CylinderGeometry(a, a, b, ROUND).rotateX(Math.PI / 2);
+  geometry.deleteAttribute("uv");
+  return geometry.applyMatrix4(matrixOf(pose));
+}
+
+function tinted(geometry: BufferGeometry, shade: number): BufferGeometry {
+  const count = geometry.getAttribute("position").count;
+  return geometry.setAttribute("color", new BufferAttribute(new Float32Array(count * 3).fill(shade), 3));
+}
+
+function dispose({ geometry, edges }: Shape): void {
+  geometry.dispose();
+  edges.dispose();
+}

@@ -1,0 +1,13 @@
+import { useMemo } from "react";
+import { useReplay } from "./replay";
+import { PastViews } from "./replayFrames";
+import { useLiveView, type View } from "./view";
+
+/** The world that is drawn: the present, or that of the replay at its moment. */
+export function useShownView(): View | null {
+  const live = useLiveView((state) => state.view);
+  const replay = useReplay((state) => state.replay);
+  const past = useMemo(() => (replay === null ? null : new PastViews(replay)), [replay]);
+  const then = useReplay((state) => past?.at(state.time) ?? null);
+  return then ?? live;
+}

@@ -1,0 +1,126 @@
+import { Button, Group, Modal, Stack, Text, TextInput } from "@mantine/core";
+import {
+  IconPlayerPause,
+  IconPlayerPlay,
+  IconPlayerStop,
+  IconTrash,
+  IconX,
+  IconLock,
+  type TablerIcon,
+} from "@tabler/icons-react";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { useTranslation } from "react-i18next";
+import { answer, api, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+import type { Operation } from "../api/session";
+import { MayButton } from "../widgets/MayButton";
+import { notifyProblem } from "../widgets/problems";
+
+const COMMANDS = {
+  start: { operation: "start_job", icon: IconPlayerPlay, sure: false },
+  "revoke-start": { operation: "revoke_start_of_job", icon: IconLock, sure: false },
+  pause: { operation: "pause_job", icon: IconPlayerPause, sure: false },
+  resume: { operation: "resume_job", icon: IconPlayerPlay, sure: false },
+  stop: { operation: "stop_job", icon: IconPlayerStop, sure: true },
+  abort: { operation: "abort_job", icon: IconX, sure: true },
+  cancel: { operation: "cancel_job", icon: IconX, sure: true },
+  clear: { operation: "clear_job", icon: IconTrash, sure: true },
+} satisfies Record<string, { operation: Operation; icon: TablerIcon; sure: boolean }>;
+
+type Command = keyof typeof COMMANDS;
+
+function isCommand(name: string): name is Command {
+  return Object.hasOwn(COMMANDS, name);
+}
+
+/** The commands that a job takes in its state; those that end something are asked for once more. */
+export function JobCommands({ job, gone }: { job: Schema<"Job">; gone: () => void }) {
+  const { t } = useTranslation("task");
+  const [asking, ask] = useState<Command | null>(null);
+  const command = useCommand(job, gone);
+  return (
+    <Group gap={6} role="group" aria-label={t("commands.label")}>
+      {job.commands.filter(isCommand).map((name) => {
+        const { operation, icon: Icon, sure } = COMMANDS[name];
+        return (
+          <MayButton
+            key={name}
+            operation={operation}
+            variant="default"
+            leftSection={<Icon size={14} aria-hidden />}
+            loading={command.isPending && command.variables.name === name}
+            onClick={() => (sure ? ask(name) : command.mutate({ name, comment: "" }))}
+          >
+            {t(`commands.${name}.name`)}
+          </MayButton>
+        );
+      })}
+      {asking !== null && (
+        <Sure job={job.id} command={asking} close={() => ask(null)} go={(comment) => command.mutate({ name: asking, comment })} />
+      )}
+    </Group>
+  );
+}
+
+interface SureProps {
+  job: string;
+  command: Command;
+  close: () => void;
+  go: (comment: string) => void;
+}
+
+function Sure({ job, command, close, go }: SureProps) {
+  const { t } = useTranslation("task");
+  const [comment, setComment] = useState("");
+  const send = () => {
+    close();
+    go(comment);
+  };
+  return (
+    <Modal opened onClose={close} title={t(`commands.${command}.sure`, { job })} centered>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          send();
+        }}
+      >
+        <Stack gap="sm">
+          <Text size="sm">{t(`commands.${command}.means`)}</Text>
+          <TextInput
+            label={t("commands.comment")}
+            value={comment}
+            maxLength={2000}
+            onChange={(event) => setComment(event.currentTarget.value)}
+            data-autofocus
+          />
+          <Group justify="end">
+            <Button variant="default" onClick={close}>
+              {t("commands.no")}
+            </Button>
+            <Button type="submit" color="red">
+              {t(`commands.${command}.name`)}
+            </Button>
+          </Group>
+        </Stack>
+      </form>
+    </Modal>
+  );
+}
+
+/** Sends a command to the job as it was seen: one that has gone on meanwhile is not meant. */
+function useCommand(job: Schema<"Job">, gone: () => void) {
+  const client = useQueryClient();
+  return useMutation({
+    mutationFn: ({ name, comment }: { name: Command; comment: string }) => {
+      // All commands have the same form; the address of each is known to be one.
+      const path = `/api/v1/jobs/{id}/${name}` as "/api/v1/jobs/{id}/pause";
+      return answer(api.POST(path, { params: { path: { id: job.id } }, body: { comment } }));
+    },
+    onSuccess: (_, { name }) => {
+      if (name === "cancel" || name === "clear") gone();
+    },
+    onError: notifyProblem,
+    onSettled: () => client.invalidateQueries({ queryKey: keys.jobs() }),
+  });
+}

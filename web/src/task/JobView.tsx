@@ -1,0 +1,158 @@
+import { Alert, Anchor, Button, Group, Stack, Text, Title } from "@mantine/core";
+import { IconHistory, IconListNumbers } from "@tabler/icons-react";
+import { useMutation } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { Answers } from "../always/Answers";
+import { useAlarms } from "../always/useAlarms";
+import { answer, api, type Schema } from "../api/client";
+import { useTab } from "../app/useTab";
+import { useReplay } from "../scene3d/replay";
+import { Moment } from "../widgets/Moment";
+import { notifyProblem } from "../widgets/problems";
+import { Status } from "../widgets/Status";
+import { JobCommands } from "./JobCommands";
+import { JobReport } from "./JobReport";
+import { NewSequenceButton } from "./NewSequenceButton";
+import { Problem } from "./Problem";
+import { ReplayBar } from "./ReplayBar";
+import { RunPanes } from "./RunPanes";
+import type { Run } from "./trace";
+import { useJob, useJobRun, useSkills } from "./useRun";
+import { jobMood } from "./words";
+import { jobState } from "./jobWords";
+
+/** One job, present or past. */
+export function JobView({ id }: { id: string }) {
+  const { data: job, error, refetch } = useJob(id);
+  if (error !== null && job === undefined) return <Problem error={error} again={refetch} />;
+  if (job === undefined) return null;
+  return <Known job={job} />;
+}
+
+function Known({ job }: { job: Schema<"Job"> }) {
+  const { t } = useTranslation("task");
+  const [, open] = useTab();
+  const skills = useSkills();
+  const over = job.ended !== null;
+  const { run, error, refetch } = useJobRun(job.id, over);
+  const state = { mood: jobMood(job), text: jobState(t, job) };
+  const goal = job.order.goal.join(", ");
+  return (
+    <Stack gap="xs" component="article" aria-label={t("job.label", { id: job.id })}>
+      <Group gap="xs">
+        <Title order={3} size="h4">
+          {job.id}
+        </Title>
+        <Status {...state} />
+        {job.late && <Status mood="warning" text={t("job.late")} />}
+      </Group>
+      <Text size="sm">{goal}</Text>
+      {job.order.description !== "" && <Text size="sm">{job.order.description}</Text>}
+      <Times job={job} />
+      <Reasons job={job} />
+      <Question job={job} />
+      <Group gap={6}>
+        <JobCommands job={job} gone={() => open("task")} />
+        {job.started !== null && <ReplayButton job={job.id} />}
+        {job.plan.length > 0 && <NewSequenceButton from={{ job: job.id }} title={job.id} icon={IconListNumbers} />}
+      </Group>
+      <Replayed job={job.id} run={run} />
+      {error !== null && <Problem error={error} again={refetch} />}
+      <RunPanes
+        key={job.id}
+        name={job.id}
+        run={run}
+        skills={skills}
+        title={goal}
+        state={state}
+        paused={job.state.text === "Interrupted"}
+        from={moment(job.started)}
+        to={moment(job.ended)}
+        report={<JobReport job={job} run={run} skills={skills} />}
+      />
+    </Stack>
+  );
+}
+
+function moment(at: string | null): number | null {
+  return at === null ? null : Date.parse(at);
+}
+
+function Times({ job }: { job: Schema<"Job"> }) {
+  const { t } = useTranslation("task");
+  return (
+    <Group gap="md" fz="sm" c="dimmed">
+      {(["ordered", "started", "ended"] as const).map(
+        (name) =>
+          job[name] !== null && (
+            <span key={name}>
+              {t(`job.${name}`)} <Moment at={job[name]} />
+            </span>
+          ),
+      )}
+      {job.attempts > 1 && <span>{t("job.attempts", { count: job.attempts })}</span>}
+    </Group>
+  );
+}
+
+function Reasons({ job }: { job: Schema<"Job"> }) {
+  const { t } = useTranslation("task");
+  if (job.reasons.length === 0) return null;
+  return (
+    <Alert color="red" p="xs" title={t("job.reasons")}>
+      {job.reasons.map((reason) => (
+        <Text key={reason} size="sm">
+          {reason}
+        </Text>
+      ))}
+      {job.outcome === "no plan" && <Anchor href="#/goal">{t("job.toGoal")}</Anchor>}
+    </Alert>
+  );
+}
+
+function Question({ job }: { job: Schema<"Job"> }) {
+  const alarm = useAlarms(true).find((one) => one.job === job.id && one.choices.length > 0);
+  if (alarm === undefined || job.choices.length === 0) return null;
+  return (
+    <Alert color="orange" p="xs">
+      <Group gap="xs" justify="space-between">
+        <Text size="sm">{alarm.text}</Text>
+        <Answers alarm={alarm} />
+      </Group>
+    </Alert>
+  );
+}
+
+function ReplayButton({ job }: { job: string }) {
+  const { t } = useTranslation("task");
+  const shown = useReplay(({ replay }) => replay?.job === job);
+  const { mutate, isPending } = useMutation({
+    mutationFn: () => answer(api.GET("/api/v1/jobs/{id}/replay", { params: { path: { id: job } } })),
+    onSuccess: (replay) => useReplay.getState().set({ replay, time: replay.start, speed: 0 }),
+    onError: notifyProblem,
+  });
+  if (shown) return null;
+  return (
+    <Button
+      variant="default"
+      leftSection={<IconHistory size={14} aria-hidden />}
+      loading={isPending}
+      onClick={() => mutate()}
+    >
+      {t("replay.show")}
+    </Button>
+  );
+}
+
+/** The controls of a replay of this job; or that another job is replayed. */
+function Replayed({ job, run }: { job: string; run: Run }) {
+  const { t } = useTranslation("task");
+  const shown = useReplay(({ replay }) => replay?.job);
+  if (shown === undefined) return null;
+  if (shown === job) return <ReplayBar steps={run.steps} choose={() => undefined} />;
+  return (
+    <Alert color="blue" p="xs">
+      <Anchor href={`#/task/${encodeURIComponent(shown)}`}>{t("replay.other", { job: shown })}</Anchor>
+    </Alert>
+  );
+}

@@ -1,0 +1,89 @@
+import { ActionIcon, Alert, Button, Group, Select, Slider, Text, Tooltip } from "@mantine/core";
+import { IconPlayerPause, IconPlayerPlay, IconPlayerSkipBack, IconPlayerSkipForward } from "@tabler/icons-react";
+import { type KeyboardEvent, type ReactNode, useState } from "react";
+import { useTranslation } from "react-i18next";
+import { useReplay } from "../scene3d/replay";
+import type { Step } from "./trace";
+
+const SPEEDS = ["0.5", "1", "2", "5", "10"];
+const KEY_STEP = 1; // s
+
+/** The time of a replay: play, pause, go anywhere, from step to step; the 3D view shows that moment. */
+export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (step: string) => void }) {
+  const { t } = useTranslation("task");
+  const { replay, time, speed: going, set } = useReplay();
+  const [speed, setSpeed] = useState(1);
+  if (replay === null) return null;
+  const [start, end] = [replay.start, replay.end];
+  const play = () => set(going > 0 ? { speed: 0 } : { speed, time: time >= end ? start : time });
+  const jump = (step: Step | undefined) => {
+    set({ time: step?.start ?? start });
+    if (step !== undefined) choose(step.key);
+  };
+  const keys = (event: KeyboardEvent) => {
+    if (event.key !== " " || event.target instanceof HTMLButtonElement || event.target instanceof HTMLInputElement) return;
+    event.preventDefault();
+    play();
+  };
+  return (
+    // Space plays and pauses wherever in it somebody is; each of its parts is a control of its own.
+    // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
+    <div role="group" aria-label={t("replay.label", { job: replay.job })} onKeyDown={keys}>
+      <Group gap={4} wrap="nowrap">
+        <Tool name={t("replay.before")} act={() => jump(steps.findLast((one) => one.start < time - 0.3))}>
+          <IconPlayerSkipBack size={16} />
+        </Tool>
+        <Tool name={going > 0 ? t("replay.pause") : t("replay.play")} act={play}>
+          {going > 0 ? <IconPlayerPause size={16} /> : <IconPlayerPlay size={16} />}
+        </Tool>
+        <Tool name={t("replay.next")} act={() => jump(steps.find((one) => one.start > time + 0.01))}>
+          <IconPlayerSkipForward size={16} />
+        </Tool>
+        <Slider
+          flex={1}
+          mx="xs"
+          size="sm"
+          min={start}
+          max={end}
+          step={KEY_STEP / 10}
+          value={time}
+          label={(value) => `${(value - start).toFixed(1)} s`}
+          thumbLabel={t("replay.time")}
+          onChange={(value) => set({ time: value })}
+        />
+        <Text size="sm" w={96} ta="right" style={{ fontVariantNumeric: "tabular-nums" }}>
+          {`${(time - start).toFixed(1)} / ${(end - start).toFixed(1)} s`}
+        </Text>
+        <Select
+          aria-label={t("replay.speed")}
+          w={72}
+          data={SPEEDS.map((value) => ({ value, label: `${value}×` }))}
+          value={String(going > 0 ? going : speed)}
+          onChange={(value) => {
+            const chosen = Number(value ?? 1);
+            setSpeed(chosen);
+            if (going > 0) set({ speed: chosen });
+          }}
+        />
+        <Button variant="light" onClick={() => set({ replay: null, speed: 0 })}>
+          {t("replay.leave")}
+        </Button>
+      </Group>
+      {!replay.complete && (
+        <Alert color="yellow" p={4} mt={4}>
+          {t("replay.incomplete")}
+        </Alert>
+      )}
+    </div>
+  );
+}
+
+function Tool({ name, act, children }: { name: string; act: () => void; children: ReactNode }) {
+  return (
+    <Tooltip label={name}>
+      <ActionIcon aria-label={name} onClick={act}>
+        {children}
+      </ActionIcon>
+    </Tooltip>
+  );
+}

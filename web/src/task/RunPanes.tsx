@@ -1,0 +1,77 @@
+import { Divider, Stack, Tabs, Text } from "@mantine/core";
+import { IconBinaryTree, IconFileText, IconTerminal2, IconTimeline } from "@tabler/icons-react";
+import { type ReactNode, useEffect, useState } from "react";
+import { useTranslation } from "react-i18next";
+import { Part } from "../app/Part";
+import { useReplay } from "../scene3d/replay";
+import type { GraphNode } from "../widgets/Graph";
+import { followOutput } from "./output";
+import { OutputPane } from "./OutputPane";
+import type { Skills } from "./schedule";
+import { StepDetails } from "./StepDetails";
+import { Timeline } from "./Timeline";
+import type { Run } from "./trace";
+import { TreePane } from "./TreePane";
+
+interface Props {
+  /** Id of the job, or name of the task. */
+  name: string;
+  run: Run;
+  skills: Skills;
+  title: string;
+  state: GraphNode["state"] & object;
+  paused: boolean;
+  /** When it was begun and ended [ms since 1970]; null for not (yet). */
+  from: number | null;
+  to: number | null;
+  report: ReactNode;
+}
+
+const ICONS = { timeline: IconTimeline, tree: IconBinaryTree, output: IconTerminal2, report: IconFileText };
+type Pane = keyof typeof ICONS;
+const PANES = Object.keys(ICONS) as Pane[];
+
+/** What is under way, or was, from its four sides; and the step of it that somebody has chosen. */
+export function RunPanes({ name, run, skills, title, state, paused, from, to, report }: Props) {
+  const { t } = useTranslation("task");
+  const [pane, setPane] = useState<Pane>("timeline");
+  const [chosen, choose] = useState<string | null>(null);
+  const cursor = useReplay((replay) => (replay.replay?.job === name ? replay.time : null));
+  useEffect(followOutput, []);
+  const step = run.steps.find(({ key }) => key === chosen);
+  const contents: Record<Pane, ReactNode> = {
+    timeline: <Timeline run={run} skills={skills} paused={paused} cursor={cursor} chosen={chosen} choose={choose} />,
+    tree: <TreePane run={run} skills={skills} title={title} state={state} chosen={chosen} choose={choose} />,
+    output: <OutputPane name={name} from={from} to={to} />,
+    report,
+  };
+  return (
+    <Stack gap="xs">
+      <Tabs value={pane} onChange={(value) => setPane(value as Pane)} keepMounted={false}>
+        <Tabs.List aria-label={t("panes.label")}>
+          {PANES.map((one) => {
+            const Icon = ICONS[one];
+            return (
+              <Tabs.Tab key={one} value={one} px="xs" leftSection={<Icon size={14} aria-hidden />}>
+                {t(`panes.${one}`)}
+              </Tabs.Tab>
+            );
+          })}
+        </Tabs.List>
+        <Tabs.Panel value={pane} pt="xs">
+          <Part key={pane}>{contents[pane]}</Part>
+        </Tabs.Panel>
+      </Tabs>
+      <Divider />
+      {step === undefined ? (
+        run.steps.length > 0 && (
+          <Text size="sm" c="dimmed">
+            {t("details.choose")}
+          </Text>
+        )
+      ) : (
+        <StepDetails step={step} run={run} skills={skills} close={() => choose(null)} />
+      )}
+    </Stack>
+  );
+}

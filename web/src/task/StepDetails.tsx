@@ -1,0 +1,148 @@
+import { Badge, CloseButton, Group, Stack, Table, Text, Title } from "@mantine/core";
+import { useQueries } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, api, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+import { ElementName } from "../widgets/ElementName";
+import { problemText } from "../widgets/problems";
+import { Status } from "../widgets/Status";
+import { editText } from "./edits";
+import { useOutput } from "./output";
+import { OutputTable } from "./OutputTable";
+import type { Skills } from "./schedule";
+import { Section } from "./Section";
+import type { ConditionRow, Run, Step } from "./trace";
+import { messagesOf } from "./tree";
+import { span, STEP_MOODS, stepState, stepTitle } from "./words";
+
+interface Props {
+  step: Step;
+  run: Run;
+  skills: Skills;
+  close: () => void;
+}
+
+/** All that is known of one step: with what it ran, what was true, what it changed in the world, what it said. */
+export function StepDetails({ step, run, skills, close }: Props) {
+  const { t } = useTranslation("task");
+  const title = stepTitle(step, skills);
+  return (
+    <Stack gap="xs" component="section" aria-label={t("details.label", { title })}>
+      <Group gap="xs">
+        <Title order={4} size="h5">
+          {title}
+        </Title>
+        <Status mood={STEP_MOODS[stepState(step)]} text={t(`stepStates.${stepState(step)}`)} />
+        <Text size="sm" c="dimmed">
+          {`${(step.start - run.begun).toFixed(1)} s${step.end === null ? " …" : ` + ${span(step.end - step.start)}`}`}
+        </Text>
+        <CloseButton ml="auto" aria-label={t("details.close")} onClick={close} />
+      </Group>
+      <Text size="sm">{step.text}</Text>
+      <Section title={t("details.inputs")}>
+        <Inputs values={{ ...step.arguments }} />
+      </Section>
+      <Section title={t("details.conditions")}>
+        <Conditions rows={step.conditions} />
+      </Section>
+      <Section title={t("details.changes")}>
+        <Changes numbers={step.changes} />
+      </Section>
+      <Section title={t("details.logs")}>
+        <Logs step={step} shift={run.shift} />
+      </Section>
+    </Stack>
+  );
+}
+
+function Inputs({ values }: { values: Record<string, string> }) {
+  return (
+    <Table verticalSpacing={1} withRowBorders={false} w="auto">
+      <Table.Tbody>
+        {Object.entries(values).map(([key, value]) => (
+          <Table.Tr key={key}>
+            <Table.Th scope="row" fw={500}>
+              {key}
+            </Table.Th>
+            <Table.Td>
+              <ElementName id={value} />
+            </Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
+function Conditions({ rows }: { rows: readonly ConditionRow[] }) {
+  const { t } = useTranslation("task");
+  if (rows.length === 0) return <Text c="dimmed">{t("details.noConditions")}</Text>;
+  return (
+    <Table verticalSpacing={2}>
+      <Table.Tbody>
+        {rows.map((row, index) => (
+          // Their order never changes, and none of them has a name.
+          <Table.Tr key={`${row.kind} ${row.condition} ${index}`}>
+            <Table.Td w={64}>
+              <Badge variant="default" tt="none">
+                {row.kind}
+              </Badge>
+            </Table.Td>
+            <Table.Td>{row.condition}</Table.Td>
+            <Table.Td>
+              <Holds holds={row.holds} />
+              {row.why.map((why) => (
+                <Text key={why} size="sm">
+                  {why}
+                </Text>
+              ))}
+            </Table.Td>
+          </Table.Tr>
+        ))}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
+function Holds({ holds }: { holds: boolean | null }) {
+  const { t } = useTranslation("task");
+  if (holds === null) return <Status mood="waiting" text={t("details.open")} />;
+  return holds ? <Status mood="good" text={t("details.holds")} /> : <Status mood="bad" text={t("details.holdsNot")} />;
+}
+
+function Changes({ numbers }: { numbers: readonly number[] }) {
+  const { t } = useTranslation("task");
+  const changes = useQueries({
+    queries: numbers.map((number) => ({
+      queryKey: ["changes", number], // what was once written stays as it is
+      queryFn: () => answer(api.GET("/api/v1/world/changes/{number}", { params: { path: { number } } })),
+    })),
+  });
+  if (numbers.length === 0) return <Text c="dimmed">{t("details.noChanges")}</Text>;
+  return (
+    <Stack gap={2} component="ul" m={0} pl="md">
+      {changes.map(({ data, error }, index) => {
+        if (error) return <li key={numbers[index]}>{problemText(error)}</li>;
+        return data?.edits.map((edit, place) => <Edit key={`${data.number} ${place}`} edit={edit} />);
+      })}
+    </Stack>
+  );
+}
+
+function Edit({ edit }: { edit: Schema<"Change">["edits"][number] }) {
+  const { element, says } = editText(edit);
+  return (
+    <li>
+      {element !== "" && <ElementName id={element} />}
+      {` ${says}`}
+    </li>
+  );
+}
+
+function Logs({ step, shift }: { step: Step; shift: number }) {
+  const { t } = useTranslation("task");
+  const rows = useOutput(({ rows: all }) => all);
+  const own = messagesOf(step, rows, shift);
+  if (own.length === 0) return <Text c="dimmed">{t("details.noLogs")}</Text>;
+  return <OutputTable rows={own} label={t("details.logs")} height={Math.min(220, 34 + 26 * own.length)} />;
+}

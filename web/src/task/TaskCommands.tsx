@@ -1,0 +1,52 @@
+import { Group } from "@mantine/core";
+import { IconPlayerPause, IconPlayerPlay, IconPlayerStop, IconPlayerTrackNext } from "@tabler/icons-react";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, api, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+import { MayButton } from "../widgets/MayButton";
+import { notifyProblem } from "../widgets/problems";
+
+const ICONS = {
+  pause: IconPlayerPause,
+  resume: IconPlayerPlay,
+  step: IconPlayerTrackNext,
+  stop: IconPlayerStop,
+};
+type Command = keyof typeof ICONS;
+
+/** Pauses a task that is of no job, goes on with it, or with one step of it, or stops it. */
+export function TaskCommands({ task }: { task: Schema<"TaskInfo"> }) {
+  const { t } = useTranslation("task");
+  const client = useQueryClient();
+  const { mutate, isPending } = useMutation({
+    mutationFn: (command: Command) =>
+      answer(api.POST("/api/v1/tasks/{name}/{command}", { params: { path: { name: task.name, command } } })),
+    onError: notifyProblem,
+    onSettled: () => client.invalidateQueries({ queryKey: keys.tasks() }),
+  });
+  return (
+    <Group gap={6} role="group" aria-label={t("commands.label")}>
+      {commandsOf(task).map((command) => {
+        const Icon = ICONS[command];
+        return (
+          <MayButton
+            key={command}
+            operation="command_task"
+            variant="default"
+            disabled={isPending}
+            leftSection={<Icon size={14} aria-hidden />}
+            onClick={() => mutate(command)}
+          >
+            {t(`taskCommands.${command}`)}
+          </MayButton>
+        );
+      })}
+    </Group>
+  );
+}
+
+function commandsOf({ status, job }: Schema<"TaskInfo">): readonly Command[] {
+  if (status === "ended" || job !== "") return [];
+  return status === "paused" ? ["resume", "step", "stop"] : ["pause", "step", "stop"];
+}

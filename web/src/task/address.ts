@@ -1,0 +1,17 @@
+/** What the address of the tab names: a job by its id alone, so that links to jobs are short; or something else. */
+
+export type Place = { kind: "job" | "task" | "sequence"; id: string };
+
+const PREFIXES = { task: "tasks/", sequence: "sequences/" } as const; // ids of jobs have no "/"
+
+export function placeOf(detail: string): Place | null {
+  if (detail === "") return null;
+  for (const kind of ["task", "sequence"] as const) {
+    if (detail.startsWith(PREFIXES[kind])) return { kind, id: detail.slice(PREFIXES[kind].length) };
+  }
+  return { kind: "job", id: detail };
+}
+
+export function detailOf({ kind, id }: Place): string {
+  return kind === "job" ? id : PREFIXES[kind] + id;
+}

@@ -1,0 +1,26 @@
+import type { TFunction } from "i18next";
+import type { Schema } from "../api/client";
+
+const OUTCOMES = [
+  "succeeded",
+  "partially succeeded",
+  "goal already satisfied",
+  "stopped",
+  "aborted",
+  "failed",
+  "no plan",
+  "expired",
+] as const;
+
+/** What a job does, or what came of it. */
+export function jobState(t: TFunction<"task">, job: Schema<"Job">): string {
+  if (job.outcome !== null) return outcomeText(t, job.outcome);
+  const said = t(`jobStates.${job.state.text}`);
+  if (job.choices.length > 0) return t("job.asks");
+  return job.state.text === "Running" && job.detail === "planning" ? t("job.planning") : said;
+}
+
+function outcomeText(t: TFunction<"task">, outcome: string): string {
+  const known = OUTCOMES.find((one) => one === outcome);
+  return known === undefined ? outcome : t(`outcomes.${known}`);
+}

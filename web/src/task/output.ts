@@ -1,0 +1,128 @@
+/** What the modules say, the last of it: read once, then followed as long as somebody looks. */
+
+import { create } from "zustand";
+import { answer, api } from "../api/client";
+import { type EventInfo, onEvent, onReset } from "../live/events";
+
+/** One message of a module (the paper's fields, and where it comes from). */
+export interface OutputRow {
+  /** Names it; it begins with what names the start of the server. */
+  id: string;
+  /** Run time [s]. */
+  time: number;
+  /** Wall time [ms since 1970]. */
+  at: number;
+  module: string;
+  kind: string;
+  /** started, running, preempted, terminated or error. */
+  status: string;
+  code: number;
+  text: string;
+  agent: string;
+  /** The module that it is part of; empty for the one that was started. */
+  caller: string;
+}
+
+interface Output {
+  rows: readonly OutputRow[];
+  failed: unknown;
+}
+
+export const MOST_ROWS = 2000;
+const PAGE = 1000;
+const LOOKED_BACK = 4000; // events of all kinds
+const PAUSE = 200; // ms: oftener nobody reads it
+
+export const useOutput = create<Output>(() => ({ rows: [], failed: null }));
+
+export function rowOf(event: EventInfo): OutputRow {
+  const { kind, code, text, agent, caller } = event.data;
+  return {
+    id: event.id,
+    time: event.time,
+    at: Date.parse(event.at),
+    module: event.subject,
+    kind: String(kind ?? ""),
+    status: event.type,
+    code: typeof code === "number" ? code : 0,
+    text: String(text ?? ""),
+    agent: String(agent ?? ""),
+    caller: String(caller ?? ""),
+  };
+}
+
+/** Adds rows that are not there yet, in the order of their numbers; of too many the oldest go. */
+export function added(rows: readonly OutputRow[], more: readonly OutputRow[]): readonly OutputRow[] {
+  const known = new Set(rows.map((row) => row.id));
+  const fresh = more.filter((row) => !known.has(row.id));
+  if (fresh.length === 0) return rows;
+  return [...rows, ...fresh].sort((one, other) => one.at - other.at || number(one) - number(other)).slice(-MOST_ROWS);
+}
+
+function number(row: OutputRow): number {
+  return Number(row.id.slice(row.id.lastIndexOf("-") + 1));
+}
+
+let followers = 0;
+let end: (() => void) | undefined;
+
+/** Follows the modules until the function that it returns is called. */
+export function followOutput(): () => void {
+  followers += 1;
+  if (followers === 1) end = begin();
+  return () => {
+    followers -= 1;
+    if (followers === 0) end?.();
+  };
+}
+
+function begin(): () => void {
+  let waiting: OutputRow[] = [];
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const flush = () => {
+    timer = undefined;
+    const more = waiting;
+    waiting = [];
+    useOutput.setState(({ rows }) => ({ rows: added(rows, more) }));
+  };
+  const take = (more: readonly OutputRow[]) => {
+    waiting.push(...more);
+    timer ??= setTimeout(flush, PAUSE);
+  };
+  const read = () => {
+    recent().then(take, (failed: unknown) => useOutput.setState({ failed }));
+  };
+  read();
+  const ends = [onEvent((event) => event.kind === "module" && take([rowOf(event)])), onReset(read)];
+  return () => {
+    clearTimeout(timer);
+    for (const one of ends) one();
+  };
+}
+
+async function recent(): Promise<OutputRow[]> {
+  return (await since(await somewhatBefore())) ?? (await since(undefined)) ?? [];
+}
+
+/** Reads what came after a place; null where some of it is not kept any more. */
+async function since(place: string | undefined): Promise<OutputRow[] | null> {
+  const rows: OutputRow[] = [];
+  let after = place;
+  for (;;) {
+    const query = { kind: ["module" as const], after, limit: PAGE };
+    const page = await answer(api.GET("/api/v1/events/recent", { params: { query } }));
+    if (page.reset != null) return null;
+    rows.push(...page.items.map(rowOf));
+    if (page.items.length < PAGE) return rows;
+    after = page.next;
+  }
+}
+
+/** Names a place not long ago: who asks for what comes after an unknown event is told where the events end. */
+async function somewhatBefore(): Promise<string | undefined> {
+  const page = await answer(api.GET("/api/v1/events/recent", { params: { query: { after: "unknown", limit: 1 } } }));
+  const end = page.reset?.id ?? page.next;
+  const cut = end.lastIndexOf("-");
+  const place = Number(end.slice(cut + 1)) - LOOKED_BACK;
+  return place > 0 ? `${end.slice(0, cut)}-${place}` : undefined;
+}

@@ -1,0 +1,80 @@
+import type { Schema } from "../api/client";
+import { joined, readEntry, readRun, type TraceEntry } from "./trace";
+import { finish, schedule } from "./schedule";
+import { layOut } from "./timelineLayout";
+
+function skill(name: string, agent: string, duration: number): [string, Schema<"SkillInfo">] {
+  return [name, { name, agent, duration, parameters: [] } as unknown as Schema<"SkillInfo">];
+}
+const SKILLS = new Map([skill("drive", "Base", 20), skill("pick", "Arm", 6)]);
+const DRIVE = { skill: "drive", arguments: { Base: "base_1", Location: "pallet_a" } };
+const PICK = { skill: "pick", arguments: { Arm: "arm_1", Object: "starter_1" } };
+
+function entry(time: number, what: string, more: Partial<TraceEntry> = {}): TraceEntry {
+  return readEntry({ time, what, text: `${what} ${time}`, ...more });
+}
+function plan(time: number, calls = [DRIVE, PICK]): TraceEntry {
+  const steps = calls.map((call) => `${call.skill}(…)`);
+  return entry(time, "planned", { data: { steps, calls, after: [[], [0]], starts: [0, 20] } });
+}
+function step(time: number, what: string, number: number, call: typeof DRIVE | typeof PICK): TraceEntry {
+  return entry(time, what, { step: number, ...call, agent: Object.values(call.arguments)[0] });
+}
+const GOOD = [entry(10, "begun"), plan(12), step(12, "started", 1, DRIVE), step(30, "ended", 1, DRIVE)];
+
+test("a run has the steps that were started, with their ends", () => {
+  const run = readRun([...GOOD, step(30, "started", 2, PICK)]);
+  expect(run.steps.map(({ key, start, end, ended }) => [key, start, end, ended])).toEqual([
+    ["1.1", 12, 30, "ended"],
+    ["1.2", 30, null, null],
+  ]);
+});
+
+test("run time goes on after a restart of the server, and what ran then was broken off", () => {
+  const run = readRun([...GOOD, step(30, "started", 2, PICK), entry(2, "begun"), step(5, "started", 1, PICK)]);
+  expect(run.steps.map(({ key, start, end, ended }) => [key, start, end, ended])).toEqual([
+    ["1.1", 12, 30, "ended"],
+    ["1.2", 30, 30, "broken off"],
+    ["2.1", 33, null, null],
+  ]);
+  expect(run.shift).toBe(28);
+});
+
+test("what is written down and what is remembered are joined without doubles", () => {
+  const lately = [...GOOD, entry(31, "finished")];
+  expect(joined(GOOD, lately)).toEqual(lately);
+  expect(joined([entry(1, "begun"), ...GOOD], lately)).toHaveLength(lately.length + 1);
+  expect(joined(GOOD, [])).toEqual(GOOD);
+});
+
+test("a step that failed and is done again is two attempts at the same step of the plan", () => {
+  const retried = [step(30, "started", 2, PICK), step(35, "failed", 2, PICK), step(36, "started", 3, PICK)];
+  const run = readRun([...GOOD, ...retried]);
+  const slots = schedule(run.plans[0]!, run.steps, SKILLS, 38);
+  expect(slots.map((slot) => [slot.done, slot.runs.map((one) => one.key)])).toEqual([
+    [true, ["1.1"]],
+    [false, ["1.2", "1.3"]],
+  ]);
+  const arm = layOut(run, SKILLS, 38, false).lanes.find(({ agent }) => agent === "arm_1")!;
+  expect(arm.bars.filter(({ kind }) => kind === "actual").map(({ row, state }) => [row, state])).toEqual([
+    [1, "failed"],
+    [2, "running"],
+  ]);
+});
+
+test("the end is expected from what remains, not from when it should have been", () => {
+  const run = readRun([entry(10, "begun"), plan(12), step(12, "started", 1, DRIVE)]);
+  expect(finish(schedule(run.plans[0]!, run.steps, SKILLS, 20))).toBe(12 + 20 + 6);
+  expect(finish(schedule(run.plans[0]!, run.steps, SKILLS, 100))).toBe(100 + 6); // it drives longer than planned
+});
+
+test("of a plan that was given up only what was never begun stays, as old", () => {
+  const run = readRun([...GOOD, entry(30, "replans"), plan(31, [DRIVE, DRIVE])]);
+  const bars = layOut(run, SKILLS, 31, false).lanes.flatMap((lane) => lane.bars);
+  expect(bars.filter(({ kind }) => kind === "old").map(({ title }) => title)).toEqual(["pick"]);
+  expect(layOut(run, SKILLS, 31, false).replanned).toEqual([31]);
+});
+
+test("a timeline that is over has no expected end", () => {
+  expect(layOut(readRun([...GOOD, entry(31, "finished")]), SKILLS, 99, false).eta).toBeNull();
+});

@@ -1,0 +1,158 @@
+/** Where the bars of a timeline are: a lane for each subsystem, in it rows for the plan, the attempts, and old plans. */
+
+import type { Mood } from "../widgets/Status";
+import { finish, schedule, type Skills, type Slot, type Span } from "./schedule";
+import type { Run, Step } from "./trace";
+import { STEP_MOODS, stepState, stepTitle, type StepState } from "./words";
+
+export interface Bar extends Span {
+  key: string;
+  kind: "plan" | "actual" | "expected" | "old";
+  title: string;
+  state: StepState;
+  mood: Mood;
+  /** Key of the step that ran; null for what has not. */
+  step: string | null;
+  /** From 0, below the name of the lane. */
+  row: number;
+  /** Which attempt at the same step it is, from 1. */
+  attempt: number;
+}
+
+export interface Lane {
+  agent: string;
+  bars: Bar[];
+  rows: number;
+}
+
+export interface TimelineLayout extends Span {
+  lanes: Lane[];
+  /** When the rest of the plan will have been done [s, run time]; null when it is over or unknown. */
+  eta: number | null;
+  /** When it was planned anew [s, run time]. */
+  replanned: number[];
+  slots: Slot[];
+}
+
+const SHORTEST = 10; // s of a timeline in which nothing happened yet
+
+export function layOut(run: Run, skills: Skills, now: number, paused: boolean): TimelineLayout {
+  const present = run.plans.at(-1);
+  const slots = present === undefined ? [] : schedule(present, run.steps, skills, now);
+  const eta = run.end === null ? finish(slots) : null;
+  const bars = [...planBars(slots, skills), ...oldBars(run, skills), ...actualBars(run, skills, now, paused)];
+  if (run.end === null) bars.push(...expectedBars(slots, skills));
+  const end = Math.max(run.end ?? now, ...bars.map(({ bar }) => bar.end), run.begun + SHORTEST);
+  return {
+    start: run.begun,
+    end,
+    lanes: lanes(bars),
+    eta,
+    replanned: run.plans.slice(1).map((plan) => plan.at),
+    slots,
+  };
+}
+
+interface Placed {
+  agent: string;
+  bar: Bar;
+}
+
+function planBars(slots: readonly Slot[], skills: Skills): Placed[] {
+  return slots.map((slot) => ({
+    agent: slot.agent,
+    bar: {
+      ...slot.planned,
+      ...about(slot, skills),
+      key: `plan ${slot.index}`,
+      kind: "plan",
+      step: slot.runs.at(-1)?.key ?? null,
+      row: 0,
+      attempt: 1,
+    },
+  }));
+}
+
+/** What is still to come, where it is by now to be expected. */
+function expectedBars(slots: readonly Slot[], skills: Skills): Placed[] {
+  return slots
+    .filter((slot) => !slot.done && slot.runs.at(-1)?.end !== null)
+    .map((slot) => ({
+      agent: slot.agent,
+      bar: {
+        ...slot.expected,
+        ...about(slot, skills),
+        key: `expected ${slot.index}`,
+        kind: "expected",
+        state: "planned",
+        mood: "waiting",
+        step: null,
+        row: 1,
+        attempt: slot.runs.length + 1,
+      },
+    }));
+}
+
+function about(slot: Slot, skills: Skills): Pick<Bar, "title" | "state" | "mood"> {
+  const state = stepState(slot.runs.at(-1));
+  return { title: stepTitle(slot.step, skills), state, mood: STEP_MOODS[state] };
+}
+
+/** Of plans that were given up: what of them was never begun. */
+function oldBars(run: Run, skills: Skills): Placed[] {
+  return run.plans.slice(0, -1).flatMap((plan, index) => {
+    const until = run.plans[index + 1]?.at ?? plan.at;
+    const ran = run.steps.filter((step) => step.start < until);
+    return schedule(plan, ran, skills, until)
+      .filter((slot) => slot.runs.length === 0)
+      .map((slot) => ({
+        agent: slot.agent,
+        bar: {
+          ...slot.planned,
+          ...about(slot, skills),
+          key: `old ${index} ${slot.index}`,
+          kind: "old" as const,
+          step: null,
+          row: 0,
+          attempt: 1,
+        },
+      }));
+  });
+}
+
+function actualBars(run: Run, skills: Skills, now: number, paused: boolean): Placed[] {
+  const tried = new Map<string, number>();
+  return run.steps.map((step) => {
+    const same = `${step.agent} ${step.skill} ${JSON.stringify(step.arguments)}`;
+    const attempt = (tried.get(same) ?? 0) + 1;
+    tried.set(same, step.ended === "ended" ? 0 : attempt); // done once more later on it is no retry
+    const state = step.end === null && paused ? "paused" : stepState(step);
+    return { agent: step.agent, bar: actual(step, state, attempt, stepTitle(step, skills), now) };
+  });
+}
+
+function actual(step: Step, state: StepState, attempt: number, title: string, now: number): Bar {
+  const end = Math.max(step.start, step.end ?? now);
+  const mood = STEP_MOODS[state];
+  return { key: step.key, kind: "actual", title, state, mood, step: step.key, start: step.start, end, row: 1, attempt };
+}
+
+/** Puts bars into lanes and rows: the plan above, each attempt below the one before, old plans at the bottom. */
+function lanes(placed: readonly Placed[]): Lane[] {
+  const agents = [...new Set(placed.map(({ agent }) => agent))].sort();
+  return agents.map((agent) => {
+    const bars = placed.filter((one) => one.agent === agent).map(({ bar }) => bar);
+    const attempts = Math.max(1, ...bars.filter(isWork).map((bar) => bar.attempt));
+    const old = bars.some((bar) => bar.kind === "old");
+    return { agent, bars: bars.map((bar) => ({ ...bar, row: row(bar, attempts) })), rows: 1 + attempts + (old ? 1 : 0) };
+  });
+}
+
+function isWork(bar: Bar): boolean {
+  return bar.kind === "actual" || bar.kind === "expected";
+}
+
+function row(bar: Bar, attempts: number): number {
+  if (bar.kind === "plan") return 0;
+  return bar.kind === "old" ? attempts + 1 : bar.attempt;
+}

@@ -1,0 +1,202 @@
+/** What happened in a task, read from the entries of its trace. */
+
+import type { Schema } from "../api/client";
+
+export type PlannedStep = Schema<"PlannedStep">;
+
+export interface TraceEntry {
+  /** Run time [s]; after {@link evened} it never steps back. */
+  time: number;
+  what: string;
+  text: string;
+  step: number | null;
+  skill: string;
+  arguments: Record<string, string>;
+  agent: string;
+  data: Record<string, unknown>;
+}
+
+/** A condition of a step as it was when somebody looked. */
+export interface ConditionRow {
+  kind: string;
+  condition: string;
+  holds: boolean | null;
+  why: string[];
+}
+
+export type StepEnd = "ended" | "failed" | "broken off";
+
+/** One step that was started; what is done once more is another one. */
+export interface Step {
+  /** Names it in its task, over restarts of the server, too. */
+  key: string;
+  number: number;
+  skill: string;
+  arguments: Record<string, string>;
+  agent: string;
+  /** Run time [s]. */
+  start: number;
+  /** Run time [s]; null while it runs. */
+  end: number | null;
+  ended: StepEnd | null;
+  /** What came of it, or that it starts. */
+  text: string;
+  conditions: ConditionRow[];
+  /** Numbers of the changes of the world that it made. */
+  changes: number[];
+}
+
+export interface Plan {
+  /** Run time when it was there [s]. */
+  at: number;
+  steps: PlannedStep[];
+}
+
+export interface Run {
+  begun: number;
+  /** Run time of its end [s]; null while it goes on. */
+  end: number | null;
+  /** How much later its times are than those that the server says now [s]: run time begins anew with each start. */
+  shift: number;
+  steps: Step[];
+  /** All plans, the last one is the present one. */
+  plans: Plan[];
+  entries: TraceEntry[];
+}
+
+export const NO_RUN: Run = { begun: 0, end: null, shift: 0, steps: [], plans: [], entries: [] };
+
+const ENDS: readonly string[] = ["ended", "failed", "broken off"];
+
+/** Reads entries as the API tells them: each is plain data, of which nothing is promised but its names. */
+export function readEntry(raw: Record<string, unknown>): TraceEntry {
+  return {
+    time: typeof raw.time === "number" ? raw.time : 0,
+    what: String(raw.what ?? ""),
+    text: String(raw.text ?? ""),
+    step: typeof raw.step === "number" ? raw.step : null,
+    skill: String(raw.skill ?? ""),
+    arguments: isRecord(raw.arguments) ? (raw.arguments as Record<string, string>) : {},
+    agent: String(raw.agent ?? ""),
+    data: isRecord(raw.data) ? raw.data : {},
+  };
+}
+
+/**
+ * Joins what is written down of a job with what its present task remembers.
+ *
+ * The first is older by up to a second and holds all attempts, the second only the present one.
+ */
+export function joined(kept: readonly TraceEntry[], lately: readonly TraceEntry[]): TraceEntry[] {
+  const first = lately[0];
+  if (first === undefined) return [...kept];
+  const from = kept.findLastIndex((entry) => isSame(entry, first));
+  return from < 0 ? [...kept, ...lately] : [...kept.slice(0, from), ...lately];
+}
+
+/** Makes run time go on where the server was started anew: it begins at zero again with each start. */
+export function evened(told: readonly TraceEntry[]): { entries: TraceEntry[]; shift: number } {
+  let shift = 0;
+  let last = 0;
+  const entries = told.map((entry) => {
+    if (entry.time + shift < last) shift = last - entry.time;
+    last = entry.time + shift;
+    return shift === 0 ? entry : { ...entry, time: last };
+  });
+  return { entries, shift };
+}
+
+export function readRun(told: readonly TraceEntry[]): Run {
+  const { entries, shift } = evened(told);
+  const run: Run = { begun: entries[0]?.time ?? 0, end: null, shift, steps: [], plans: [], entries };
+  let attempt = 0;
+  for (const entry of entries) {
+    if (entry.what === "begun") {
+      attempt += 1;
+      breakOff(run.steps, entry.time);
+      run.end = null;
+    } else if (entry.what === "planned") run.plans.push({ at: entry.time, steps: plannedSteps(entry.data) });
+    else if (entry.what === "started" && entry.step !== null) run.steps.push(started(entry, attempt, entry.step));
+    else if (ENDS.includes(entry.what)) end(run.steps, entry);
+    else if (entry.what === "finished") run.end = entry.time;
+  }
+  return run;
+}
+
+function started(entry: TraceEntry, attempt: number, number: number): Step {
+  return {
+    key: `${attempt}.${number}`,
+    number,
+    skill: entry.skill,
+    arguments: entry.arguments,
+    agent: entry.agent,
+    start: entry.time,
+    end: null,
+    ended: null,
+    text: entry.text,
+    conditions: conditionRows(entry.data),
+    changes: numbers(entry.data.changes),
+  };
+}
+
+function end(steps: Step[], entry: TraceEntry): void {
+  const step = steps.findLast((one) => one.number === entry.step);
+  if (step === undefined) return;
+  step.end = entry.time;
+  step.ended = entry.what as StepEnd;
+  step.text = entry.text;
+  step.conditions = [...step.conditions, ...conditionRows(entry.data)];
+  step.changes = [...step.changes, ...numbers(entry.data.changes)];
+}
+
+/** What ran when the server ended was not ended by anybody. */
+function breakOff(steps: Step[], time: number): void {
+  for (const step of steps) {
+    if (step.end !== null) continue;
+    step.end = time;
+    step.ended = "broken off";
+  }
+}
+
+function plannedSteps(data: Record<string, unknown>): PlannedStep[] {
+  const texts = list(data.steps).map(String);
+  const calls = list(data.calls);
+  const after = list(data.after);
+  const starts = list(data.starts);
+  return texts.map((text, index) => {
+    const call = calls[index];
+    const start = starts[index];
+    return {
+      text,
+      skill: isRecord(call) ? String(call.skill) : text.replace(/\(.*$/s, ""),
+      arguments: isRecord(call) && isRecord(call.arguments) ? (call.arguments as Record<string, string>) : {},
+      after: numbers(after[index]),
+      start: typeof start === "number" ? start : null,
+    };
+  });
+}
+
+function conditionRows(data: Record<string, unknown>): ConditionRow[] {
+  return list(data.conditions).flatMap((row) => {
+    if (!isRecord(row)) return [];
+    const holds = typeof row.holds === "boolean" ? row.holds : null;
+    const why = list(row.why).map(String);
+    return [{ kind: String(row.kind ?? ""), condition: String(row.condition ?? ""), holds, why }];
+  });
+}
+
+function isSame(one: TraceEntry, other: TraceEntry): boolean {
+  return one.time === other.time && one.what === other.what && one.text === other.text;
+}
+
+function list(value: unknown): unknown[] {
+  return Array.isArray(value) ? value : [];
+}
+
+function numbers(value: unknown): number[] {
+  return list(value).filter((one) => typeof one === "number");
+}
+
+function isRecord(value: unknown): value is Record<string, unknown> {
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}

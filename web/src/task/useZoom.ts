@@ -1,0 +1,92 @@
+/** The part of a timeline that is looked at: all of it, what follows the present, or what somebody chose. */
+
+import { useCallback, useEffect, useRef, useState } from "react";
+import type { Span } from "./schedule";
+
+const CLOSEST = 1; // s
+const STEP = 1.5;
+const AHEAD = 0.7; // share of the window before the present
+
+export interface Zoom extends Span {
+  /** Whether the window goes on with the present. */
+  follows: boolean;
+  zoom: (factor: number, around?: number) => void;
+  move: (share: number) => void;
+  all: () => void;
+  follow: (on: boolean) => void;
+}
+
+/** Returns the window onto a timeline of `whole`, with the present at `now` [s]. */
+export function useZoom(whole: Span, now: number): Zoom {
+  const [chosen, choose] = useState<Span | null>(null);
+  const [follows, setFollows] = useState(false);
+  const window_ = windowOf(whole, chosen, follows, now);
+  const all = () => {
+    choose(null);
+    setFollows(false);
+  };
+  const zoom = (factor: number, around = follows ? now : (window_.start + window_.end) / 2) => {
+    const next = zoomed(window_, factor, around);
+    const shown = next.end - next.start;
+    if (shown >= whole.end - whole.start) all();
+    else choose(shown < CLOSEST ? window_ : next);
+  };
+  const move = (share: number) => {
+    const by = (window_.end - window_.start) * share;
+    setFollows(false);
+    choose({ start: window_.start + by, end: window_.end + by });
+  };
+  const follow = (on: boolean) => {
+    choose(on ? { start: now - 30, end: now + 15 } : window_);
+    setFollows(on);
+  };
+  return { ...window_, follows, zoom, move, all, follow };
+}
+
+function windowOf(whole: Span, chosen: Span | null, follows: boolean, now: number): Span {
+  if (chosen === null) return whole;
+  if (!follows) return chosen;
+  const wide = chosen.end - chosen.start;
+  return { start: now - AHEAD * wide, end: now + (1 - AHEAD) * wide };
+}
+
+/** Returns a window that is `factor` times as narrow, in which a moment stays where it was. */
+export function zoomed(window_: Span, factor: number, around: number): Span {
+  return { start: around - (around - window_.start) / factor, end: around + (window_.end - around) / factor };
+}
+
+/** Zooms by the wheel (with Ctrl, or a pinch, so that the page can still be scrolled) around the pointer. */
+export function useWheelZoom<E extends Element>(momentAt: (x: number) => number, zoom: Zoom["zoom"]) {
+  const element = useRef<E>(null);
+  const turn = useRef<(event: WheelEvent) => void>(() => undefined);
+  useEffect(() => {
+    turn.current = (event) => {
+      if (!event.ctrlKey && !event.metaKey && !event.shiftKey) return;
+      event.preventDefault();
+      const turned = event.deltaY || event.deltaX; // Shift makes browsers turn sideways
+      const left = element.current?.getBoundingClientRect().left ?? 0;
+      zoom(turned < 0 ? STEP : 1 / STEP, momentAt(event.clientX - left));
+    };
+  });
+  const listen = useCallback((event: Event) => turn.current(event as WheelEvent), []);
+  useEffect(() => {
+    const drawn = element.current;
+    drawn?.addEventListener("wheel", listen, { passive: false }); // React's own cannot keep the page from scrolling
+    return () => drawn?.removeEventListener("wheel", listen);
+  }, [listen]);
+  return element;
+}
+
+/** Zooms and moves by the keys that people try: + − 0 and the arrows. */
+export function zoomByKey(key: string, zoom: Zoom): boolean {
+  const actions: Record<string, () => void> = {
+    "+": () => zoom.zoom(STEP),
+    "=": () => zoom.zoom(STEP),
+    "-": () => zoom.zoom(1 / STEP),
+    "0": () => zoom.all(),
+    ArrowLeft: () => zoom.move(-0.2),
+    ArrowRight: () => zoom.move(0.2),
+  };
+  actions[key]?.();
+  return key in actions;
+}

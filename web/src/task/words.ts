@@ -1,0 +1,71 @@
+/** How steps and states are said, in a few words. */
+
+import type { Mood } from "../widgets/Status";
+import type { Schema } from "../api/client";
+import type { Step } from "./trace";
+import type { Skills } from "./schedule";
+
+export type StepState = "planned" | "running" | "paused" | "ended" | "failed" | "broken off";
+
+export const STEP_MOODS: Record<StepState, Mood> = {
+  planned: "waiting",
+  running: "running",
+  paused: "paused",
+  ended: "good",
+  failed: "bad",
+  "broken off": "stopped",
+};
+
+export function stepState(step: Step | undefined): StepState {
+  if (step === undefined) return "planned";
+  return step.ended ?? "running";
+}
+
+/** "pick starter_1": a skill with the things that it is about; hardware and what planners fill in is left out. */
+export function stepTitle(step: { skill: string; arguments: Record<string, string> }, skills: Skills): string {
+  const parameters = skills.get(step.skill)?.parameters;
+  const about =
+    parameters === undefined
+      ? Object.values(step.arguments)
+      : parameters
+          .filter(({ kind }) => kind !== "hardware" && kind !== "planning")
+          .map(({ key }) => step.arguments[key])
+          .filter((value) => value !== undefined);
+  return [step.skill, ...about].join(" ");
+}
+
+const JOB_MOODS: Record<Schema<"StateName">, Mood> = {
+  NotAllowedToStart: "paused",
+  AllowedToStart: "waiting",
+  Running: "running",
+  Interrupted: "paused",
+  Ended: "good",
+  Aborted: "stopped",
+};
+
+export function jobMood(job: Schema<"Job">): Mood {
+  if (job.choices.length > 0) return "asking";
+  if (job.state.text === "Ended" && !isGood(job.outcome)) return job.outcome === "partially succeeded" ? "warning" : "bad";
+  return JOB_MOODS[job.state.text];
+}
+
+function isGood(outcome: string | null): boolean {
+  return outcome === "succeeded" || outcome === "goal already satisfied";
+}
+
+const TASK_MOODS: Record<string, Mood> = { planning: "running", running: "running", paused: "paused", waiting: "asking" };
+
+export function taskMood({ status, report }: Schema<"TaskInfo">): Mood {
+  if (status !== "ended") return TASK_MOODS[status] ?? "waiting";
+  if (report?.outcome === "stopped") return "stopped";
+  return report?.reached === true ? "good" : "bad";
+}
+
+/** "1 min 05 s" of seconds. */
+export function span(seconds: number): string {
+  const whole = Math.max(0, Math.round(seconds));
+  if (whole < 60) return `${whole} s`;
+  const [minutes, rest] = [Math.floor(whole / 60), whole % 60];
+  if (minutes < 60) return `${minutes} min ${String(rest).padStart(2, "0")} s`;
+  return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, "0")} min`;
+}

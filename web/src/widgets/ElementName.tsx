@@ -1,0 +1,25 @@
+import { Anchor, Text } from "@mantine/core";
+import { useTranslation } from "react-i18next";
+import { useSelection } from "../selection/selection";
+import { useClassLabels, useElementName } from "./names";
+
+/** An element by name, which a click selects in the 3D view and in the tree; a class as "any …". */
+export function ElementName({ id }: { id: string }) {
+  const { t } = useTranslation();
+  const name = useElementName(id);
+  const class_ = useClassLabels().get(id);
+  const { choose, hover } = useSelection.getState();
+  if (name === null) return <Text span>{t("pick.any", { class: class_ ?? id })}</Text>;
+  return (
+    <Anchor
+      component="button"
+      type="button"
+      inherit
+      onClick={() => choose(id)}
+      onMouseEnter={() => hover(id)}
+      onMouseLeave={() => hover(null)}
+    >
+      {name}
+    </Anchor>
+  );
+}

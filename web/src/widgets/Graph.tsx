@@ -1,0 +1,146 @@
+import "@xyflow/react/dist/style.css";
+import dagre from "@dagrejs/dagre";
+import { Text } from "@mantine/core";
+import {
+  Controls,
+  type Edge,
+  Handle,
+  type Node,
+  type NodeProps,
+  Position,
+  ReactFlow,
+  ReactFlowProvider,
+  useReactFlow,
+} from "@xyflow/react";
+import { useEffect, useMemo, useRef } from "react";
+import classes from "./Graph.module.css";
+import { type Mood, Status } from "./Status";
+
+export interface GraphNode {
+  id: string;
+  title: string;
+  /** One more line, in smaller letters. */
+  subtitle?: string;
+  /** What it does, shown by icon, colour and text; left out for what has no state. */
+  state?: { mood: Mood; text: string };
+}
+
+export interface GraphEdge {
+  from: string;
+  to: string;
+}
+
+interface Props {
+  label: string;
+  nodes: readonly GraphNode[];
+  edges: readonly GraphEdge[];
+  direction?: "down" | "right";
+  chosen?: string | null;
+  onChoose?: (id: string) => void;
+}
+
+const WIDTH = 190; // px
+const HEIGHT = 62; // px
+const MARGIN = 0.08;
+
+/** A graph to be looked at: laid out by itself, moved and zoomed by hand, its nodes chosen by click and by keyboard. */
+export function Graph(props: Props) {
+  return (
+    <ReactFlowProvider>
+      <Drawn {...props} />
+    </ReactFlowProvider>
+  );
+}
+
+type Box = Node<{ node: GraphNode; chosen: boolean; direction: "down" | "right" }, "box">;
+
+const TYPES = { box: BoxNode };
+const HIDDEN = { hideAttribution: true };
+
+function Drawn({ label, nodes, edges, direction = "down", chosen = null, onChoose }: Props) {
+  const shape = JSON.stringify([nodes.map(({ id }) => id), edges, direction]);
+  const places = useMemo(() => layOut(JSON.parse(shape) as Shape), [shape]);
+  const boxes = nodes.map((node): Box => {
+    const { title, subtitle, state } = node;
+    const said = [title, subtitle, state?.text].filter(Boolean).join(", ");
+    const position = places.get(node.id) ?? { x: 0, y: 0 };
+    const data = { node, chosen: node.id === chosen, direction };
+    return { id: node.id, type: "box", position, data, width: WIDTH, height: HEIGHT, ariaLabel: said };
+  });
+  const lines = edges.map(({ from, to }): Edge => ({ id: `${from} ${to}`, source: from, target: to, focusable: false }));
+  const touched = useFitted(shape);
+  return (
+    <section aria-label={label} className={classes.graph}>
+      <ReactFlow
+        nodes={boxes}
+        edges={lines}
+        nodeTypes={TYPES}
+        nodesDraggable={false}
+        nodesConnectable={false}
+        edgesFocusable={false}
+        nodesFocusable={onChoose !== undefined}
+        elementsSelectable={onChoose !== undefined}
+        deleteKeyCode={null}
+        minZoom={0.1}
+        maxZoom={1.5}
+        proOptions={HIDDEN}
+        onMoveStart={(event) => {
+          if (event !== null) touched.current = true; // somebody looks at some part of it
+        }}
+        onNodeClick={(_, { id }) => onChoose?.(id)}
+        onNodesChange={(changes) => {
+          for (const change of changes) if (change.type === "select" && change.selected) onChoose?.(change.id);
+        }}
+      >
+        <Controls showInteractive={false} onFitView={() => (touched.current = false)} />
+      </ReactFlow>
+    </section>
+  );
+}
+
+/** Shows all of a graph whenever it grows, until somebody has moved it. */
+function useFitted(shape: string) {
+  const { fitView } = useReactFlow();
+  const touched = useRef(false);
+  useEffect(() => {
+    if (touched.current) return;
+    const frame = requestAnimationFrame(() => void fitView({ padding: MARGIN, maxZoom: 1 }));
+    return () => cancelAnimationFrame(frame);
+  }, [shape, fitView]);
+  return touched;
+}
+
+type Shape = [ids: string[], edges: GraphEdge[], direction: "down" | "right"];
+
+function layOut([ids, edges, direction]: Shape): Map<string, { x: number; y: number }> {
+  const graph = new dagre.graphlib.Graph();
+  graph.setGraph({ rankdir: direction === "down" ? "TB" : "LR", nodesep: 16, ranksep: 34 });
+  graph.setDefaultEdgeLabel(() => ({}));
+  for (const id of ids) graph.setNode(id, { width: WIDTH, height: HEIGHT });
+  for (const { from, to } of edges) graph.setEdge(from, to);
+  dagre.layout(graph);
+  return new Map(
+    ids.map((id) => {
+      const { x, y } = graph.node(id);
+      return [id, { x: x - WIDTH / 2, y: y - HEIGHT / 2 }];
+    }),
+  );
+}
+
+function BoxNode({ data: { node, chosen, direction } }: NodeProps<Box>) {
+  const [before, after] = direction === "down" ? [Position.Top, Position.Bottom] : [Position.Left, Position.Right];
+  const live = node.state?.mood === "running";
+  return (
+    <div className={classes.node} data-chosen={chosen || undefined} data-live={live || undefined} title={node.title}>
+      <Handle type="target" position={before} className={classes.handle} isConnectable={false} />
+      <div className={classes.title}>{node.title}</div>
+      {node.state !== undefined && <Status mood={node.state.mood} text={node.state.text} />}
+      {node.state === undefined && node.subtitle !== undefined && (
+        <Text size="xs" truncate>
+          {node.subtitle}
+        </Text>
+      )}
+      <Handle type="source" position={after} className={classes.handle} isConnectable={false} />
+    </div>
+  );
+}

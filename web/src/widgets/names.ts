@@ -1,0 +1,71 @@
+/** What people call elements and classes, short but never ambiguous. */
+
+import { useQuery } from "@tanstack/react-query";
+import { answer, api, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+
+const FRESH = 60_000; // ms: labels hardly ever change, and each change of the world would ask for all of them again
+
+export type ClassNode = Schema<"ClassNode">;
+
+/** Returns a name without the prefix of its ontology: "Starter" of "kitting:Starter". */
+export function localName(name: string): string {
+  return name.slice(name.lastIndexOf(":") + 1);
+}
+
+/** Joins label and id so that both are said, but nothing twice: "pallet A", "relay_box_2", "compartment A (kit_1_a)". */
+export function nameOf(id: string, label: string): string {
+  const said = spelt(label);
+  const meant = spelt(localName(id));
+  if (said === "" || said === meant.replace(/_\d+$/, "")) return id;
+  return said === meant ? label : `${label} (${id})`;
+}
+
+function spelt(text: string): string {
+  return text.trim().toLowerCase().replaceAll(/\s+/g, "_");
+}
+
+/** The class with those below it, as a list; the upper one first. */
+export function classesOf(root: ClassNode): ClassNode[] {
+  return [root, ...root.children.flatMap(classesOf)];
+}
+
+const WHOLE = 50; // levels
+
+/** A class with all classes below it. */
+export function classTree(class_: string) {
+  return {
+    queryKey: keys.ontology("classes", class_),
+    queryFn: () => answer(api.GET("/api/v1/ontology/classes", { params: { query: { root: class_, depth: WHOLE } } })),
+  };
+}
+
+const ELEMENT = "sk:Element";
+
+/** The labels of all classes by name; empty until they are known. */
+export function useClassLabels(): ReadonlyMap<string, string> {
+  const { data } = useQuery({ ...classTree(ELEMENT), select: labelsOf });
+  return data ?? NONE;
+}
+
+const NONE: ReadonlyMap<string, string> = new Map();
+
+function labelsOf(root: ClassNode): ReadonlyMap<string, string> {
+  return new Map(classesOf(root).map((node) => [node.name, node.label]));
+}
+
+/** What an element is called; its id until that is known. Of a class or of nothing: null. */
+export function useElementName(id: string | null): string | null {
+  const labels = useClassLabels();
+  const wanted = id !== null && id !== "" && !labels.has(id);
+  const { data } = useQuery({
+    queryKey: ["names", id],
+    queryFn: () => answer(api.GET("/api/v1/elements/{element}", { params: { path: { element: id ?? "" } } })),
+    enabled: wanted && labels.size > 0,
+    staleTime: FRESH,
+    retry: false,
+    select: ({ label }) => label,
+  });
+  if (!wanted) return null;
+  return data === undefined ? id : nameOf(id, data);
+}

@@ -1,0 +1,78 @@
+import { Group, Stack } from "@mantine/core";
+import { useDebouncedValue, useElementSize } from "@mantine/hooks";
+import { IconPlus } from "@tabler/icons-react";
+import { useState } from "react";
+import { useTranslation } from "react-i18next";
+import { Group as Panes, Panel, Separator } from "react-resizable-panels";
+import { MayButton } from "../widgets/MayButton";
+import { useMay } from "../api/session";
+import { AddElement } from "./add/AddElement";
+import { UndoButton } from "./changes/UndoButton";
+import { ElementDetails } from "./details/ElementDetails";
+import { MoveDialog } from "./edit/MoveDialog";
+import { useMove } from "./edit/useMove";
+import { Found } from "./tree/Found";
+import { SceneTree } from "./tree/SceneTree";
+import { type Search, TreeSearch } from "./tree/TreeSearch";
+import classes from "./World.module.css";
+
+const WIDE = 760; // px: from here on tree and details have room beside each other
+const SEARCH_PAUSE = 150; // ms
+
+/** The scene as a tree, beside the details of what is selected. */
+export function SceneView() {
+  const { t } = useTranslation("world");
+  const { ref, width } = useElementSize();
+  return (
+    <div ref={ref} className={classes.fill}>
+      <Panes orientation={width >= WIDE ? "horizontal" : "vertical"}>
+        <Panel defaultSize="45%" minSize="15%" className={classes.part}>
+          <TreePane />
+        </Panel>
+        <Separator className="divider" aria-label={t("tree.divider")} />
+        <Panel minSize="20%" className={classes.part}>
+          <div className={classes.details}>
+            <ElementDetails />
+          </div>
+        </Panel>
+      </Panes>
+    </div>
+  );
+}
+
+function TreePane() {
+  const [search, setSearch] = useState<Search>({ text: "", class_: null });
+  const [asked] = useDebouncedValue(search, SEARCH_PAUSE);
+  const may = useMay("change_element");
+  const move = useMove();
+  const searching = asked.text !== "" || asked.class_ !== null;
+  return (
+    <Stack gap={6} className={classes.fill}>
+      <TreeSearch search={search} onChange={setSearch} />
+      <div className={classes.tree}>
+        {searching ? <Found search={asked} /> : <SceneTree onMove={may ? move.move : undefined} />}
+      </div>
+      <Footer />
+      <MoveDialog move={move} />
+    </Stack>
+  );
+}
+
+function Footer() {
+  const { t } = useTranslation("world");
+  const [adding, setAdding] = useState(false);
+  return (
+    <Group gap={6} pb={4}>
+      <MayButton
+        operation="add_element"
+        variant="default"
+        leftSection={<IconPlus size={14} aria-hidden />}
+        onClick={() => setAdding(true)}
+      >
+        {t("add.anywhere")}
+      </MayButton>
+      <UndoButton />
+      {adding && <AddElement parent={null} onClose={() => setAdding(false)} />}
+    </Group>
+  );
+}

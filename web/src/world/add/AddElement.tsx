@@ -1,0 +1,111 @@
+import { Alert, Button, Fieldset, Group, Modal, Select, Stack, TextInput } from "@mantine/core";
+import { type SyntheticEvent, useMemo } from "react";
+import { useTranslation } from "react-i18next";
+import { MayButton } from "../../widgets/MayButton";
+import { PlacementInput } from "../edit/PlacementInput";
+import { PropertyFields } from "../edit/PropertyFields";
+import type { Details, Placement } from "../queries";
+import { LABEL, PLACEMENT } from "../edit/draft";
+import { useOptions } from "./options";
+import { type Adding, useAdding } from "./useAdding";
+
+interface Props {
+  /** On what it is put, to begin with; null for nothing in particular. */
+  parent: Details | null;
+  /** What it is a copy of. */
+  like?: Details;
+  onClose: () => void;
+}
+
+/** Adds an element below another: of a class that may be put there, or a copy. */
+export function AddElement({ parent, like, onClose }: Props) {
+  const { t } = useTranslation("world");
+  const adding = useAdding(parent, like, onClose);
+  const title = like ? t("add.copyOf", { label: like.label }) : t("add.title");
+  const submit = (event: SyntheticEvent) => {
+    event.preventDefault();
+    event.stopPropagation();
+    adding.save();
+  };
+  return (
+    <Modal opened onClose={onClose} title={title} size="lg">
+      <form onSubmit={submit} aria-label={title}>
+        <Stack gap="xs">
+          {adding.rest.length > 0 && (
+            <Alert color="red" title={t("edit.refused")}>
+              {adding.rest.map((line) => (
+                <div key={line}>{line}</div>
+              ))}
+            </Alert>
+          )}
+          {like === undefined && <WhatPicker parent={parent} adding={adding} />}
+          {adding.class_ && <Fields adding={adding} class_={adding.class_} copy={like !== undefined} />}
+          <Group justify="end">
+            <Button variant="default" onClick={onClose}>
+              {t("common:cancel")}
+            </Button>
+            <MayButton operation="add_element" type="submit" loading={adding.saving} disabled={!adding.class_}>
+              {t("common:add")}
+            </MayButton>
+          </Group>
+        </Stack>
+      </form>
+    </Modal>
+  );
+}
+
+function WhatPicker({ parent, adding }: { parent: Details | null; adding: Adding }) {
+  const { t } = useTranslation("world");
+  const options = useOptions(parent);
+  const groups = useMemo(
+    () => [
+      { group: t("add.ofClass"), items: options.classes },
+      { group: t("add.copies"), items: options.copies },
+    ],
+    [options, t],
+  );
+  return (
+    <Select
+      label={t("add.what")}
+      description={parent ? t("add.fitting", { label: parent.label }) : undefined}
+      data={groups}
+      searchable
+      data-autofocus
+      nothingFoundMessage={t("add.nothingFits")}
+      value={adding.what}
+      onChange={(value) => adding.choose(value, options.classOf(value))}
+      maxDropdownHeight={300}
+    />
+  );
+}
+
+function Fields({ adding, class_, copy }: { adding: Adding; class_: string; copy: boolean }) {
+  const { t } = useTranslation("world");
+  const { draft, setDraft, errors } = adding;
+  return (
+    <>
+      <TextInput
+        label={t("edit.name")}
+        placeholder={copy ? undefined : t("add.nameOfClass")}
+        value={String(draft[LABEL] ?? "")}
+        error={errors[LABEL]}
+        onChange={(event) => setDraft({ ...draft, [LABEL]: event.currentTarget.value })}
+      />
+      <Fieldset legend={t("edit.placement")} p="xs">
+        <PlacementInput
+          guest={{ class: class_ }}
+          class_={class_}
+          value={(draft[PLACEMENT] as Placement | null | undefined) ?? null}
+          onChange={(value) => setDraft({ ...draft, [PLACEMENT]: value })}
+        />
+      </Fieldset>
+      <PropertyFields class_={class_} draft={draft} onChange={setDraft} errors={errors} />
+      <TextInput
+        label={t("edit.reason")}
+        description={t("edit.reasonHelp")}
+        value={adding.reason}
+        onChange={(event) => adding.setReason(event.currentTarget.value)}
+      />
+    </>
+  );
+}

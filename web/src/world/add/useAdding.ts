@@ -1,0 +1,97 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { answer, api, type Schema } from "../../api/client";
+import { useSelection } from "../../selection/selection";
+import { notifyProblem, problemText } from "../../widgets/problems";
+import { ApiProblem } from "../../api/client";
+import { useClasses } from "../classes";
+import { type Draft, given, LABEL, PLACEMENT, reasons } from "../edit/draft";
+import { placementsFor } from "../edit/placements";
+import { type Details, type Placement, useRelations } from "../queries";
+import { isPose } from "../values";
+
+const POSE = "sk:pose";
+const ASIDE = 0.1; // m: a copy shall not stand in what it is a copy of
+
+/** Something that is being added. */
+export interface Adding {
+  /** The class, or the abstract individual that is copied. */
+  what: string | null;
+  class_: string | null;
+  choose: (what: string | null, class_: string | null) => void;
+  draft: Draft;
+  setDraft: (draft: Draft) => void;
+  reason: string;
+  setReason: (reason: string) => void;
+  saving: boolean;
+  save: () => void;
+  errors: Readonly<Record<string, string>>;
+  rest: readonly string[];
+}
+
+export function useAdding(parent: Details | null, like: Details | undefined, onDone: () => void): Adding {
+  const client = useQueryClient();
+  const classes = useClasses();
+  const { data: relations } = useRelations();
+  const [what, setWhat] = useState<string | null>(like?.id ?? null);
+  const [class_, setClass] = useState<string | null>(like?.class ?? null);
+  const [draft, setDraft] = useState<Draft>(() => (like ? copied(like) : {}));
+  const [reason, setReason] = useState("");
+  const [refusal, setRefusal] = useState("");
+  const write = useMutation({
+    mutationFn: (body: Schema<"NewElement">) => answer(api.POST("/api/v1/elements", { body })),
+    onSuccess: ({ id }) => {
+      void client.invalidateQueries({ queryKey: ["world"] });
+      useSelection.getState().choose(id);
+      onDone();
+    },
+    onError: (error) => (error instanceof ApiProblem ? setRefusal(problemText(error)) : notifyProblem(error)),
+  });
+  const choose = (next: string | null, kind: string | null) => {
+    setWhat(next);
+    setClass(kind);
+    const first = kind && parent ? placementsFor(classes, relations ?? [], kind, parent.class)[0] : undefined;
+    setDraft(first && parent ? { [PLACEMENT]: { relation: first.name, place: parent.id } } : {});
+  };
+  const { byField, rest } = reasons(refusal, Object.keys(draft));
+  const copy = what !== null && what !== class_;
+  return {
+    what,
+    class_,
+    choose,
+    draft,
+    setDraft,
+    reason,
+    setReason,
+    saving: write.isPending,
+    save: () => {
+      setRefusal("");
+      if (what !== null) write.mutate(newElement(what, copy, draft, reason));
+    },
+    errors: byField,
+    rest,
+  };
+}
+
+function copied(like: Details): Draft {
+  const pose = like.properties[POSE];
+  const own = pose?.origin === "own" && isPose(pose.value) ? { [POSE]: beside(pose.value) } : {};
+  return { [LABEL]: like.label, [PLACEMENT]: like.placement, ...own };
+}
+
+function beside<Pose extends { position: readonly number[] }>(pose: Pose): Pose {
+  const [x = 0, y = 0, z = 0] = pose.position;
+  return { ...pose, position: [x + ASIDE, y + ASIDE, z] };
+}
+
+function newElement(what: string, copy: boolean, draft: Draft, reason: string): Schema<"NewElement"> {
+  const { [LABEL]: label, [PLACEMENT]: placement, ...own } = draft;
+  const properties = Object.entries(own).map(([name, value]) => [name, given(name, value)]);
+  return {
+    ...(copy ? { like: what } : { class: what }),
+    ...(label ? { label: String(label) } : {}),
+    ...(placement ? { placement: placement as Placement } : {}),
+    properties: Object.fromEntries(properties.filter(([, value]) => value !== null)),
+    reason,
+  };
+}

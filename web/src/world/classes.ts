@@ -1,0 +1,53 @@
+/** The classes of the ontology, by name. */
+
+import { useQuery } from "@tanstack/react-query";
+import { answer, api, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+
+type ClassNode = Schema<"ClassNode">;
+
+export interface ClassInfo {
+  name: string;
+  label: string;
+  comment: string;
+  parents: readonly string[];
+  /** Those below whose primary parent it is. */
+  children: readonly string[];
+  instances: number;
+}
+
+export type Classes = ReadonlyMap<string, ClassInfo>;
+
+const NONE: Classes = new Map();
+
+export function classesOf(top: ClassNode): Classes {
+  const found = new Map<string, ClassInfo>();
+  const take = (node: ClassNode) => {
+    const { name, label, comment, parents, instances } = node;
+    found.set(name, { name, label, comment, parents, instances, children: node.children.map((child) => child.name) });
+    node.children.forEach(take);
+  };
+  take(top);
+  return found;
+}
+
+/** Returns a class and everything above it, the nearest first. */
+export function ancestors(classes: Classes, name: string): string[] {
+  const found = new Set([name]);
+  for (const one of found) classes.get(one)?.parents.forEach((parent) => found.add(parent));
+  return [...found];
+}
+
+export function useClasses(): Classes {
+  const { data } = useQuery({
+    queryKey: keys.ontology("classes"),
+    queryFn: () => answer(api.GET("/api/v1/ontology/classes")),
+    select: classesOf,
+  });
+  return data ?? NONE;
+}
+
+/** Returns a name of the ontology without its prefix. */
+export function localName(name: string): string {
+  return name.slice(name.indexOf(":") + 1);
+}

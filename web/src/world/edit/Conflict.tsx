@@ -1,0 +1,73 @@
+import { Button, Group, Modal, Stack, Table, Text } from "@mantine/core";
+import { useTranslation } from "react-i18next";
+import { Status } from "../../widgets/Status";
+import type { Tagged } from "../queries";
+import { useWords } from "../useWords";
+import { written } from "../values";
+import { type Difference, differences, draftOf } from "./draft";
+import type { Editing } from "./useEditing";
+
+interface Props {
+  editing: Editing;
+  theirs: Tagged;
+  onDone: () => void;
+}
+
+/** Somebody else changed it meanwhile: shows theirs against mine, and asks. */
+export function Conflict({ editing, theirs, onDone }: Props) {
+  const { t } = useTranslation("world");
+  const found = differences(editing.before, draftOf(theirs.data), editing.draft);
+  return (
+    <Modal opened onClose={editing.goOn} title={t("conflict.title")} size="lg">
+      <Stack>
+        <Text size="sm">{t("conflict.text", { label: theirs.data.label, version: theirs.data.version })}</Text>
+        <Comparison found={found} />
+        <Group justify="end">
+          <Button variant="default" onClick={editing.goOn}>
+            {t("conflict.goOn")}
+          </Button>
+          <Button variant="default" onClick={onDone}>
+            {t("conflict.theirs")}
+          </Button>
+          <Button onClick={editing.saveOnTop}>{t("conflict.mine")}</Button>
+        </Group>
+      </Stack>
+    </Modal>
+  );
+}
+
+function Comparison({ found }: { found: readonly Difference[] }) {
+  const { t } = useTranslation("world");
+  return (
+    <Table aria-label={t("conflict.table")} verticalSpacing={4}>
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th>{t("conflict.field")}</Table.Th>
+          <Table.Th>{t("conflict.was")}</Table.Th>
+          <Table.Th>{t("conflict.isNow")}</Table.Th>
+          <Table.Th>{t("conflict.wanted")}</Table.Th>
+          <Table.Th />
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {found.map((one) => (
+          <Line key={one.field} one={one} />
+        ))}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
+function Line({ one }: { one: Difference }) {
+  const { t } = useTranslation("world");
+  const words = useWords();
+  return (
+    <Table.Tr>
+      <Table.Th scope="row">{one.field}</Table.Th>
+      <Table.Td>{written(one.was, words)}</Table.Td>
+      <Table.Td>{written(one.theirs, words)}</Table.Td>
+      <Table.Td>{written(one.mine, words)}</Table.Td>
+      <Table.Td>{one.clash && <Status mood="warning" text={t("conflict.clash")} />}</Table.Td>
+    </Table.Tr>
+  );
+}

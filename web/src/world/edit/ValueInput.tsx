@@ -1,0 +1,130 @@
+import { NumberInput, Select, Textarea, TextInput } from "@mantine/core";
+import { type ReactNode, useState } from "react";
+import { useTranslation } from "react-i18next";
+import { useClasses } from "../classes";
+import type { PropertyInfo } from "../queries";
+import { isPose, kindOf, vectorOf } from "../values";
+import { PoseInput } from "./PoseInput";
+
+export interface ValueInputProps {
+  info: PropertyInfo;
+  value: unknown;
+  onChange: (value: unknown) => void;
+  error?: ReactNode;
+}
+
+/** Takes a value of a property, by its data type; what the server does not like it says beside it. */
+export function ValueInput(props: ValueInputProps) {
+  switch (kindOf(props.info.datatype)) {
+    case "number":
+    case "integer":
+      return <NumberValue {...props} />;
+    case "boolean":
+      return <YesNo {...props} />;
+    case "pose":
+      return <PoseValueInput {...props} />;
+    case "vector":
+      return <VectorInput {...props} />;
+    case "class":
+      return <ClassInput {...props} />;
+    default:
+      return <TextValue {...props} />;
+  }
+}
+
+function useCommon({ info, error }: ValueInputProps) {
+  return { label: info.label, description: info.comment || info.says, error };
+}
+
+function NumberValue(props: ValueInputProps) {
+  const { info, value, onChange } = props;
+  return (
+    <NumberInput
+      {...useCommon(props)}
+      value={value as number | string}
+      onChange={onChange}
+      allowDecimal={kindOf(info.datatype) === "number"}
+      suffix={info.unit ? ` ${info.unit}` : undefined}
+    />
+  );
+}
+
+function YesNo(props: ValueInputProps) {
+  const { t } = useTranslation("world");
+  const data = [
+    { value: "true", label: t("value.yes") },
+    { value: "false", label: t("value.no") },
+  ];
+  return (
+    <Select
+      {...useCommon(props)}
+      data={data}
+      allowDeselect={false}
+      value={String(props.value)}
+      onChange={(value) => props.onChange(value === "true")}
+    />
+  );
+}
+
+const NOWHERE = { position: [0, 0, 0] as [number, number, number], orientation: [0, 0, 0, 1] as [number, number, number, number] };
+
+function PoseValueInput(props: ValueInputProps) {
+  const { info, value, onChange } = props;
+  return (
+    <PoseInput
+      {...useCommon(props)}
+      value={isPose(value) ? value : NOWHERE}
+      onChange={onChange}
+      framed={info.name === "sk:pose"}
+    />
+  );
+}
+
+function VectorInput(props: ValueInputProps) {
+  const { t } = useTranslation("world");
+  const { info, value, onChange } = props;
+  const [text, setText] = useState(() => (Array.isArray(value) ? value.join(" ") : String(value ?? "")));
+  const take = (next: string) => {
+    setText(next);
+    onChange(vectorOf(next));
+  };
+  return (
+    <TextInput
+      {...useCommon(props)}
+      placeholder={t("value.vector")}
+      value={text}
+      onChange={(event) => take(event.currentTarget.value)}
+      rightSection={info.unit || undefined}
+      rightSectionWidth={info.unit ? 40 : undefined}
+    />
+  );
+}
+
+function ClassInput(props: ValueInputProps) {
+  const classes = useClasses();
+  const data = [...classes.values()].map(({ name, label }) => ({ value: name, label: `${label} (${name})` }));
+  return (
+    <Select
+      {...useCommon(props)}
+      data={data}
+      searchable
+      value={(props.value as string | undefined) ?? null}
+      onChange={props.onChange}
+    />
+  );
+}
+
+function TextValue(props: ValueInputProps) {
+  const { info, value, onChange } = props;
+  const json = kindOf(info.datatype) === "json";
+  return (
+    <Textarea
+      {...useCommon(props)}
+      autosize
+      maxRows={12}
+      ff={json ? "monospace" : undefined}
+      value={typeof value === "string" ? value : JSON.stringify(value ?? "")}
+      onChange={(event) => onChange(event.currentTarget.value)}
+    />
+  );
+}

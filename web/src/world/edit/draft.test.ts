@@ -1,0 +1,69 @@
+import type { Details } from "../queries";
+import { differences, draftOf, onTop, patchOf, reasons, without } from "./draft";
+
+const before = { "rdfs:label": "starter", "sk:placement": { relation: "sk:in", place: "pallet_a" }, "sk:mass": 0.8 };
+
+test("only own values may be edited: what a class gives stays out of the draft", () => {
+  const element = {
+    label: "starter",
+    placement: null,
+    properties: { "sk:mass": { value: 0.8, origin: "class" }, "sk:missing": { value: true, origin: "own" } },
+  } as unknown as Details;
+  expect(draftOf(element)).toEqual({ "rdfs:label": "starter", "sk:placement": null, "sk:missing": true });
+});
+
+test("only what became another is written", () => {
+  expect(patchOf(before, { ...before, "sk:mass": 0.7 }, "weighed")).toEqual({
+    properties: { "sk:mass": 0.7 },
+    reason: "weighed",
+  });
+});
+
+test("an own value that is gone is taken away with null", () => {
+  expect(patchOf(before, without(before, "sk:mass"), "")).toEqual({ properties: { "sk:mass": null } });
+});
+
+test("a pose without a frame is one in the map, not in the frame that it had", () => {
+  const pose = { position: [1, 2, 3], orientation: [0, 0, 0, 1] };
+  const patch = patchOf({ "sk:pose": { ...pose, frame: "kit_1" } }, { "sk:pose": pose }, "");
+  expect(patch.properties?.["sk:pose"]).toEqual({ ...pose, frame: null });
+});
+
+test("a pose whose frame is not said and one whose frame is the map are the same", () => {
+  const pose = { position: [1, 2, 3], orientation: [0, 0, 0, 1] };
+  expect(patchOf({ "sk:pose": pose }, { "sk:pose": { ...pose, frame: null } }, "")).toEqual({});
+});
+
+test("both changed one field to different things: that is a clash; a field of one of us is none", () => {
+  const theirs = { ...before, "rdfs:label": "theirs", "sk:mass": 0.9 };
+  const mine = { ...before, "rdfs:label": "mine" };
+  const found = differences(before, theirs, mine);
+  expect(found.map(({ field, clash }) => [field, clash])).toEqual([
+    ["rdfs:label", true],
+    ["sk:mass", false],
+  ]);
+});
+
+test("mine on top of theirs keeps what only they changed", () => {
+  const theirs = { ...before, "rdfs:label": "theirs", "sk:missing": true };
+  const mine = without({ ...before, "rdfs:label": "mine" }, "sk:mass");
+  expect(onTop(before, mine, theirs)).toEqual({
+    "rdfs:label": "mine",
+    "sk:placement": before["sk:placement"],
+    "sk:missing": true,
+  });
+});
+
+test("a refusal is told beside the field that it names", () => {
+  const detail = "transaction of ann refused:\n  - sk:mass of starter_1 needs a finite number, got 'x'\n  - no such place";
+  expect(reasons(detail, ["rdfs:label", "sk:mass"])).toEqual({
+    byField: { "sk:mass": "sk:mass of starter_1 needs a finite number, got 'x'" },
+    rest: ["no such place"],
+  });
+});
+
+test("a property whose name begins like another one does not get its refusal", () => {
+  expect(reasons("sk:maxDepth must be positive", ["sk:max", "sk:maxDepth"]).byField).toEqual({
+    "sk:maxDepth": "sk:maxDepth must be positive",
+  });
+});

@@ -1,0 +1,113 @@
+/** What somebody is about to make of an element, and how that meets what others made of it meanwhile. */
+
+import type { Schema } from "../../api/client";
+import type { Details, Placement } from "../queries";
+import { isPose } from "../values";
+
+type Patch = Schema<"ElementPatch">;
+
+export const LABEL = "rdfs:label";
+export const PLACEMENT = "sk:placement";
+const POSE = "sk:pose";
+
+/** What may be edited: label, placement, and own values by property; what is not there is no own value. */
+export type Draft = Readonly<Record<string, unknown>>;
+
+export function draftOf(element: Details): Draft {
+  const own = Object.entries(element.properties).filter(([, property]) => property.origin === "own");
+  return {
+    [LABEL]: element.label,
+    [PLACEMENT]: element.placement,
+    ...Object.fromEntries(own.map(([name, { value }]) => [name, value])),
+  };
+}
+
+export function without(draft: Draft, field: string): Draft {
+  return Object.fromEntries(Object.entries(draft).filter(([name]) => name !== field));
+}
+
+/** Returns the fields that are not the same in both. */
+export function changedFields(before: Draft, after: Draft): string[] {
+  const fields = new Set([...Object.keys(before), ...Object.keys(after)]);
+  return [...fields].filter((field) => !same(before[field], after[field]));
+}
+
+/** Returns what a server is told to make one of the other. */
+export function patchOf(before: Draft, after: Draft, reason: string): Patch {
+  const fields = changedFields(before, after);
+  const properties = fields.filter((field) => field !== LABEL && field !== PLACEMENT);
+  return {
+    ...(fields.includes(LABEL) && { label: String(after[LABEL]) }),
+    ...(fields.includes(PLACEMENT) && { placement: after[PLACEMENT] as Placement | null }),
+    ...(properties.length > 0 && { properties: Object.fromEntries(properties.map((name) => [name, given(name, after[name])])) }),
+    ...(reason && { reason }),
+  };
+}
+
+/** Returns a value as the server takes it: null takes the own one away. */
+export function given(name: string, value: unknown): Schema<"ElementPatch">["properties"][string] {
+  if (value === undefined || value === "") return null;
+  // Without a frame it would stay the one that it is in, and none is the map here.
+  const told = name === POSE && isPose(value) ? { ...value, frame: value.frame ?? null } : value;
+  return told as Schema<"ElementPatch">["properties"][string];
+}
+
+/** A field that I or others changed since I began. */
+export interface Difference {
+  field: string;
+  was: unknown;
+  theirs: unknown;
+  mine: unknown;
+  /** Both of us changed it, and not to the same. */
+  clash: boolean;
+}
+
+/** Compares what I want with what others made of the element meanwhile. */
+export function differences(before: Draft, theirs: Draft, mine: Draft): Difference[] {
+  const byThem = new Set(changedFields(before, theirs));
+  const byMe = new Set(changedFields(before, mine));
+  return [...new Set([...byThem, ...byMe])].map((field) => ({
+    field,
+    was: before[field],
+    theirs: theirs[field],
+    mine: mine[field],
+    clash: byThem.has(field) && byMe.has(field) && !same(theirs[field], mine[field]),
+  }));
+}
+
+/** Puts my changes on top of what others made of it. */
+export function onTop(before: Draft, mine: Draft, theirs: Draft): Draft {
+  return changedFields(before, mine).reduce(
+    (draft, field) => (mine[field] === undefined ? without(draft, field) : { ...draft, [field]: mine[field] }),
+    theirs,
+  );
+}
+
+/** Returns what a refusal says of each field, and what it says besides. */
+export function reasons(detail: string, fields: readonly string[]): { byField: Record<string, string>; rest: string[] } {
+  const lines = detail.split("\n").map((line) => line.replace(/^\s*-\s*/, "").trim());
+  const byField: Record<string, string> = {};
+  const rest: string[] = [];
+  for (const line of lines.filter(Boolean)) {
+    const field = fields.find((name) => mentions(line, name));
+    if (field === undefined) rest.push(line);
+    else byField[field] = [byField[field], line].filter(Boolean).join("; ");
+  }
+  return { byField, rest: rest.filter((line) => !(line.endsWith("refused:") && lines.length > 1)) };
+}
+
+function mentions(line: string, field: string): boolean {
+  if (field === LABEL) return /\blabel\b/.test(line);
+  return new RegExp(`(^|[^\\w:])${field.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}($|[^\\w])`).test(line);
+}
+
+function same(one: unknown, other: unknown): boolean {
+  return JSON.stringify(sorted(one)) === JSON.stringify(sorted(other));
+}
+
+/** Poses are told without a frame where it is the map, and written with null. */
+function sorted(value: unknown): unknown {
+  if (typeof value !== "object" || value === null || Array.isArray(value)) return value;
+  const entries = Object.entries(value).filter(([, one]) => one !== null && one !== undefined);
+  return Object.fromEntries(entries.sort(([a], [b]) => a.localeCompare(b)));
+}

@@ -1,0 +1,44 @@
+import { type Classes, classesOf } from "../classes";
+import type { RelationInfo } from "../queries";
+import { justBefore, placementsFor } from "./placements";
+
+const leaf = (name: string, parents: string[]) => ({ name, parents, label: name, comment: "", instances: 0 });
+const classes: Classes = classesOf({
+  ...leaf("sk:Element", []),
+  children_total: 2,
+  children: [
+    { ...leaf("sk:Part", ["sk:Element"]), children: [], children_total: 0 },
+    {
+      ...leaf("sk:Location", ["sk:Element"]),
+      children: [{ ...leaf("sk:Box", ["sk:Location", "sk:Part"]), children: [], children_total: 0 }],
+      children_total: 1,
+    },
+  ],
+});
+
+function relation(name: string, place_end: string | null, subjects: string[][], objects: string[][]): RelationInfo {
+  return { name, place_end, subjects, objects, label: name, comment: "", family: "placement", parents: [] } as never;
+}
+
+const isIn = relation("sk:in", "object", [["sk:Part"]], [["sk:Location"]]);
+const holds = relation("sk:holds", "subject", [["sk:Box"]], [["sk:Part"]]);
+const near = relation("sk:near", null, [["sk:Part"]], [["sk:Location"]]);
+
+test("a part may be put by relations of placement that take its class, whichever end the place is", () => {
+  const found = placementsFor(classes, [isIn, holds, near], "sk:Part");
+  expect(found.map(({ name }) => name)).toEqual(["sk:in", "sk:holds"]);
+});
+
+test("a class counts as what any of its parents is, not the primary one alone", () => {
+  expect(placementsFor(classes, [isIn], "sk:Box", "sk:Box")).toEqual([isIn]);
+});
+
+test("a place of the wrong class takes nothing", () => {
+  expect(placementsFor(classes, [isIn, holds], "sk:Part", "sk:Part")).toEqual([]);
+});
+
+test("the cursor before an id is smaller than it, and larger than what comes before", () => {
+  const cursor = justBefore("kit_1_b");
+  expect(cursor < "kit_1_b").toBe(true);
+  expect(cursor > "kit_1_a_long_name").toBe(true);
+});

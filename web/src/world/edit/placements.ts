@@ -1,0 +1,74 @@
+/** What may be put where, by the ontology alone; and what the server says of one place. */
+
+import { answer, api, type Schema } from "../../api/client";
+import { ancestors, type Classes } from "../classes";
+import type { RelationInfo } from "../queries";
+
+type Ends = readonly (readonly string[])[];
+
+/** What is to be put somewhere: an element, or a new thing of a class. */
+export type Guest = { element: string } | { class: string };
+
+/** Returns whether a class may be an end of a relation: of each group one class at least is it or above it. */
+export function fitsEnd(classes: Classes, name: string, end: Ends): boolean {
+  const above = new Set(ancestors(classes, name));
+  return end.every((group) => group.some((one) => above.has(one)));
+}
+
+export function guestEnd(relation: RelationInfo): Ends {
+  return relation.place_end === "subject" ? relation.objects : relation.subjects;
+}
+
+export function placeEnd(relation: RelationInfo): Ends {
+  return relation.place_end === "subject" ? relation.subjects : relation.objects;
+}
+
+/** Returns the relations by which things of a class may be placed; at places of a class, where one is named. */
+export function placementsFor(
+  classes: Classes,
+  relations: readonly RelationInfo[],
+  guest: string,
+  place?: string,
+): RelationInfo[] {
+  return relations.filter(
+    (relation) =>
+      relation.place_end !== null &&
+      relation.name !== "sk:placement" &&
+      fitsEnd(classes, guest, guestEnd(relation)) &&
+      (place === undefined || fitsEnd(classes, place, placeEnd(relation))),
+  );
+}
+
+/** How a place takes a guest by one relation. */
+export interface Fit {
+  relation: string;
+  label: string;
+  fits: boolean;
+  whyNot: string;
+}
+
+/** Asks how a place takes a guest by each of some relations; those by which it takes nothing of the kind are left out. */
+export async function askFits(guest: Guest, place: string, relations: readonly string[]): Promise<Fit[]> {
+  const found = await Promise.all(relations.map((relation) => askFit(guest, place, relation)));
+  return found.filter((fit) => fit !== null);
+}
+
+async function askFit(guest: Guest, place: string, relation: string): Promise<Fit | null> {
+  const query = { ...guest, relation, limit: 1, cursor: justBefore(place) };
+  const { options } = await answer(api.GET("/api/v1/ontology/placements", { params: { query } }));
+  return fitAt(options, place);
+}
+
+function fitAt(options: readonly Schema<"PlacementOption">[], place: string): Fit | null {
+  for (const { relation, label, places } of options) {
+    const found = places.find((one) => one.id === place);
+    if (found !== undefined) return { relation, label, fits: found.fits, whyNot: found.why_not };
+  }
+  return null;
+}
+
+/** A cursor that stands just before an id: places come in the order of ids, and trying all of them would take long. */
+export function justBefore(id: string): string {
+  const last = id.charCodeAt(id.length - 1);
+  return `${id.slice(0, -1)}${String.fromCharCode(last - 1)}\uffff`;
+}

@@ -1,0 +1,97 @@
+import { useState } from "react";
+import { answer, api } from "../../api/client";
+import { ApiProblem } from "../../api/client";
+import { notifyProblem, problemText } from "../../widgets/problems";
+import { readElement, type Tagged } from "../queries";
+import { changedFields, type Draft, draftOf, onTop, patchOf, reasons } from "./draft";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+
+const STALE = 412;
+
+/** An element that is being edited. */
+export interface Editing {
+  before: Draft;
+  draft: Draft;
+  setDraft: (draft: Draft) => void;
+  reason: string;
+  setReason: (reason: string) => void;
+  changed: boolean;
+  saving: boolean;
+  save: () => void;
+  /** What a refusal says of fields, and besides. */
+  errors: Readonly<Record<string, string>>;
+  rest: readonly string[];
+  /** What others made of it since, where that stops a save. */
+  theirs: Tagged | null;
+  /** Writes my changes on top of theirs. */
+  saveOnTop: () => void;
+  /** Goes on editing as if nothing was said. */
+  goOn: () => void;
+}
+
+interface Order {
+  before: Draft;
+  after: Draft;
+  tag: string;
+}
+
+export function useEditing(tagged: Tagged, onDone: () => void): Editing {
+  const id = tagged.data.id;
+  const client = useQueryClient();
+  const [base, setBase] = useState(tagged); // what was seen when it began, whatever comes meanwhile
+  const before = draftOf(base.data);
+  const [draft, setDraft] = useState(before);
+  const [reason, setReason] = useState("");
+  const [theirs, setTheirs] = useState<Tagged | null>(null);
+  const [refusal, setRefusal] = useState("");
+  const write = useMutation({
+    mutationFn: (order: Order) => patch(id, order, reason),
+    onSuccess: () => {
+      void client.invalidateQueries({ queryKey: ["world"] });
+      onDone();
+    },
+    onError: (error) => void refused(error),
+  });
+  const refused = async (error: Error) => {
+    if (!(error instanceof ApiProblem)) return notifyProblem(error);
+    if (error.status !== STALE) return setRefusal(problemText(error));
+    await readElement(id).then(setTheirs, notifyProblem);
+  };
+  const saveOnTop = () => {
+    if (theirs === null) return;
+    const now = draftOf(theirs.data);
+    const after = onTop(before, draft, now);
+    setBase(theirs);
+    setDraft(after);
+    setTheirs(null);
+    write.mutate({ before: now, after, tag: theirs.tag });
+  };
+  const { byField, rest } = reasons(refusal, Object.keys({ ...before, ...draft }));
+  return {
+    before,
+    draft,
+    setDraft,
+    reason,
+    setReason,
+    changed: changedFields(before, draft).length > 0,
+    saving: write.isPending,
+    save: () => {
+      setRefusal("");
+      write.mutate({ before, after: draft, tag: base.tag });
+    },
+    errors: byField,
+    rest,
+    theirs,
+    saveOnTop,
+    goOn: () => setTheirs(null),
+  };
+}
+
+function patch(element: string, { before, after, tag }: Order, reason: string) {
+  return answer(
+    api.PATCH("/api/v1/elements/{element}", {
+      params: { path: { element }, header: { "if-match": tag } },
+      body: patchOf(before, after, reason),
+    }),
+  );
+}

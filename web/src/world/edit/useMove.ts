@@ -1,0 +1,57 @@
+import { useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { answer, api } from "../../api/client";
+import { notifyProblem } from "../../widgets/problems";
+import { useClasses } from "../classes";
+import { readElement, type Tagged, useRelations } from "../queries";
+import { askFits, type Fit, placementsFor } from "./placements";
+
+/** How an element shall be put at a place. */
+export interface Question {
+  element: Tagged;
+  place: string;
+  fits: readonly Fit[];
+}
+
+export interface Move {
+  /** What has to be asked; null while nothing has. */
+  question: Question | null;
+  /** Puts an element at a place: at once where it stays as it is there (in, on), else somebody is asked. */
+  move: (element: string, place: string) => void;
+  put: (question: Question, relation: string) => void;
+  close: () => void;
+}
+
+export function useMove(): Move {
+  const client = useQueryClient();
+  const classes = useClasses();
+  const { data: relations } = useRelations();
+  const [question, setQuestion] = useState<Question | null>(null);
+  const put = (asked: Question, relation: string) => {
+    setQuestion(null);
+    place(asked, relation).then(() => void client.invalidateQueries({ queryKey: ["world"] }), notifyProblem);
+  };
+  const ask = async (id: string, where: string) => {
+    const element = await readElement(id);
+    const names = placementsFor(classes, relations ?? [], element.data.class).map(({ name }) => name);
+    const asked = { element, place: where, fits: await askFits({ element: id }, where, names) };
+    const same = asked.fits.find((fit) => fit.fits && fit.relation === element.data.placement?.relation);
+    if (same === undefined) setQuestion(asked);
+    else put(asked, same.relation);
+  };
+  return {
+    question,
+    put,
+    move: (id, where) => void ask(id, where).catch(notifyProblem),
+    close: () => setQuestion(null),
+  };
+}
+
+function place({ element, place: where }: Question, relation: string) {
+  return answer(
+    api.PATCH("/api/v1/elements/{element}", {
+      params: { path: { element: element.data.id }, header: { "if-match": element.tag } },
+      body: { placement: { relation, place: where } },
+    }),
+  );
+}

@@ -1,0 +1,18 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { notifyProblem } from "../../widgets/problems";
+
+/** Writes to the world; what was read of it is old then, and a refusal is shown. */
+export function useWrite<Input = void, Output = unknown>(
+  write: (input: Input) => Promise<Output>,
+  then?: (output: Output) => void,
+) {
+  const client = useQueryClient();
+  return useMutation({
+    mutationFn: write,
+    onSuccess: (output) => {
+      void client.invalidateQueries({ queryKey: ["world"] });
+      then?.(output);
+    },
+    onError: notifyProblem,
+  });
+}

@@ -1,0 +1,47 @@
+/** What kind of thing an element is, as far as people tell things apart at a glance. */
+
+import {
+  IconBolt,
+  IconBox,
+  IconCamera,
+  IconCube,
+  IconHandGrab,
+  IconMapPin,
+  IconPackage,
+  IconQuestionMark,
+  IconRobot,
+  IconRoute,
+  IconSchool,
+  IconSettings2,
+  IconStack2,
+  IconTable,
+  type TablerIcon,
+} from "@tabler/icons-react";
+import { ancestors, type Classes } from "./classes";
+
+const ICONS: Readonly<Record<string, TablerIcon>> = {
+  "sk:Robot": IconRobot,
+  "sk:Camera": IconCamera,
+  "sk:Gripper": IconHandGrab,
+  "sk:Device": IconSettings2,
+  "sk:Agent": IconRoute,
+  "sk:Module": IconBolt,
+  "sk:Manipulatable": IconCube,
+  "sk:Furniture": IconTable,
+  "sk:Container": IconBox,
+  "sk:Surface": IconTable,
+  "sk:UnknownLocation": IconQuestionMark,
+  "sk:Location": IconMapPin,
+  "sk:Stock": IconStack2,
+  "sk:TaughtPose": IconSchool,
+  "sk:LearnedDuration": IconSchool,
+};
+
+/** Returns the icon of the nearest known class at or above one. */
+export function iconOf(classes: Classes, name: string): TablerIcon {
+  for (const one of ancestors(classes, name)) {
+    const icon = ICONS[one];
+    if (icon !== undefined) return icon;
+  }
+  return IconPackage;
+}

@@ -1,0 +1,104 @@
+import { Group, Text } from "@mantine/core";
+import { useEffect, useMemo } from "react";
+import { useTranslation } from "react-i18next";
+import { useSelection } from "../../selection/selection";
+import { notifyProblem } from "../../widgets/problems";
+import { type Classes, localName, useClasses } from "../classes";
+import { iconOf } from "../kinds";
+import { type Branches, followTree, type Node, reveal, setOpen, useBranches } from "./branches";
+import classes from "./SceneTree.module.css";
+import { TOP } from "./top";
+import { type TreeSource, VirtualTree } from "./VirtualTree";
+
+/** What is placed where, and what things are built of; in step with the selection of the 3D view. */
+export function SceneTree({ onMove }: { onMove?: (element: string, place: string) => void }) {
+  const { t } = useTranslation("world");
+  const branches = useBranches((state) => state.branches);
+  const open = useBranches((state) => state.open);
+  const selected = useSelection((selection) => selection.selected);
+  const choose = useSelection((selection) => selection.choose);
+  const hover = useSelection((selection) => selection.hover);
+  const ontology = useClasses();
+  const grown = useMemo(() => grow(branches), [branches]);
+  useEffect(followTree, []);
+  useRevealed(selected, grown.nodes);
+  return (
+    <VirtualTree
+      label={t("tree.label")}
+      source={grown}
+      open={open}
+      onOpen={setOpen}
+      selected={selected}
+      onChoose={choose}
+      onHover={hover}
+      onDrop={onMove}
+      row={(id) => <Label node={grown.nodes.get(id)} classes={ontology} />}
+    />
+  );
+}
+
+function useRevealed(selected: string | null, nodes: ReadonlyMap<string, Node>) {
+  const ready = useBranches((state) => state.ready);
+  const there = selected !== null && nodes.has(selected);
+  useEffect(() => {
+    if (ready && selected !== null) reveal(selected).catch(notifyProblem);
+  }, [ready, selected, there]);
+}
+
+interface Grown extends TreeSource {
+  nodes: ReadonlyMap<string, Node>;
+}
+
+/** Makes one tree of what was read; what hangs on two nodes is shown below the first. */
+function grow(branches: Branches): Grown {
+  const nodes = new Map<string, Node>();
+  const children = new Map<string, string[]>();
+  const take = (id: string) => {
+    const fresh = (branches[id] ?? []).filter((child) => !nodes.has(child.id));
+    fresh.forEach((child) => nodes.set(child.id, child));
+    children.set(id, fresh.map((child) => child.id));
+    fresh.forEach((child) => take(child.id));
+  };
+  take(TOP);
+  return {
+    nodes,
+    children: (id) => children.get(id) ?? [],
+    name: (id) => nameOf(nodes.get(id), id),
+    folder: (id) => (nodes.get(id)?.children_total ?? 0) > 0,
+  };
+}
+
+function nameOf(node: Node | undefined, id: string): string {
+  return node === undefined || node.label === id ? id : `${node.label} (${id})`;
+}
+
+function Label({ node, classes: ontology }: { node: Node | undefined; classes: Classes }) {
+  if (node === undefined) return null;
+  const Icon = iconOf(ontology, node.class);
+  return (
+    <>
+      <Icon size={15} aria-hidden className={classes.icon} />
+      <Names node={node} />
+    </>
+  );
+}
+
+function Names({ node }: { node: Node }) {
+  const hovered = useSelection((selection) => selection.hovered === node.id);
+  return (
+    <Group gap={6} wrap="nowrap" className={classes.names} data-hovered={hovered || undefined}>
+      <Text span size="sm" truncate>
+        {node.label}
+      </Text>
+      {node.label !== node.id && (
+        <Text span size="xs" c="dimmed" truncate>
+          {node.id}
+        </Text>
+      )}
+      <Text span size="xs" c="dimmed" className={classes.relation}>
+        {localName(node.relation)}
+        {node.children_total > 0 && ` · ${node.children_total}`}
+      </Text>
+    </Group>
+  );
+}

@@ -1,0 +1,148 @@
+/** What of the tree was read: read again where a change concerns it, and nowhere else. */
+
+import { create } from "zustand";
+import { answer, api, type Schema } from "../../api/client";
+import { type EventInfo, onEvent, onReset } from "../../live/events";
+import { useSelection } from "../../selection/selection";
+import { notifyProblem } from "../../widgets/problems";
+import { readElement } from "../queries";
+import { type Edit, concerned, removed } from "./concerned";
+import { TOP } from "./top";
+
+export type Node = Schema<"TreeNode">;
+
+export type Branches = Readonly<Record<string, readonly Node[]>>;
+
+interface State {
+  /** What hangs on a node, of those nodes of which it was read. */
+  branches: Branches;
+  /** The nodes that are open. */
+  open: readonly string[];
+  /** Whether anything was read yet. */
+  ready: boolean;
+}
+
+export const useBranches = create<State>(() => ({ branches: {}, open: [], ready: false }));
+
+const PAGE = 500;
+const DEEPEST = 20;
+
+async function readNode(root: string, depth: number, cursor?: string): Promise<Node> {
+  return answer(api.GET("/api/v1/tree", { params: { query: { root, depth, limit: PAGE, cursor } } }));
+}
+
+/** Reads the whole tree, as far as one answer tells it; the rest is read where somebody opens it. */
+export async function readTree(): Promise<void> {
+  const top = await readNode(TOP, DEEPEST);
+  const branches: Record<string, readonly Node[]> = {};
+  const known = new Set<string>();
+  const take = (node: Node) => {
+    known.add(node.id);
+    if (node.next === null && node.children.length === node.children_total) branches[node.id] = node.children;
+    node.children.forEach(take);
+  };
+  take(top);
+  const { open, ready } = useBranches.getState();
+  const first = top.children.flatMap(({ id, children }) => [id, ...children.map((child) => child.id)]);
+  const still = ready ? open.filter((id) => known.has(id)) : first;
+  useBranches.setState({ branches, open: still, ready: true });
+  const missing = [TOP, ...still].filter((id) => branches[id] === undefined);
+  await Promise.all(missing.map(readBranch));
+}
+
+/** Reads what hangs on a node, a page at a time. */
+export async function readBranch(id: string): Promise<void> {
+  const children: Node[] = [];
+  let cursor: string | undefined;
+  do {
+    const page = await readNode(id, 1, cursor);
+    children.push(...page.children);
+    cursor = page.next ?? undefined;
+  } while (cursor !== undefined);
+  useBranches.setState(({ branches }) => ({ branches: { ...branches, [id]: children } }));
+}
+
+/** Opens exactly these nodes. */
+export function setOpen(open: readonly string[]): void {
+  useBranches.setState({ open });
+  const { branches } = useBranches.getState();
+  for (const id of open) if (branches[id] === undefined) readBranch(id).catch(notifyProblem);
+}
+
+/** Opens everything above an element, so that it can be seen. */
+export async function reveal(id: string): Promise<void> {
+  const above = await pathTo(id);
+  const { branches, open } = useBranches.getState();
+  await Promise.all([TOP, ...above].filter((one) => branches[one] === undefined).map(readBranch));
+  const closed = above.filter((one) => !open.includes(one));
+  if (closed.length > 0) setOpen([...open, ...closed]);
+}
+
+async function pathTo(id: string): Promise<string[]> {
+  const parents = parentsOf(useBranches.getState().branches);
+  const above: string[] = [];
+  for (let at = id; ; ) {
+    const parent = parents.get(at) ?? (await askParent(at));
+    if (parent === TOP || above.includes(parent)) return above;
+    above.push(parent);
+    at = parent;
+  }
+}
+
+async function askParent(id: string): Promise<string> {
+  const { data } = await readElement(id);
+  return data.owner ?? data.placement?.place ?? TOP;
+}
+
+/** Returns on which node each hangs. */
+export function parentsOf(branches: Branches): Map<string, string> {
+  const parents = new Map<string, string>();
+  for (const [parent, children] of Object.entries(branches)) {
+    for (const { id } of children) if (!parents.has(id)) parents.set(id, parent);
+  }
+  return parents;
+}
+
+/** Keeps the tree as the world is; returns how to end that. */
+export function followTree(): () => void {
+  const readAll = () => void readTree().catch(notifyProblem);
+  readAll();
+  const endings = [onEvent(take), onReset(readAll)];
+  return () => endings.forEach((end) => end());
+}
+
+function take({ kind, type, data }: EventInfo): void {
+  if (kind === "system" && type === "opened") void readTree().catch(notifyProblem);
+  if (kind !== "world") return;
+  const edits = (data["edits"] ?? []) as readonly Edit[];
+  const gone = removed(edits);
+  if (gone.size > 0) forget(gone);
+  if (data["all_edits"] !== undefined) void readTree().catch(notifyProblem);
+  else readAgain(concerned(edits, parentsOf(useBranches.getState().branches)), gone);
+}
+
+function forget(gone: ReadonlySet<string>): void {
+  const { selected, hovered } = useSelection.getState();
+  if (selected !== null && gone.has(selected)) useSelection.setState({ selected: null });
+  if (hovered !== null && gone.has(hovered)) useSelection.setState({ hovered: null });
+  useBranches.setState(({ branches, open }) => ({
+    branches: Object.fromEntries(Object.entries(branches).filter(([id]) => !gone.has(id))),
+    open: open.filter((id) => !gone.has(id)),
+  }));
+}
+
+const waiting = new Set<string>();
+let timer: ReturnType<typeof setTimeout> | undefined;
+const PAUSE = 60; // ms: a job writes several things in a row
+
+function readAgain(ids: Iterable<string>, gone: ReadonlySet<string>): void {
+  for (const id of ids) if (!gone.has(id)) waiting.add(id);
+  gone.forEach((id) => waiting.delete(id));
+  timer ??= setTimeout(() => {
+    timer = undefined;
+    const { branches } = useBranches.getState();
+    const now = [...waiting].filter((id) => branches[id] !== undefined);
+    waiting.clear();
+    now.forEach((id) => void readBranch(id).catch(notifyProblem));
+  }, PAUSE);
+}

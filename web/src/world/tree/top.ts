@@ -1,0 +1,2 @@
+/** Id of the node above everything. */
+export const TOP = "";

@@ -1,0 +1,82 @@
+/** Values of properties: what kind they are of, and how they are written for people. */
+
+import { Euler, MathUtils, Quaternion } from "three";
+
+export type ValueKind = "number" | "integer" | "boolean" | "pose" | "vector" | "json" | "class" | "text";
+
+const KINDS: Readonly<Record<string, ValueKind>> = {
+  "xsd:decimal": "number",
+  "xsd:double": "number",
+  "xsd:float": "number",
+  "xsd:integer": "integer",
+  "xsd:int": "integer",
+  "xsd:nonNegativeInteger": "integer",
+  "xsd:boolean": "boolean",
+  "sk:poseLiteral": "pose",
+  "sk:vectorLiteral": "vector",
+  "rdf:JSON": "json",
+  "sk:className": "class",
+};
+
+export function kindOf(datatype: string): ValueKind {
+  return KINDS[datatype] ?? "text";
+}
+
+type Three = [number, number, number];
+type Four = [number, number, number, number];
+
+/** A pose; with a frame only where that may be chosen. */
+export interface PoseValue {
+  position: Three;
+  orientation: Four;
+  frame?: string | null;
+}
+
+export function isPose(value: unknown): value is PoseValue {
+  return typeof value === "object" && value !== null && "position" in value && "orientation" in value;
+}
+
+/** Returns roll, pitch and yaw about fixed axes [degrees] of a quaternion (x, y, z, w). */
+export function anglesOf(orientation: Four): Three {
+  const { x, y, z } = new Euler().setFromQuaternion(new Quaternion(...orientation), "ZYX");
+  return [x, y, z].map((angle) => round(MathUtils.radToDeg(angle), 4)) as Three;
+}
+
+/** Returns the quaternion (x, y, z, w) of roll, pitch and yaw about fixed axes [degrees]. */
+export function orientationOf([roll, pitch, yaw]: Three): Four {
+  const [x, y, z] = [roll, pitch, yaw].map(MathUtils.degToRad) as Three;
+  return new Quaternion().setFromEuler(new Euler(x, y, z, "ZYX")).toArray() as Four;
+}
+
+/** Writes a value in one line. */
+export function written(value: unknown, words: { yes: string; no: string; none: string }): string {
+  if (value === null || value === undefined) return words.none;
+  if (typeof value === "boolean") return value ? words.yes : words.no;
+  if (typeof value === "number") return String(round(value, 6));
+  if (Array.isArray(value)) return value.map((one) => (typeof one === "number" ? round(one, 4) : String(one))).join(" ");
+  if (isPose(value)) return poseText(value);
+  if (typeof value === "object") return objectText(value);
+  return String(value);
+}
+
+function poseText({ position, orientation, frame }: PoseValue): string {
+  const where = position.map((one) => round(one, 4)).join(", ");
+  const turned = anglesOf(orientation);
+  const turn = turned.some((angle) => angle !== 0) ? `; ${turned.map((angle) => round(angle, 2)).join(", ")}°` : "";
+  return `${where} m${turn}${frame ? ` @ ${frame}` : ""}`;
+}
+
+function objectText(value: object): string {
+  if ("relation" in value && "place" in value) return `${value.relation} ${value.place}`;
+  return JSON.stringify(value);
+}
+
+/** Reads numbers separated by blanks or commas; what is none of that stays a text, which the server explains. */
+export function vectorOf(text: string): number[] | string {
+  const numbers = text.trim().split(/[\s,;]+/).map(Number);
+  return text.trim() !== "" && numbers.every(Number.isFinite) ? numbers : text;
+}
+
+function round(value: number, digits: number): number {
+  return Number(value.toFixed(digits)) + 0; // no -0
+}
