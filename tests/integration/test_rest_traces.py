@@ -29,4 +29,9 @@ def test_each_step_in_a_trace_has_its_inputs_conditions_and_changes_of_the_world
         assert step["data"]["inputs"] == step["arguments"]
         assert {row["kind"] for row in step["data"]["conditions"]} >= {"pre", "post"}
         assert all(row["holds"] and row["why"] for row in step["data"]["conditions"])
-    assert [{change["author"] for change in of_one} for of_one in changes] == [{"drive"}, {"pick"}, {"drive"}, {"place"}]
+    assert [{change["author"] for change in of_one} for of_one in changes] == [
+        {"drive"},
+        {"pick"},
+        {"drive"},
+        {"place"},
+    ]

@@ -29,7 +29,8 @@ GROUP, NAME = "skiros.pages", "web"
 
 _INDEX = "index.html"
 _READ = frozenset({"GET", "HEAD"})
-_NO_PAGES = re.compile(r"/(api|metrics|healthz|readyz)(/.*)?")
+_NO_PAGES = frozenset({"api", "metrics", "healthz", "readyz"})
+"""First words of addresses that are for programs."""
 _HASHED = "assets"
 _PACKED = (("br", ".br"), ("gzip", ".gz"))
 """Encodings of files that lie packed beside the others, the smallest first."""
@@ -54,7 +55,7 @@ _log = logging.getLogger(__name__)
 
 def is_page(method: str, path: str) -> bool:
     """Tells whether a request is for a page: something to be read, and nothing of the API, health or figures."""
-    return method in _READ and _NO_PAGES.fullmatch(path) is None
+    return method in _READ and path.removeprefix("/").partition("/")[0] not in _NO_PAGES
 
 
 def installed_pages() -> Path | None:

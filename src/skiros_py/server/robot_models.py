@@ -11,14 +11,14 @@ import shutil
 import threading
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from skiros_py.errors import DeviceError, SkirosError
+from skiros_py.errors import Busy, DeviceError
 from skiros_py.robot.models import write_robot_urdf
 from skiros_py.workers import Worker
 
@@ -34,6 +34,8 @@ _FORM = b"1"
 """Of what is kept; another one makes the server forget what an older one kept."""
 _MOST_TRIANGLES = 14_000
 """Of a whole robot: enough for the eye, and drawn by software 30 times a second."""
+_PATIENCE = 20.0
+"""How long somebody waits for a model [s]; it takes a few, on a machine that has nothing else to do."""
 _INVISIBLE = ("collision", "inertial")
 _WHITE = (1.0, 1.0, 1.0, 1.0)
 _log = logging.getLogger(__name__)
@@ -63,40 +65,44 @@ class RobotModels:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._made: dict[str, DrawnModel] = {}
-        self._making = threading.Lock()
+        self._making: dict[str, Future[DrawnModel]] = {}
+        self._maker = ThreadPoolExecutor(1, "skiros-robot-models")
         self._lightening = _Lightening()
-        self._preparing: threading.Thread | None = None
 
     def get(self, name: str) -> DrawnModel:
         """Returns a model; the first time it may take some seconds, and whoever else asks waits for it, too.
 
         Raises:
             UnknownName: Nobody knows how to build it.
+            Busy: It takes longer than that.
             SkirosError: A part of it is not installed, or the server ends.
         """
-        with self._making:
-            if name not in self._made:
-                self._made[name] = self._kept(name)
-            return self._made[name]
+        model = self._begin(name)
+        try:
+            return model.result(_PATIENCE)
+        except TimeoutError:
+            raise Busy(f"the picture of {name} is still being made", retry_after=2.0) from None
+        except CancelledError:
+            raise DeviceError("the server ends") from None
 
     def prepare(self, names: Iterable[str]) -> None:
         """Has models made before anybody asks, beside everything else; what cannot be made is told who asks."""
-        wanted = tuple(dict.fromkeys(names))
-
-        def make() -> None:
-            for name in wanted:
-                with suppress(SkirosError):
-                    self.get(name)
-
-        self._preparing = threading.Thread(target=make, name="skiros-robot-models")
-        self._preparing.start()
+        for name in names:
+            self._begin(name)
 
     def close(self) -> None:
         """Leaves off whatever is being made."""
         self._lightening.close()
-        if self._preparing is not None:
-            self._preparing.join()
+        self._maker.shutdown(cancel_futures=True)
+
+    def _begin(self, name: str) -> Future[DrawnModel]:
+        known = self._making.get(name)
+        if known is None or (known.done() and (known.cancelled() or known.exception() is not None)):
+            try:
+                known = self._making[name] = self._maker.submit(self._kept, name)
+            except RuntimeError as error:
+                raise DeviceError("the server ends") from error
+        return known
 
     def _kept(self, name: str) -> DrawnModel:
         with TemporaryDirectory(prefix="skiros-model-") as place:

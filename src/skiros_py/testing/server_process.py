@@ -24,8 +24,9 @@ class ServerProcess:
     """A server that runs until :meth:`end`, :meth:`kill`, or the end of the ``with``.
 
     Args:
-        *arguments: What stands behind ``skiros serve``, such as a scene and "--fake"; the port is any free one.
+        *arguments: What stands behind ``skiros serve``, such as a scene and "--fake".
         data: The data directory.
+        port: Where it listens; 0 for any free port.
 
     Attributes:
         url: Its address.
@@ -34,11 +35,11 @@ class ServerProcess:
         DeviceError: It does not start; with what it said.
     """
 
-    def __init__(self, *arguments: str, data: Path) -> None:
+    def __init__(self, *arguments: str, data: Path, port: int = 0) -> None:
         self.data = data
         command = [sys.executable, "-m", "skiros_py.cli", "serve", *arguments]
         self._process = subprocess.Popen(
-            [*command, "--data", str(data), "--port", "0", "--json"],
+            [*command, "--data", str(data), "--port", str(port), "--json"],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

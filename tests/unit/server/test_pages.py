@@ -66,6 +66,7 @@ def without() -> TestClient:
         ("POST", "/", False),
         ("GET", "/api", False),
         ("GET", "/api/v1/world", False),
+        ("GET", "/api/v1/modules/\n", False),
         ("GET", "/metrics", False),
         ("GET", "/healthz", False),
         ("GET", "/readyz", False),

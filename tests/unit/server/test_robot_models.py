@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.errors import DeviceError, UnknownName
+from skiros_py.errors import Busy, DeviceError, UnknownName
 from skiros_py.robot.models import BASE_JOINTS
 from skiros_py.server.robot_models import MESHES, DrawnModel, RobotModels
 
@@ -78,6 +78,18 @@ def test_a_model_is_drawn_also_where_it_cannot_be_kept(tmp_path: Path, model: Dr
     (tmp_path / "models").write_text("no folder")
 
     assert RobotModels(tmp_path / "models").get("mobile_panda") == model
+
+
+def test_who_asks_while_a_model_is_made_for_long_is_told_to_come_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skiros_py.server.robot_models._PATIENCE", 0.0)
+    models = RobotModels(tmp_path)
+    try:
+        with pytest.raises(Busy, match="still being made"):
+            models.get("mobile_panda")
+    finally:
+        models.close()
 
 
 def test_a_robot_that_nobody_can_build_is_unknown(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ export default function Palette() {
       query={query}
       onQueryChange={setQuery}
       highlightQuery
+      attributes={{ content: { "aria-label": t("palette.open") } }}
       scrollable
       maxHeight={420}
       limit={30}

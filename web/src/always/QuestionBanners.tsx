@@ -35,7 +35,7 @@ function QuestionBanner({ alarm }: { alarm: Alarm }) {
     <Banner tone="orange" icon={IconQuestionMark} title={title} actions={<Answers alarm={alarm} />}>
       {alarm.text}{" "}
       {alarm.job && (
-        <Anchor size="sm" underline="always" href={`#/task/${encodeURIComponent(alarm.job)}`}>
+        <Anchor size="sm" c="inherit" underline="always" href={`#/task/${encodeURIComponent(alarm.job)}`}>
           {t("question.look", { job: alarm.job })}
         </Anchor>
       )}

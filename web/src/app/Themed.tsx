@@ -1,7 +1,7 @@
 import { MantineProvider, mergeThemeOverrides } from "@mantine/core";
 import { type ReactNode, useMemo } from "react";
 import { useTranslation } from "react-i18next";
-import { theme } from "./theme";
+import { colours, theme } from "./theme";
 
 /** Looks of the pages, with the words that the library's own buttons have. */
 export function Themed({ children }: { children: ReactNode }) {
@@ -9,7 +9,7 @@ export function Themed({ children }: { children: ReactNode }) {
   const close = t("close");
   const worded = useMemo(() => withWords(close), [close]);
   return (
-    <MantineProvider theme={worded} defaultColorScheme="auto">
+    <MantineProvider theme={worded} cssVariablesResolver={colours} defaultColorScheme="auto">
       {children}
     </MantineProvider>
   );

@@ -1,11 +1,21 @@
-import { createTheme } from "@mantine/core";
+import {
+  createTheme,
+  type CSSVariablesResolver,
+  darken,
+  type MantineColorsTuple,
+  type MantineTheme,
+} from "@mantine/core";
 
-/** Contrast of text at least 4.5 : 1 in both colour schemes; dense enough for 1024 px. */
+/**
+ * Contrast of text at least 4.5 : 1 in both colour schemes; dense enough for 1024 px.
+ *
+ * What is brighter than the threshold gets black text, for which white would be too little.
+ */
 export const theme = createTheme({
   primaryColor: "blue",
-  primaryShade: { light: 8, dark: 7 },
+  primaryShade: 8,
   autoContrast: true,
-  luminanceThreshold: 0.35,
+  luminanceThreshold: 0.183,
   defaultRadius: "sm",
   focusRing: "auto",
   cursorType: "pointer",
@@ -20,3 +30,30 @@ export const theme = createTheme({
     Tooltip: { defaultProps: { openDelay: 400, withArrow: true, events: { hover: true, focus: true, touch: true } } },
   },
 });
+
+/** Colours of text where the library's own have too little contrast. */
+export const colours: CSSVariablesResolver = (used) => ({
+  variables: {},
+  light: {
+    ...textOf(used, (shades) => darken(shades[9], 0.3)),
+    "--mantine-color-dimmed": used.colors.gray[7],
+    "--mantine-color-placeholder": used.colors.gray[7],
+    "--mantine-color-error": used.colors.red[9],
+    "--mantine-color-anchor": used.colors.blue[9],
+  },
+  dark: {
+    ...textOf(used, (shades) => shades[2]),
+    "--mantine-color-dimmed": used.colors.dark[1],
+    "--mantine-color-placeholder": used.colors.dark[1],
+    "--mantine-color-error": used.colors.red[4],
+    "--mantine-color-anchor": used.colors.blue[3],
+  },
+});
+
+/** The colour of text in each colour, on the page and on a light ground of that colour. */
+function textOf(used: MantineTheme, choose: (shades: MantineColorsTuple) => string): Record<string, string> {
+  const variables = Object.entries(used.colors).flatMap(([name, shades]) =>
+    ["light-color", "text", "outline"].map((kind) => [`--mantine-color-${name}-${kind}`, choose(shades)]),
+  );
+  return Object.fromEntries(variables);
+}

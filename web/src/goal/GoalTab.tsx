@@ -42,9 +42,11 @@ function Goal() {
       ) : (
         <Sentences verdicts={verdicts} />
       )}
-      {draft.preview && <PreviewPanel {...preview} conditions={conditions} again={preview.ask} />}
-      {draft.job && <JobPanel id={draft.job} onClose={() => change({ job: null })} />}
-      <RunBar order={order} planning={preview.planning} onPreview={preview.ask} />
+      {draft.preview && (
+        <PreviewPanel key={draft.preview.asked} {...preview} conditions={conditions} again={preview.ask} />
+      )}
+      {draft.job && <JobPanel key={draft.job} id={draft.job} onClose={() => change({ job: null })} />}
+      <RunBar order={order} planning={preview.planning} onPreview={() => preview.ask()} />
     </Stack>
   );
 }

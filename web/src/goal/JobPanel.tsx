@@ -8,6 +8,8 @@ import { useTab } from "../app/useTab";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 import { type Mood, Status } from "../widgets/Status";
+import classes from "./goal.module.css";
+import { intoView } from "./intoView";
 import { doneOf, type RunStep } from "./steps";
 import { StepText } from "./StepText";
 
@@ -28,7 +30,14 @@ export function JobPanel({ id, onClose }: Props) {
   });
   const gone = error instanceof ApiProblem && (error.status === 404 || error.status === 410);
   return (
-    <Stack gap="xs" component="section" aria-label={t("job.title")} aria-live="polite">
+    <Stack
+      gap="xs"
+      component="section"
+      aria-label={t("job.title")}
+      aria-live="polite"
+      ref={intoView}
+      className={classes.result}
+    >
       <Group justify="space-between" wrap="nowrap">
         <Title order={3} size="h5" style={{ overflowWrap: "anywhere" }}>
           {t("job.named", { id })}

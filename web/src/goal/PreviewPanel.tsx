@@ -2,7 +2,8 @@ import { Alert, Badge, Group, Loader, Stack, Text, Title } from "@mantine/core";
 import { IconArrowsSplit2 } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import classes from "./goal.module.css";
-import type { CheckedCondition } from "./goals";
+import type { CheckedCondition, GoalOrder } from "./goals";
+import { intoView } from "./intoView";
 import type { Preview } from "./preview";
 import { clock } from "./steps";
 import { StepText } from "./StepText";
@@ -15,14 +16,23 @@ interface Props {
   /** Whether it is about what is wanted now. */
   fits: boolean;
   conditions: readonly CheckedCondition[];
-  again: () => void;
+  /** Plans anew; for another goal where one is given. */
+  again: (order?: GoalOrder | null) => void;
 }
 
 /** The plan in words, or why there is none. */
 export function PreviewPanel({ preview, planning, lost, fits, conditions, again }: Props) {
   const { t } = useTranslation("goal");
   return (
-    <Stack gap="xs" component="section" aria-label={t("preview.title")} aria-live="polite" aria-busy={planning}>
+    <Stack
+      gap="xs"
+      component="section"
+      ref={intoView}
+      className={classes.result}
+      aria-label={t("preview.title")}
+      aria-live="polite"
+      aria-busy={planning}
+    >
       <Title order={3} size="h5">
         {t("preview.title")}
       </Title>
@@ -35,8 +45,8 @@ export function PreviewPanel({ preview, planning, lost, fits, conditions, again 
       {lost && <Text size="sm">{t("preview.lost")}</Text>}
       {!planning && preview && !fits && <Alert color="yellow">{t("preview.other")}</Alert>}
       {!planning && preview?.state === "planned" && <Plan preview={preview} />}
-      {!planning && preview && (preview.state === "no plan" || preview.state === "failed") && (
-        <WhyNot preview={preview} conditions={conditions} canChange={fits} again={again} />
+      {!planning && fits && preview && (preview.state === "no plan" || preview.state === "failed") && (
+        <WhyNot preview={preview} conditions={conditions} again={again} />
       )}
     </Stack>
   );

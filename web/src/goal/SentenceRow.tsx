@@ -1,5 +1,5 @@
 import { ActionIcon, Button, Group, Stack, Text, Tooltip } from "@mantine/core";
-import { IconTrash } from "@tabler/icons-react";
+import { IconBan, IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import { ElementPicker } from "../widgets/ElementPicker";
 import type { Verdict as Told } from "./checks";
@@ -66,10 +66,10 @@ function Sentence({ row, word, onChange }: SentenceProps) {
           variant={row.not ? "filled" : "default"}
           color="orange"
           size="compact-xs"
-          aria-pressed={row.not}
+          leftSection={row.not ? <IconBan size={12} aria-hidden /> : undefined}
           onClick={() => onChange({ ...row, not: !row.not })}
         >
-          {t("not")}
+          {row.not ? t("unwanted") : t("wanted")}
         </Button>
       </Tooltip>
       {sentence.map((piece) =>

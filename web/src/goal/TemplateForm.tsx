@@ -6,11 +6,13 @@ import { answer, api } from "../api/client";
 import { queryClient } from "../api/queries";
 import { useMay } from "../api/session";
 import { ElementPicker } from "../widgets/ElementPicker";
+import { localName, useClassLabels } from "../widgets/names";
 import { notifyProblem } from "../widgets/problems";
+import { ConditionText } from "./ConditionText";
 import type { Verdict as Told } from "./checks";
 import { type Filled, useDraft } from "./draft";
 import classes from "./goal.module.css";
-import { rowOf, shortText } from "./goals";
+import { rowOf } from "./goals";
 import { Materials } from "./Materials";
 import { classOf, type Template, TEMPLATES } from "./templates";
 import { Verdict } from "./Verdict";
@@ -27,6 +29,8 @@ export function TemplateForm({ template, filled, verdict }: Props) {
   const { t } = useTranslation("goal");
   const { change, setRows } = useDraft();
   const { words } = useWords();
+  const labels = useClassLabels();
+  const fullName = (class_: string) => [...labels.keys()].find((name) => name === class_ || localName(name) === class_);
   const { content } = template;
   const fill = (part: Partial<Filled>) => change({ template: { ...filled, ...part } });
   const give = (name: string, value: string | null) =>
@@ -50,7 +54,7 @@ export function TemplateForm({ template, filled, verdict }: Props) {
       </Group>
       {content.description && <Text size="sm">{content.description}</Text>}
       {content.parameters.map((parameter) => {
-        const class_ = parameter.class || classOf(content, { parameter: parameter.name }, words);
+        const class_ = fullName(parameter.class) ?? classOf(content, { parameter: parameter.name }, words);
         const common = {
           label: parameter.name,
           description: parameter.description || undefined,
@@ -86,10 +90,10 @@ export function TemplateForm({ template, filled, verdict }: Props) {
         <Alert color="red">{verdict.why}</Alert>
       ) : (
         <ul className={classes.rows} aria-label={t("conditions")}>
-          {verdict.conditions.map(({ text, holds, why }) => (
-            <li key={text} className={classes.row}>
-              <pre className={classes.code}>{shortText(text)}</pre>
-              <Verdict verdict={{ state: holds ? "holds" : "open", why, conditions: [] }} />
+          {verdict.conditions.map((condition) => (
+            <li key={condition.text} className={classes.row} aria-label={condition.text}>
+              <ConditionText condition={condition} />
+              <Verdict verdict={{ state: condition.holds ? "holds" : "open", why: condition.why, conditions: [] }} />
             </li>
           ))}
         </ul>

@@ -28,7 +28,7 @@ export function TextEditor({ rows, onDone, onCancel }: Props) {
         minRows={4}
         maxRows={16}
         spellCheck={false}
-        styles={{ input: { fontFamily: "monospace" }, error: { whiteSpace: "pre", overflowX: "auto" } }}
+        styles={{ input: { fontFamily: "monospace" }, error: { fontFamily: "monospace", whiteSpace: "pre-wrap" } }}
         error={read.error ? problemText(read.error) : undefined}
       />
       <Group gap="xs">

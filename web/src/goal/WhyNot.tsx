@@ -7,23 +7,21 @@ import { ElementName } from "../widgets/ElementName";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 import { useDraft } from "./draft";
-import { type CheckedCondition, isSame, without } from "./goals";
+import { type CheckedCondition, type GoalOrder, goalOrder, isSame, keyed, without } from "./goals";
 import type { Preview } from "./preview";
 
 interface Props {
   preview: Preview;
   /** The conditions that are wanted now. */
   conditions: readonly CheckedCondition[];
-  /** Whether the preview is about what is wanted now, so that its changes mean something. */
-  canChange: boolean;
   /** Plans anew. */
-  again: () => void;
+  again: (order?: GoalOrder | null) => void;
 }
 
 type Repair = Preview["repairs"][number];
 
 /** Why there is no plan, and what would help. */
-export function WhyNot({ preview, conditions, canChange, again }: Props) {
+export function WhyNot({ preview, conditions, again }: Props) {
   const { t } = useTranslation("goal");
   return (
     <>
@@ -47,14 +45,7 @@ export function WhyNot({ preview, conditions, canChange, again }: Props) {
             <IconBulb size={16} aria-hidden /> {t("repair.title")}
           </Title>
           {preview.repairs.map((repair) => (
-            <RepairCard
-              key={repair.id}
-              preview={preview.id}
-              repair={repair}
-              conditions={conditions}
-              disabled={!canChange}
-              again={again}
-            />
+            <RepairCard key={repair.id} preview={preview.id} repair={repair} conditions={conditions} again={again} />
           ))}
         </Stack>
       )}
@@ -86,11 +77,10 @@ interface CardProps {
   preview: string;
   repair: Repair;
   conditions: readonly CheckedCondition[];
-  disabled: boolean;
-  again: () => void;
+  again: (order?: GoalOrder | null) => void;
 }
 
-function RepairCard({ preview, repair, conditions, disabled, again }: CardProps) {
+function RepairCard({ preview, repair, conditions, again }: CardProps) {
   const { t } = useTranslation("goal");
   const { setRows } = useDraft();
   const make = useMutation({
@@ -100,10 +90,14 @@ function RepairCard({ preview, repair, conditions, disabled, again }: CardProps)
           params: { path: { id: preview, number: repair.id } },
         }),
       ),
-    onSuccess: again,
+    onSuccess: () => again(),
     onError: notifyProblem,
   });
   const rest = without(conditions, repair.without);
+  const leaveOut = () => {
+    setRows(rest);
+    again(goalOrder(keyed(rest)));
+  };
   const found = repair.without.every((one) => conditions.some(({ text }) => isSame(one, text)));
   const canLeaveOut = repair.edits.length === 0 && repair.without.length > 0 && found;
   return (
@@ -122,7 +116,6 @@ function RepairCard({ preview, repair, conditions, disabled, again }: CardProps)
         {repair.applicable && (
           <MayButton
             operation="apply_repair"
-            disabled={disabled}
             loading={make.isPending}
             onClick={() => make.mutate()}
             aria-label={`${t("repair.do")}: ${repair.text}`}
@@ -133,8 +126,8 @@ function RepairCard({ preview, repair, conditions, disabled, again }: CardProps)
         {!repair.applicable && canLeaveOut && (
           <Button
             variant="default"
-            disabled={disabled || rest.length === 0}
-            onClick={() => setRows(rest)}
+            disabled={rest.length === 0}
+            onClick={leaveOut}
             aria-label={`${t("repair.leaveOut")}: ${repair.text}`}
           >
             {t("repair.leaveOut")}

@@ -36,7 +36,7 @@ export function useOrder() {
       return send(order, key);
     },
     onSuccess: (job) => {
-      change({ pending: null, job: job.id });
+      change({ pending: null, job: job.id, preview: null });
       void queryClient.invalidateQueries({ queryKey: keys.jobs() });
     },
     onError: (error) => {

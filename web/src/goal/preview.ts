@@ -28,7 +28,8 @@ export function usePreview(order: GoalOrder | null) {
     refetchInterval: ({ state }) => (state.data?.state === "planning" ? PAUSE : false),
   });
   return {
-    ask: () => order !== null && ask.mutate(order),
+    /** Asks for a plan, of what is wanted now where nothing else is said. */
+    ask: (wanted: GoalOrder | null = order) => wanted !== null && ask.mutate(wanted),
     forget: () => change({ preview: null }),
     preview: data,
     /** It is kept no longer. */

@@ -10,7 +10,6 @@ import { useStation } from "../live/station";
 import type { Arguments } from "../widgets/ArgumentsForm";
 
 export type Run = Schema<"ModuleRunInfo">;
-export type Robot = Schema<"RobotInfo">;
 export type Summary = Schema<"ModuleSummary">;
 
 export function useModules() {
@@ -28,6 +27,8 @@ export function useModule(agent: string, module: string) {
 export function useRobots() {
   return useQuery({ queryKey: keys.robots("all"), queryFn: () => answer(api.GET("/api/v1/robots")) });
 }
+
+export type Robot = NonNullable<ReturnType<typeof useRobots>["data"]>[number];
 
 /** What a module would be run with now; read again when the world changes. */
 export function usePanel(agent: string, module: string, values: Arguments) {

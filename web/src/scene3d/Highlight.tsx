@@ -7,7 +7,7 @@ import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeome
 import { useSelection } from "../selection/selection";
 import { crowd } from "./elements/crowd";
 import type { Palette } from "./palette";
-import type { Shape } from "./shapes";
+import { type Shape, shapeIn } from "./shapes";
 import { useShownView } from "./useShownView";
 
 /** Outlines of what is selected, and of what the pointer is on. */
@@ -34,7 +34,7 @@ function Outline({ id, colour, width }: Props) {
   const view = useShownView();
   const group = useRef<Group>(null);
   const element = view?.elements.get(id);
-  const shape = element === undefined ? null : crowd.shapeOf(id);
+  const shape = view && element ? shapeIn(view.shapes, element) : null;
   useFrame(() => {
     if (group.current !== null) group.current.visible = crowd.poseOf(id, group.current.matrix);
   });

@@ -1,33 +1,70 @@
-import { useComputedColorScheme } from "@mantine/core";
+import { Alert, useComputedColorScheme } from "@mantine/core";
 import { Canvas } from "@react-three/fiber";
+import { type KeyboardEvent, useId } from "react";
 import { useTranslation } from "react-i18next";
+import { useCamera, type Viewpoint } from "./camera/camera";
+import { PosePanel } from "./gizmo/PosePanel";
+import { Compass } from "./overlay/Compass";
 import { Labels } from "./overlay/Labels";
+import { Notices } from "./overlay/Notices";
+import { Summary } from "./overlay/Summary";
+import { Toolbar } from "./overlay/Toolbar";
 import { paletteOf } from "./palette";
-import { quality } from "./quality";
+import { canDraw, quality } from "./quality";
 import classes from "./Scene.module.css";
 import { Stage } from "./Stage";
 
-const CAMERA = { fov: 38, near: 0.1, far: 80, up: [0, 0, 1] as const, position: [4, -7, 6] as const };
+const KEYS: Record<string, Viewpoint> = { o: "overview", t: "top", r: "follow", f: "selection", Home: "overview" };
 
 /** The live 3D view: robots, things, and what there is to know about where they are. */
 export default function Scene() {
   const { t } = useTranslation("scene3d");
-  const scheme = useComputedColorScheme();
-  const { dpr, antialias } = quality();
+  if (!canDraw()) return <Alert m="md">{t("noWebGL")}</Alert>;
   return (
     <div className={classes.scene}>
-      <div className={classes.picture} data-picture role="application" aria-label={t("picture")} tabIndex={0}>
-        <Canvas
-          flat
-          frameloop="demand"
-          dpr={dpr}
-          gl={{ antialias, powerPreference: "high-performance" }}
-          camera={{ ...CAMERA, up: [...CAMERA.up], position: [...CAMERA.position] }}
-        >
-          <Stage palette={paletteOf(scheme)} />
-        </Canvas>
-      </div>
+      <Picture />
       <Labels />
+      <Compass />
+      <Toolbar />
+      <Notices />
+      <PosePanel />
     </div>
   );
+}
+
+function Picture() {
+  const { t } = useTranslation("scene3d");
+  const scheme = useComputedColorScheme();
+  const words = useId();
+  const { dpr, antialias } = quality();
+  return (
+    // It is an application of its own: keys turn the view.
+    // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
+    <div
+      className={classes.picture}
+      data-picture
+      role="application"
+      aria-label={t("picture")}
+      aria-describedby={words}
+      // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
+      tabIndex={0}
+      onKeyDown={look}
+    >
+      <Canvas
+        flat
+        frameloop="demand"
+        dpr={dpr}
+        gl={{ antialias, powerPreference: "high-performance" }}
+        camera={{ fov: 38, near: 0.1, far: 80, up: [0, 0, 1], position: [4, -7, 6] }}
+      >
+        <Stage palette={paletteOf(scheme)} />
+      </Canvas>
+      <Summary id={words} />
+    </div>
+  );
+}
+
+function look({ key, ctrlKey, metaKey, altKey }: KeyboardEvent): void {
+  const viewpoint = KEYS[key];
+  if (viewpoint !== undefined && !ctrlKey && !metaKey && !altKey) useCamera.getState().look(viewpoint);
 }

@@ -1,10 +1,17 @@
-import { useFrame, useThree } from "@react-three/fiber";
+import { addAfterEffect, addEffect, useFrame, useThree } from "@react-three/fiber";
 import { useEffect, useRef } from "react";
-import { addAfterEffect, addEffect } from "@react-three/fiber";
 import type { Group } from "three";
 import { CameraMan } from "./camera/CameraMan";
 import { followDevices, moveDevices } from "./devices";
 import { Elements } from "./elements/Elements";
+import { Axes } from "./extras/Axes";
+import { Contacts } from "./extras/Contacts";
+import { Doubts } from "./extras/Doubts";
+import { Ghosts } from "./extras/Ghosts";
+import { Looks } from "./extras/Looks";
+import { Motions } from "./extras/Motions";
+import { ReplayClock } from "./extras/ReplayClock";
+import { Gizmo } from "./gizmo/Gizmo";
 import { Highlight } from "./Highlight";
 import { offerHook } from "./hook";
 import { LabelMover } from "./overlay/LabelMover";
@@ -30,6 +37,14 @@ export function Stage({ palette }: { palette: Palette }) {
         <Robots palette={palette} />
       </group>
       <Highlight palette={palette} />
+      <Contacts palette={palette} />
+      <Doubts palette={palette} />
+      <Looks palette={palette} />
+      <Motions palette={palette} />
+      <Ghosts palette={palette} />
+      <Axes />
+      <Gizmo palette={palette} />
+      <ReplayClock />
       <Pointer among={matter} />
       <CameraMan />
       <LabelMover />

@@ -88,14 +88,14 @@ function standIns(place: Item, elements: readonly ViewElement[], bounds: Bounds)
 }
 
 /** Where things of these sizes go above a place, in its frame: side by side along its longer side, row by row. */
-export function rows(place: Box3 | null, things: readonly (Box3 | null)[]): Vector3[] {
+export function rows(place: Box3 | null, things: readonly (Box3 | null)[], lift = ABOVE): Vector3[] {
   const size = place?.getSize(new Vector3()) ?? new Vector3();
   const middle = place?.getCenter(new Vector3()) ?? new Vector3();
   const step = Math.max(SMALL, ...things.map(widthOf)) + APART;
   const along = size.y >= size.x ? "y" : "x";
   const perRow = Math.max(1, Math.floor(size[along] / step));
   const perLayer = perRow * Math.max(1, Math.floor(size[along === "y" ? "x" : "y"] / step));
-  const top = (place?.max.z ?? 0) + ABOVE;
+  const top = (place?.max.z ?? 0) + lift;
   return things.map((thing, i) => {
     const [layer, rest] = [Math.floor(i / perLayer), i % perLayer];
     const inLayer = Math.min(perLayer, things.length - layer * perLayer);

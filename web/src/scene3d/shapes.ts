@@ -3,7 +3,7 @@
 import { Box3, BoxGeometry, BufferAttribute, type BufferGeometry, CylinderGeometry, EdgesGeometry } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { matrixOf } from "./pose";
-import type { Block } from "./view";
+import type { Block, View, ViewElement } from "./view";
 
 export interface Shape {
   geometry: BufferGeometry;
@@ -32,10 +32,23 @@ export function shapeOf(key: string, blocks: readonly Block[] = MARK): Shape {
   return shape;
 }
 
+/** The shape that an element is drawn with; null for what is no picture of its own: robots, and what is in them. */
+export function shapeIn(shapes: View["shapes"], { kind, shape }: ViewElement): Shape | null {
+  if (kind === "robot" || (kind === "device" && shape === null)) return null;
+  return shape === null ? shapeOf("") : shapeOf(shape, shapes[shape]);
+}
+
 /** Lets go of all of them. */
 export function forgetShapes(): void {
   for (const { shape } of known.values()) dispose(shape);
   known = new Map();
+}
+
+/** The box around some blocks, in the frame of their shape. */
+export function boundsOf(blocks: readonly Block[]): Box3 {
+  const shape = built(blocks);
+  dispose(shape);
+  return shape.bounds;
 }
 
 function same(one: readonly Block[], other: readonly Block[]): boolean {

@@ -17,16 +17,20 @@ import type { Operation } from "../api/session";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 
+const GRAVE = ["stop", "abort", "cancel", "clear"] as const;
+/** What ends something, and cannot be taken back. */
+type Grave = (typeof GRAVE)[number];
+
 const COMMANDS = {
-  start: { operation: "start_job", icon: IconPlayerPlay, sure: false },
-  "revoke-start": { operation: "revoke_start_of_job", icon: IconLock, sure: false },
-  pause: { operation: "pause_job", icon: IconPlayerPause, sure: false },
-  resume: { operation: "resume_job", icon: IconPlayerPlay, sure: false },
-  stop: { operation: "stop_job", icon: IconPlayerStop, sure: true },
-  abort: { operation: "abort_job", icon: IconX, sure: true },
-  cancel: { operation: "cancel_job", icon: IconX, sure: true },
-  clear: { operation: "clear_job", icon: IconTrash, sure: true },
-} satisfies Record<string, { operation: Operation; icon: TablerIcon; sure: boolean }>;
+  start: { operation: "start_job", icon: IconPlayerPlay },
+  "revoke-start": { operation: "revoke_start_of_job", icon: IconLock },
+  pause: { operation: "pause_job", icon: IconPlayerPause },
+  resume: { operation: "resume_job", icon: IconPlayerPlay },
+  stop: { operation: "stop_job", icon: IconPlayerStop },
+  abort: { operation: "abort_job", icon: IconX },
+  cancel: { operation: "cancel_job", icon: IconX },
+  clear: { operation: "clear_job", icon: IconTrash },
+} satisfies Record<string, { operation: Operation; icon: TablerIcon }>;
 
 type Command = keyof typeof COMMANDS;
 
@@ -37,12 +41,13 @@ function isCommand(name: string): name is Command {
 /** The commands that a job takes in its state; those that end something are asked for once more. */
 export function JobCommands({ job, gone }: { job: Schema<"Job">; gone: () => void }) {
   const { t } = useTranslation("task");
-  const [asking, ask] = useState<Command | null>(null);
+  const [asking, ask] = useState<Grave | null>(null);
   const command = useCommand(job, gone);
   return (
     <Group gap={6} role="group" aria-label={t("commands.label")}>
       {job.commands.filter(isCommand).map((name) => {
-        const { operation, icon: Icon, sure } = COMMANDS[name];
+        const { operation, icon: Icon } = COMMANDS[name];
+        const grave = GRAVE.find((one) => one === name);
         return (
           <MayButton
             key={name}
@@ -50,14 +55,19 @@ export function JobCommands({ job, gone }: { job: Schema<"Job">; gone: () => voi
             variant="default"
             leftSection={<Icon size={14} aria-hidden />}
             loading={command.isPending && command.variables.name === name}
-            onClick={() => (sure ? ask(name) : command.mutate({ name, comment: "" }))}
+            onClick={() => (grave !== undefined ? ask(grave) : command.mutate({ name, comment: "" }))}
           >
             {t(`commands.${name}.name`)}
           </MayButton>
         );
       })}
       {asking !== null && (
-        <Sure job={job.id} command={asking} close={() => ask(null)} go={(comment) => command.mutate({ name: asking, comment })} />
+        <Sure
+          job={job.id}
+          command={asking}
+          close={() => ask(null)}
+          go={(comment) => command.mutate({ name: asking, comment })}
+        />
       )}
     </Group>
   );
@@ -65,7 +75,7 @@ export function JobCommands({ job, gone }: { job: Schema<"Job">; gone: () => voi
 
 interface SureProps {
   job: string;
-  command: Command;
+  command: Grave;
   close: () => void;
   go: (comment: string) => void;
 }

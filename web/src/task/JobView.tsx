@@ -128,7 +128,10 @@ function ReplayButton({ job }: { job: string }) {
   const shown = useReplay(({ replay }) => replay?.job === job);
   const { mutate, isPending } = useMutation({
     mutationFn: () => answer(api.GET("/api/v1/jobs/{id}/replay", { params: { path: { id: job } } })),
-    onSuccess: (replay) => useReplay.getState().set({ replay, time: replay.start, speed: 0 }),
+    onSuccess: (read) => {
+      const replay = read as Schema<"Replay">; // the client forgets how long its tuples are
+      useReplay.getState().set({ replay, time: replay.start, speed: 0 });
+    },
     onError: notifyProblem,
   });
   if (shown) return null;

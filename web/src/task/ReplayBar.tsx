@@ -21,7 +21,8 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
     if (step !== undefined) choose(step.key);
   };
   const keys = (event: KeyboardEvent) => {
-    if (event.key !== " " || event.target instanceof HTMLButtonElement || event.target instanceof HTMLInputElement) return;
+    if (event.key !== " " || event.target instanceof HTMLButtonElement || event.target instanceof HTMLInputElement)
+      return;
     event.preventDefault();
     play();
   };

@@ -2,7 +2,6 @@ import { Badge, CloseButton, Group, Stack, Table, Text, Title } from "@mantine/c
 import { useQueries } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
-import { keys } from "../api/keys";
 import { ElementName } from "../widgets/ElementName";
 import { problemText } from "../widgets/problems";
 import { Status } from "../widgets/Status";
@@ -40,10 +39,10 @@ export function StepDetails({ step, run, skills, close }: Props) {
       </Group>
       <Text size="sm">{step.text}</Text>
       <Section title={t("details.inputs")}>
-        <Inputs values={{ ...step.arguments }} />
+        <Inputs values={step.inputs} />
       </Section>
       <Section title={t("details.conditions")}>
-        <Conditions rows={step.conditions} />
+        <Conditions rows={step.conditions} running={step.end === null} />
       </Section>
       <Section title={t("details.changes")}>
         <Changes numbers={step.changes} />
@@ -55,7 +54,7 @@ export function StepDetails({ step, run, skills, close }: Props) {
   );
 }
 
-function Inputs({ values }: { values: Record<string, string> }) {
+function Inputs({ values }: { values: Record<string, unknown> }) {
   return (
     <Table verticalSpacing={1} withRowBorders={false} w="auto">
       <Table.Tbody>
@@ -65,7 +64,7 @@ function Inputs({ values }: { values: Record<string, string> }) {
               {key}
             </Table.Th>
             <Table.Td>
-              <ElementName id={value} />
+              {typeof value === "string" ? <ElementName id={value} /> : value == null ? "–" : JSON.stringify(value)}
             </Table.Td>
           </Table.Tr>
         ))}
@@ -74,9 +73,9 @@ function Inputs({ values }: { values: Record<string, string> }) {
   );
 }
 
-function Conditions({ rows }: { rows: readonly ConditionRow[] }) {
+function Conditions({ rows, running }: { rows: readonly ConditionRow[]; running: boolean }) {
   const { t } = useTranslation("task");
-  if (rows.length === 0) return <Text c="dimmed">{t("details.noConditions")}</Text>;
+  if (rows.length === 0) return <Text c="dimmed">{t(running ? "details.later" : "details.noConditions")}</Text>;
   return (
     <Table verticalSpacing={2}>
       <Table.Tbody>

@@ -1,5 +1,5 @@
 import { ActionIcon, Group, Stack, Switch, Text, Tooltip } from "@mantine/core";
-import { useElementSize, useMergedRef } from "@mantine/hooks";
+import { useElementSize } from "@mantine/hooks";
 import { IconArrowAutofitWidth, IconTable, IconZoomIn, IconZoomOut } from "@tabler/icons-react";
 import { scaleLinear, type ScaleLinear } from "d3-scale";
 import { useState } from "react";
@@ -55,7 +55,15 @@ function DrawnTimeline({ run, skills, paused, now, cursor, chosen, choose }: Pro
       {table ? (
         <TimelineTable run={run} layout={layout} chosen={chosen} choose={choose} />
       ) : (
-        <Picture layout={layout} zoom={zoom} origin={run.begun} now={run.end === null ? now : null} cursor={cursor} chosen={chosen} choose={choose} />
+        <Picture
+          layout={layout}
+          zoom={zoom}
+          origin={run.begun}
+          now={run.end === null ? now : null}
+          cursor={cursor}
+          chosen={chosen}
+          choose={choose}
+        />
       )}
     </Stack>
   );
@@ -63,7 +71,9 @@ function DrawnTimeline({ run, skills, paused, now, cursor, chosen, choose }: Pro
   function said({ eta }: TimelineLayout, at: number, say: typeof t): string {
     const took = span(at - run.begun);
     if (run.end !== null) return say("timeline.took", { time: took });
-    return eta === null ? say("timeline.since", { time: took }) : say("timeline.eta", { time: took, left: span(eta - at) });
+    return eta === null
+      ? say("timeline.since", { time: took })
+      : say("timeline.eta", { time: took, left: span(eta - at) });
   }
 }
 
@@ -92,7 +102,12 @@ function Tools({ zoom, live, table, showTable }: ToolsProps) {
           </Tooltip>
         ))}
       <Tooltip label={t("timeline.table")}>
-        <ActionIcon aria-label={t("timeline.table")} aria-pressed={table} variant={table ? "light" : "subtle"} onClick={() => showTable(!table)}>
+        <ActionIcon
+          aria-label={t("timeline.table")}
+          aria-pressed={table}
+          variant={table ? "light" : "subtle"}
+          onClick={() => showTable(!table)}
+        >
           <IconTable size={16} />
         </ActionIcon>
       </Tooltip>
@@ -118,44 +133,51 @@ interface PictureProps extends Pick<Props, "cursor" | "chosen" | "choose"> {
 
 function Picture({ layout, zoom, origin, now, cursor, chosen, choose }: PictureProps) {
   const { t } = useTranslation("task");
-  const { ref: sized, width } = useElementSize<SVGSVGElement>();
+  const { ref: sized, width } = useElementSize<HTMLDivElement>();
   const scale = scaleLinear([zoom.start, zoom.end], [0, Math.max(width, 1)]);
-  const wheel = useWheelZoom<SVGSVGElement>((x) => scale.invert(x), zoom.zoom);
-  const ref = useMergedRef(sized, wheel);
+  const ref = useWheelZoom<SVGSVGElement>((x) => scale.invert(x), zoom.zoom);
   const tops = laneTops(layout.lanes);
   const height = (tops.at(-1) ?? 0) + AXIS;
   return (
-    // A timeline can be moved and zoomed by keys; each of its bars is a button.
-    // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
-    <svg
-      ref={ref}
-      className={classes.timeline}
-      height={height}
-      role="group"
-      aria-label={t("timeline.label")}
-      aria-roledescription={t("timeline.role")}
-      onKeyDown={(event) => {
-        if (zoomByKey(event.key, zoom)) event.preventDefault();
-      }}
-    >
-      <Hatches />
-      <Axis scale={scale} height={height} origin={origin} />
-      {layout.replanned.map((at) => (
-        <g key={at}>
-          <title>{t("timeline.replanned")}</title>
-          <line className={classes.eta} x1={scale(at)} x2={scale(at)} y1={0} y2={height - AXIS} />
-          <text className={classes.tick} x={scale(at) + 3} y={10}>
-            ↻
-          </text>
-        </g>
-      ))}
-      {layout.lanes.map((lane, index) => (
-        <DrawnLane key={lane.agent} lane={lane} top={tops[index] ?? 0} scale={scale} chosen={chosen} choose={choose} />
-      ))}
-      <Mark at={layout.eta} scale={scale} height={height} className={classes.eta} title={t("timeline.end")} />
-      <Mark at={now} scale={scale} height={height} className={classes.now} title={t("timeline.now")} />
-      <Mark at={cursor} scale={scale} height={height} className={classes.cursor} title={t("timeline.replayed")} />
-    </svg>
+    <div ref={sized}>
+      {/* A timeline can be moved and zoomed by keys; each of its bars is a button. */}
+      <svg
+        ref={ref}
+        className={classes.timeline}
+        height={height}
+        role="group"
+        aria-label={t("timeline.label")}
+        aria-roledescription={t("timeline.role")}
+        onKeyDown={(event) => {
+          if (zoomByKey(event.key, zoom)) event.preventDefault();
+        }}
+      >
+        <Hatches />
+        <Axis scale={scale} height={height} origin={origin} />
+        {layout.replanned.map((at) => (
+          <g key={at}>
+            <title>{t("timeline.replanned")}</title>
+            <line className={classes.eta} x1={scale(at)} x2={scale(at)} y1={0} y2={height - AXIS} />
+            <text className={classes.tick} x={scale(at) + 3} y={10}>
+              ↻
+            </text>
+          </g>
+        ))}
+        {layout.lanes.map((lane, index) => (
+          <DrawnLane
+            key={lane.agent}
+            lane={lane}
+            top={tops[index] ?? 0}
+            scale={scale}
+            chosen={chosen}
+            choose={choose}
+          />
+        ))}
+        <Mark at={layout.eta} scale={scale} height={height} className={classes.eta} title={t("timeline.end")} />
+        <Mark at={now} scale={scale} height={height} className={classes.now} title={t("timeline.now")} />
+        <Mark at={cursor} scale={scale} height={height} className={classes.cursor} title={t("timeline.replayed")} />
+      </svg>
+    </div>
   );
 }
 

@@ -39,14 +39,27 @@ export function TreePane({ run, skills, title, state, chosen, choose }: Props) {
         onChange={(value) => show(value as "task" | "skill")}
         data={[
           { value: "task", label: t("tree.steps") },
-          { value: "skill", label: step === undefined ? t("tree.skill") : stepTitle(step, skills), disabled: step === undefined },
+          {
+            value: "skill",
+            label: step === undefined ? t("tree.skill") : stepTitle(step, skills),
+            disabled: step === undefined,
+          },
         ]}
       />
       <Box h="max(280px, 45vh)">
         {shown === "skill" && step !== undefined ? (
           <SkillGraph step={step} run={run} skills={skills} said={said} />
         ) : (
-          <TaskGraph run={run} slots={slots} skills={skills} said={said} title={title} state={state} chosen={chosen} choose={choose} />
+          <TaskGraph
+            run={run}
+            slots={slots}
+            skills={skills}
+            said={said}
+            title={title}
+            state={state}
+            chosen={chosen}
+            choose={choose}
+          />
         )}
       </Box>
     </Stack>
@@ -81,7 +94,11 @@ function SkillGraph({ step, run, skills, said }: { step: Step; run: Run; skills:
   const { data } = useModule(step.agent, step.skill);
   const rows = useOutput(({ rows: all }) => all);
   const state = stepState(step);
-  const root = { id: "skill", title: stepTitle(step, skills), state: { mood: STEP_MOODS[state], text: said.step(state) } };
+  const root = {
+    id: "skill",
+    title: stepTitle(step, skills),
+    state: { mood: STEP_MOODS[state], text: said.step(state) },
+  };
   const messages = messagesOf(step, rows, run.shift);
   const { nodes, edges } = skillTree(root, bodyLines(implementationOf(data)), messages, said);
   return <Graph label={t("tree.skillLabel", { skill: root.title })} nodes={nodes} edges={edges} />;

@@ -11,7 +11,8 @@ export function editText(edit: Record<string, unknown>): EditText {
   const element = String(edit.element ?? edit.subject ?? "");
   if (edit.edit === "placement") return { element, says: `${place(old)} → ${place(next)}` };
   if (edit.edit === "property") return { element, says: `${edit.property}: ${plain(old)} → ${plain(next)}` };
-  if (edit.edit === "relation") return { element, says: `${next === true ? "+" : "−"} ${edit.relation} ${edit.object}` };
+  if (edit.edit === "relation")
+    return { element, says: `${next === true ? "+" : "−"} ${edit.relation} ${edit.object}` };
   if (edit.edit === "element") return { element, says: next == null ? "−" : "+" };
   return { element, says: `${plain(old)} → ${plain(next)}` };
 }

@@ -19,6 +19,12 @@ test("of too many messages the last are kept", () => {
 });
 
 test("a table as CSV quotes what would break it, and begins no cell with a formula", () => {
-  const text = asCsv(["module", "text"], [["pick", 'a "b", c'], ["=1+1", "two\nlines"]]);
+  const text = asCsv(
+    ["module", "text"],
+    [
+      ["pick", 'a "b", c'],
+      ["=1+1", "two\nlines"],
+    ],
+  );
   expect(text).toBe('module,text\r\npick,"a ""b"", c"\r\n\'=1+1,"two\nlines"\r\n');
 });

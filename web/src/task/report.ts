@@ -22,10 +22,12 @@ export interface ReportWords {
 /** Writes a report as Markdown; what people named themselves cannot break it. */
 export function asMarkdown(job: Schema<"Job">, run: Run, skills: Skills, words: ReportWords): string {
   const parts = job.materials.map(
-    ({ element, label, origin, place }) => `- ${text(label || element)} (${text(element)}): ${text(origin)} → ${text(place || words.gone)}`,
+    ({ element, label, origin, place }) =>
+      `- ${text(label || element)} (${text(element)}): ${text(origin)} → ${text(place || words.gone)}`,
   );
-  const conditions = job.conditions.map(({ condition, reached, reason }) =>
-    `- [${reached ? "x" : " "}] ${text(condition)}: ${reached ? words.reached : words.notReached}${reason && ` – ${text(reason)}`}`,
+  const conditions = job.conditions.map(
+    ({ condition, reached, reason }) =>
+      `- [${reached ? "x" : " "}] ${text(condition)}: ${reached ? words.reached : words.notReached}${reason && ` – ${text(reason)}`}`,
   );
   const steps = run.steps.map((step, index) => {
     const took = step.end === null ? "" : ` (${span(step.end - step.start)})`;
@@ -38,7 +40,10 @@ export function asMarkdown(job: Schema<"Job">, run: Run, skills: Skills, words: 
     ...section(words.conditions, conditions),
     ...section(words.parts, parts),
     ...section(words.steps, steps),
-    ...section(words.reasons, job.reasons.map((reason) => `- ${text(reason)}`)),
+    ...section(
+      words.reasons,
+      job.reasons.map((reason) => `- ${text(reason)}`),
+    ),
     "",
   ].join("\n\n");
 }

@@ -1,5 +1,5 @@
 import type { Schema } from "../api/client";
-import { joined, readEntry, readRun, type TraceEntry } from "./trace";
+import { joined, readEntry, type Plan, readRun, type Run, type TraceEntry } from "./trace";
 import { finish, schedule } from "./schedule";
 import { layOut } from "./timelineLayout";
 
@@ -19,6 +19,11 @@ function plan(time: number, calls = [DRIVE, PICK]): TraceEntry {
 }
 function step(time: number, what: string, number: number, call: typeof DRIVE | typeof PICK): TraceEntry {
   return entry(time, what, { step: number, ...call, agent: Object.values(call.arguments)[0] });
+}
+function planOf(run: Run): Plan {
+  const plan = run.plans.at(-1);
+  if (plan === undefined) throw new Error("there is no plan");
+  return plan;
 }
 const GOOD = [entry(10, "begun"), plan(12), step(12, "started", 1, DRIVE), step(30, "ended", 1, DRIVE)];
 
@@ -50,13 +55,13 @@ test("what is written down and what is remembered are joined without doubles", (
 test("a step that failed and is done again is two attempts at the same step of the plan", () => {
   const retried = [step(30, "started", 2, PICK), step(35, "failed", 2, PICK), step(36, "started", 3, PICK)];
   const run = readRun([...GOOD, ...retried]);
-  const slots = schedule(run.plans[0]!, run.steps, SKILLS, 38);
+  const slots = schedule(planOf(run), run.steps, SKILLS, 38);
   expect(slots.map((slot) => [slot.done, slot.runs.map((one) => one.key)])).toEqual([
     [true, ["1.1"]],
     [false, ["1.2", "1.3"]],
   ]);
-  const arm = layOut(run, SKILLS, 38, false).lanes.find(({ agent }) => agent === "arm_1")!;
-  expect(arm.bars.filter(({ kind }) => kind === "actual").map(({ row, state }) => [row, state])).toEqual([
+  const arm = layOut(run, SKILLS, 38, false).lanes.find(({ agent }) => agent === "arm_1");
+  expect(arm?.bars.filter(({ kind }) => kind === "actual").map(({ row, state }) => [row, state])).toEqual([
     [1, "failed"],
     [2, "running"],
   ]);
@@ -64,8 +69,8 @@ test("a step that failed and is done again is two attempts at the same step of t
 
 test("the end is expected from what remains, not from when it should have been", () => {
   const run = readRun([entry(10, "begun"), plan(12), step(12, "started", 1, DRIVE)]);
-  expect(finish(schedule(run.plans[0]!, run.steps, SKILLS, 20))).toBe(12 + 20 + 6);
-  expect(finish(schedule(run.plans[0]!, run.steps, SKILLS, 100))).toBe(100 + 6); // it drives longer than planned
+  expect(finish(schedule(planOf(run), run.steps, SKILLS, 20))).toBe(12 + 20 + 6);
+  expect(finish(schedule(planOf(run), run.steps, SKILLS, 100))).toBe(100 + 6); // it drives longer than planned
 });
 
 test("of a plan that was given up only what was never begun stays, as old", () => {

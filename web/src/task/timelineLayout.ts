@@ -144,7 +144,11 @@ function lanes(placed: readonly Placed[]): Lane[] {
     const bars = placed.filter((one) => one.agent === agent).map(({ bar }) => bar);
     const attempts = Math.max(1, ...bars.filter(isWork).map((bar) => bar.attempt));
     const old = bars.some((bar) => bar.kind === "old");
-    return { agent, bars: bars.map((bar) => ({ ...bar, row: row(bar, attempts) })), rows: 1 + attempts + (old ? 1 : 0) };
+    return {
+      agent,
+      bars: bars.map((bar) => ({ ...bar, row: row(bar, attempts) })),
+      rows: 1 + attempts + (old ? 1 : 0),
+    };
   });
 }
 

@@ -33,6 +33,8 @@ export interface Step {
   number: number;
   skill: string;
   arguments: Record<string, string>;
+  /** All its parameters with what was inferred; only what it was given while it runs. */
+  inputs: Record<string, unknown>;
   agent: string;
   /** Run time [s]. */
   start: number;
@@ -129,6 +131,7 @@ function started(entry: TraceEntry, attempt: number, number: number): Step {
     number,
     skill: entry.skill,
     arguments: entry.arguments,
+    inputs: isRecord(entry.data.inputs) ? entry.data.inputs : entry.arguments,
     agent: entry.agent,
     start: entry.time,
     end: null,
@@ -145,6 +148,7 @@ function end(steps: Step[], entry: TraceEntry): void {
   step.end = entry.time;
   step.ended = entry.what as StepEnd;
   step.text = entry.text;
+  if (isRecord(entry.data.inputs)) step.inputs = entry.data.inputs;
   step.conditions = [...step.conditions, ...conditionRows(entry.data)];
   step.changes = [...step.changes, ...numbers(entry.data.changes)];
 }

@@ -68,14 +68,22 @@ export function taskTree(task: Task, skills: Skills, said: Said): { nodes: Graph
   const edges: GraphEdge[] = [];
   for (const step of task.others) {
     const state = stepState(step);
-    nodes.push({ id: `ran ${step.key}`, title: stepTitle(step, skills), state: { mood: STEP_MOODS[state], text: said.step(state) } });
+    nodes.push({
+      id: `ran ${step.key}`,
+      title: stepTitle(step, skills),
+      state: { mood: STEP_MOODS[state], text: said.step(state) },
+    });
     edges.push({ from: "task", to: `ran ${step.key}` });
   }
   for (const slot of task.slots) {
     const state = stepState(slot.runs.at(-1));
     const tries = slot.runs.length > 1 ? ` (${slot.runs.length}×)` : "";
     const text = said.step(state) + tries;
-    nodes.push({ id: `step ${slot.index}`, title: stepTitle(slot.step, skills), state: { mood: STEP_MOODS[state], text } });
+    nodes.push({
+      id: `step ${slot.index}`,
+      title: stepTitle(slot.step, skills),
+      state: { mood: STEP_MOODS[state], text },
+    });
     const before = reduced(slot, task.slots);
     if (before.length === 0) edges.push({ from: "task", to: `step ${slot.index}` });
     for (const other of before) edges.push({ from: `step ${other}`, to: `step ${slot.index}` });

@@ -45,7 +45,8 @@ const JOB_MOODS: Record<Schema<"StateName">, Mood> = {
 
 export function jobMood(job: Schema<"Job">): Mood {
   if (job.choices.length > 0) return "asking";
-  if (job.state.text === "Ended" && !isGood(job.outcome)) return job.outcome === "partially succeeded" ? "warning" : "bad";
+  if (job.state.text === "Ended" && !isGood(job.outcome))
+    return job.outcome === "partially succeeded" ? "warning" : "bad";
   return JOB_MOODS[job.state.text];
 }
 
@@ -53,7 +54,12 @@ function isGood(outcome: string | null): boolean {
   return outcome === "succeeded" || outcome === "goal already satisfied";
 }
 
-const TASK_MOODS: Record<string, Mood> = { planning: "running", running: "running", paused: "paused", waiting: "asking" };
+const TASK_MOODS: Record<string, Mood> = {
+  planning: "running",
+  running: "running",
+  paused: "paused",
+  waiting: "asking",
+};
 
 export function taskMood({ status, report }: Schema<"TaskInfo">): Mood {
   if (status !== "ended") return TASK_MOODS[status] ?? "waiting";

@@ -22,7 +22,7 @@ interface Props {
   onChange: (value: Arguments) => void;
   /** Planning parameters are inferred and not shown, unless somebody has a reason to look at them. */
   hidePlanning?: boolean;
-  /** More about a parameter, by key: what would be inferred, why it is still open. */
+  /** More about a parameter, by key: what would be inferred, why it is still open. It is not marked as required then. */
   notes?: Readonly<Record<string, string>>;
 }
 
@@ -70,7 +70,7 @@ function Field({ parameter, note, fault, value, onChange }: FieldProps) {
       help={note ? `${help} ${note}` : help}
       error={fault && faultText(t, fault)}
       placeholder={placeholderOf(parameter.default)}
-      required={kind === "online"}
+      required={kind === "online" && note === undefined}
       shape={shape}
       value={value}
       onChange={onChange}

@@ -15,6 +15,9 @@ export function ElementName({ id }: { id: string }) {
       component="button"
       type="button"
       inherit
+      c="inherit"
+      underline="always"
+      style={{ textDecorationStyle: "dotted", textUnderlineOffset: 3 }}
       onClick={() => choose(id)}
       onMouseEnter={() => hover(id)}
       onMouseLeave={() => hover(null)}

@@ -51,6 +51,13 @@ export function ElementPicker(props: Props) {
   const [asked] = useDebouncedValue(search === chosen ? "" : search.trim(), TYPING);
   const { candidates, isFetching } = useCandidates(class_, abstract, asked, opened);
   const kinds = new Map([...candidates.elements, ...candidates.described].map((one) => [one.value, one.kind]));
+  const titles = {
+    kinds: t("pick.kinds"),
+    here: t("pick.here"),
+    described: t("pick.described"),
+    more: t("pick.more"),
+  };
+  const data = grouped({ candidates, titles, any: (kind) => t("pick.any", { class: kind }) });
   return (
     <Group gap={2} align={inline ? "center" : "end"} wrap="nowrap" flex={inline ? undefined : 1}>
       <Select
@@ -60,7 +67,7 @@ export function ElementPicker(props: Props) {
         aria-label={label}
         description={description}
         placeholder={t("pick.choose")}
-        data={withValue(grouped(candidates, t), value, chosen)}
+        data={withValue(data, value, chosen)}
         value={value}
         onChange={onChange}
         searchable
@@ -106,14 +113,21 @@ function Offer({ option, kind }: { option: ComboboxItem; kind: string | undefine
   );
 }
 
-type Translate = ReturnType<typeof useTranslation>["t"];
+interface Offered {
+  candidates: Candidates;
+  /** What a group of candidates is called. */
+  titles: { kinds: string; here: string; described: string; more: string };
+  /** "any starter". */
+  any: (class_: string) => string;
+}
 
-function grouped({ classes, elements, described, more }: Candidates, t: Translate): ComboboxData {
-  const rest = more ? [{ value: "", label: t("pick.more"), disabled: true }] : [];
+function grouped({ candidates, titles, any }: Offered): ComboboxData {
+  const { classes, elements, described, more } = candidates;
+  const rest = more ? [{ value: "", label: titles.more, disabled: true }] : [];
   const groups = [
-    { group: t("pick.kinds"), items: classes.map((one) => ({ ...one, label: t("pick.any", { class: one.label }) })) },
-    { group: t("pick.here"), items: [...elements, ...rest] },
-    { group: t("pick.described"), items: described },
+    { group: titles.kinds, items: classes.map(({ value, label }) => ({ value, label: any(label) })) },
+    { group: titles.here, items: [...elements, ...rest] },
+    { group: titles.described, items: described },
   ].filter(({ items }) => items.length > 0);
   return groups.length > 1 ? groups : (groups[0]?.items ?? []);
 }

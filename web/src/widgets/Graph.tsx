@@ -12,7 +12,7 @@ import {
   ReactFlowProvider,
   useReactFlow,
 } from "@xyflow/react";
-import { useEffect, useMemo, useRef } from "react";
+import { useCallback, useEffect, useMemo, useRef } from "react";
 import classes from "./Graph.module.css";
 import { type Mood, Status } from "./Status";
 
@@ -67,8 +67,13 @@ function Drawn({ label, nodes, edges, direction = "down", chosen = null, onChoos
     const data = { node, chosen: node.id === chosen, direction };
     return { id: node.id, type: "box", position, data, width: WIDTH, height: HEIGHT, ariaLabel: said };
   });
-  const lines = edges.map(({ from, to }): Edge => ({ id: `${from} ${to}`, source: from, target: to, focusable: false }));
-  const touched = useFitted(shape);
+  const lines = edges.map(({ from, to }): Edge => ({
+    id: `${from} ${to}`,
+    source: from,
+    target: to,
+    focusable: false,
+  }));
+  const { moved, fitted } = useFitted(shape);
   return (
     <section aria-label={label} className={classes.graph}>
       <ReactFlow
@@ -85,14 +90,14 @@ function Drawn({ label, nodes, edges, direction = "down", chosen = null, onChoos
         maxZoom={1.5}
         proOptions={HIDDEN}
         onMoveStart={(event) => {
-          if (event !== null) touched.current = true; // somebody looks at some part of it
+          if (event !== null) moved();
         }}
         onNodeClick={(_, { id }) => onChoose?.(id)}
         onNodesChange={(changes) => {
           for (const change of changes) if (change.type === "select" && change.selected) onChoose?.(change.id);
         }}
       >
-        <Controls showInteractive={false} onFitView={() => (touched.current = false)} />
+        <Controls showInteractive={false} onFitView={fitted} />
       </ReactFlow>
     </section>
   );
@@ -107,7 +112,9 @@ function useFitted(shape: string) {
     const frame = requestAnimationFrame(() => void fitView({ padding: MARGIN, maxZoom: 1 }));
     return () => cancelAnimationFrame(frame);
   }, [shape, fitView]);
-  return touched;
+  const moved = useCallback(() => void (touched.current = true), []);
+  const fitted = useCallback(() => void (touched.current = false), []);
+  return { moved, fitted };
 }
 
 type Shape = [ids: string[], edges: GraphEdge[], direction: "down" | "right"];

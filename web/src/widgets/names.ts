@@ -17,8 +17,8 @@ export function localName(name: string): string {
 export function nameOf(id: string, label: string): string {
   const said = spelt(label);
   const meant = spelt(localName(id));
-  if (said === "" || said === meant.replace(/_\d+$/, "")) return id;
-  return said === meant ? label : `${label} (${id})`;
+  if (said === meant) return label;
+  return said === "" || said === meant.replace(/_\d+$/, "") ? id : `${label} (${id})`;
 }
 
 function spelt(text: string): string {

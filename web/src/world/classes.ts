@@ -1,8 +1,8 @@
 /** The classes of the ontology, by name. */
 
 import { useQuery } from "@tanstack/react-query";
-import { answer, api, type Schema } from "../api/client";
-import { keys } from "../api/keys";
+import type { Schema } from "../api/client";
+import { classTree } from "../widgets/names";
 
 type ClassNode = Schema<"ClassNode">;
 
@@ -17,6 +17,8 @@ export interface ClassInfo {
 }
 
 export type Classes = ReadonlyMap<string, ClassInfo>;
+
+export const EVERYTHING = "sk:Element";
 
 const NONE: Classes = new Map();
 
@@ -39,15 +41,6 @@ export function ancestors(classes: Classes, name: string): string[] {
 }
 
 export function useClasses(): Classes {
-  const { data } = useQuery({
-    queryKey: keys.ontology("classes"),
-    queryFn: () => answer(api.GET("/api/v1/ontology/classes")),
-    select: classesOf,
-  });
+  const { data } = useQuery({ ...classTree(EVERYTHING), select: classesOf });
   return data ?? NONE;
-}
-
-/** Returns a name of the ontology without its prefix. */
-export function localName(name: string): string {
-  return name.slice(name.indexOf(":") + 1);
 }

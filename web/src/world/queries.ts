@@ -4,20 +4,16 @@ import { useQuery } from "@tanstack/react-query";
 import { answer, answerWithTag, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 
-export type Details = Schema<"ElementDetails">;
+/** An element with the tag that a write based on it has to say. */
+export type Tagged = Awaited<ReturnType<typeof readElement>>;
+export type Details = Tagged["data"];
 export type Placement = Schema<"Placement">;
 export type RelationInfo = Schema<"RelationInfo">;
 export type PropertyInfo = Schema<"PropertyInfo">;
 
-/** An element with the tag that a write based on it has to say. */
-export interface Tagged {
-  data: Details;
-  tag: string;
-}
-
 const ALL = 1000;
 
-export function readElement(id: string): Promise<Tagged> {
+export function readElement(id: string) {
   return answerWithTag(api.GET("/api/v1/elements/{element}", { params: { path: { element: id } } }));
 }
 

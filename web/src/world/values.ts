@@ -1,6 +1,6 @@
 /** Values of properties: what kind they are of, and how they are written for people. */
 
-import { Euler, MathUtils, Quaternion } from "three";
+import { numbersOf } from "../scene3d/pose";
 
 export type ValueKind = "number" | "integer" | "boolean" | "pose" | "vector" | "json" | "class" | "text";
 
@@ -36,18 +36,6 @@ export function isPose(value: unknown): value is PoseValue {
   return typeof value === "object" && value !== null && "position" in value && "orientation" in value;
 }
 
-/** Returns roll, pitch and yaw about fixed axes [degrees] of a quaternion (x, y, z, w). */
-export function anglesOf(orientation: Four): Three {
-  const { x, y, z } = new Euler().setFromQuaternion(new Quaternion(...orientation), "ZYX");
-  return [x, y, z].map((angle) => round(MathUtils.radToDeg(angle), 4)) as Three;
-}
-
-/** Returns the quaternion (x, y, z, w) of roll, pitch and yaw about fixed axes [degrees]. */
-export function orientationOf([roll, pitch, yaw]: Three): Four {
-  const [x, y, z] = [roll, pitch, yaw].map(MathUtils.degToRad) as Three;
-  return new Quaternion().setFromEuler(new Euler(x, y, z, "ZYX")).toArray() as Four;
-}
-
 /** Writes a value in one line. */
 export function written(value: unknown, words: { yes: string; no: string; none: string }): string {
   if (value === null || value === undefined) return words.none;
@@ -59,11 +47,10 @@ export function written(value: unknown, words: { yes: string; no: string; none: 
   return String(value);
 }
 
-function poseText({ position, orientation, frame }: PoseValue): string {
-  const where = position.map((one) => round(one, 4)).join(", ");
-  const turned = anglesOf(orientation);
-  const turn = turned.some((angle) => angle !== 0) ? `; ${turned.map((angle) => round(angle, 2)).join(", ")}°` : "";
-  return `${where} m${turn}${frame ? ` @ ${frame}` : ""}`;
+function poseText(pose: PoseValue): string {
+  const { x, y, z, roll, pitch, yaw } = numbersOf(pose);
+  const turn = roll || pitch || yaw ? `; ${roll}, ${pitch}, ${yaw}°` : "";
+  return `${x}, ${y}, ${z} m${turn}${pose.frame ? ` @ ${pose.frame}` : ""}`;
 }
 
 function objectText(value: object): string {

@@ -14,7 +14,7 @@ def read_view(elements: Sequence[str] | None = None) -> Call[WorldView]:
     """Tells where everything is believed to be, and what it looks like.
 
     Args:
-        elements: Only these, with what moves or is gone with them, at most 500; everything where left out.
+        elements: Only these, with what moves or is gone with them, at most 100; everything where left out.
     """
     query = {"element": None if elements is None else list(elements)}
     return Call("GET", "/view", lambda r: WorldView.model_validate(r.json()), query=query)

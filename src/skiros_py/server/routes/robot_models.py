@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Response
 
-from skiros_py.errors import SkirosError, UnknownName
+from skiros_py.errors import Busy, SkirosError, UnknownName
 from skiros_py.server import robots
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import Problem, found
@@ -36,7 +36,8 @@ def get_robot_model(id: _Id, services: ServicesDep) -> Response:  # noqa: A002 -
     """Tells what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
 
     Files of meshes are named from the address of the model, are binary STL, and have few triangles. The description of
-    the robot says which joints stand where. The first time it may take some seconds.
+    the robot says which joints stand where. The first time it may take some seconds; 503 says
+    when to ask again.
     """
     return Response(_model(services, id).urdf, media_type="application/xml")
 
@@ -62,5 +63,7 @@ def _model(services: Services, id_: str) -> DrawnModel:
         robot = robots.robot_of(services.session, id_)
     try:
         return services.robot_models.get(robot.model)
+    except Busy:
+        raise
     except SkirosError as error:  # cells of plug-ins may have robots of their own
         raise Problem(404, "NoModel", f"nobody knows what {id_} looks like: {error}") from None

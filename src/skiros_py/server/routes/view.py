@@ -35,7 +35,7 @@ def read_view(
     element: Annotated[
         list[_Id] | None,
         Query(
-            max_length=500,
+            max_length=100,
             description="Only these elements, with what moves or is gone with them; everything where left out.",
             examples=[["kit_1"]],
         ),

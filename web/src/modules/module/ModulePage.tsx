@@ -3,11 +3,12 @@ import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowLeft } from "@tabler/icons-react";
 import { useMemo } from "react";
 import { useTranslation } from "react-i18next";
-import { argumentFaults, ArgumentsForm } from "../../widgets/ArgumentsForm";
+import { argumentFaults, type Arguments, ArgumentsForm } from "../../widgets/ArgumentsForm";
 import { useDraft } from "../drafts";
 import classes from "../modules.module.css";
 import type { View } from "../places";
 import { type Summary, useModule, usePanel } from "../queries";
+import { shown } from "../runs/changes";
 import { RunsOf } from "../runs/RunsOf";
 import { ConditionPanel } from "./ConditionPanel";
 import { Description } from "./Description";
@@ -32,7 +33,7 @@ export function ModulePage({ module, agent, choose, back, show }: Props) {
   const parameters = useMemo(() => details?.parameters ?? [], [details]);
   const sound = Object.keys(argumentFaults(parameters, draft.values)).length === 0;
   const panel = usePanel(agent, module.name, asked);
-  const notes = useNotes(panel.data);
+  const notes = useNotes(panel.data, asked);
   return (
     <Stack gap="sm">
       <Heading module={module} agent={agent} choose={choose} back={back} />
@@ -55,16 +56,19 @@ export function ModulePage({ module, agent, choose, back, show }: Props) {
 }
 
 /** Says below each field what would be inferred for it, or why it stays open. */
-function useNotes(panel: ReturnType<typeof usePanel>["data"]): Record<string, string> {
+function useNotes(panel: ReturnType<typeof usePanel>["data"], given: Arguments): Record<string, string> {
   const { t } = useTranslation("modules");
   return useMemo(() => {
-    const inferred = Object.entries(panel?.inferred ?? {}).map(([key, why]) => [
-      key,
-      t("panel.inferredAs", { value: String(panel?.arguments[key]), why }),
-    ]);
-    const open = Object.entries(panel?.missing ?? {}).map(([key, why]) => [key, t("panel.open", { why })]);
-    return Object.fromEntries([...inferred, ...open]) as Record<string, string>;
-  }, [panel, t]);
+    const notes: Record<string, string> = {};
+    for (const [key, value] of Object.entries(panel?.arguments ?? {})) {
+      if (value !== null && !(key in given)) notes[key] = t("panel.taken", { value: shown(value) });
+    }
+    for (const [key, why] of Object.entries(panel?.inferred ?? {})) {
+      notes[key] = t("panel.inferredAs", { value: shown(panel?.arguments[key]), why });
+    }
+    for (const [key, why] of Object.entries(panel?.missing ?? {})) notes[key] = t("panel.open", { why });
+    return notes;
+  }, [panel, given, t]);
 }
 
 function Heading({ module, agent, choose, back }: Omit<Props, "show">) {

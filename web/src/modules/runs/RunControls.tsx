@@ -24,9 +24,7 @@ export function RunControls({ run }: { run: Run }) {
   const { t } = useTranslation("modules");
   const command = useMutation({
     mutationFn: (verb: Command) =>
-      answer(
-        api.POST("/api/v1/module-runs/{id}/{command}", { params: { path: { id: run.id, command: verb } } }),
-      ),
+      answer(api.POST("/api/v1/module-runs/{id}/{command}", { params: { path: { id: run.id, command: verb } } })),
     onSuccess: () => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),
     onError: notifyProblem,
   });

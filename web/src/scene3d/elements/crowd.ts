@@ -3,7 +3,7 @@
 import { type Color, Group, Matrix4 } from "three";
 import { frameInMap } from "../frames";
 import { type Item, layout } from "../layout";
-import { type Shape, shapeOf } from "../shapes";
+import { type Shape, shapeIn } from "../shapes";
 import type { View, ViewElement } from "../view";
 import { Batch, type Look } from "./Batch";
 
@@ -27,7 +27,7 @@ class Crowd {
   show(view: View, hidden: (element: ViewElement) => boolean): void {
     this.shapes = view.shapes;
     const items = layout(view, (element) => this.shape(element)?.bounds ?? null);
-    const visible = [...items.values()].filter((item) => isMatter(item.element) && !hidden(item.element));
+    const visible = [...items.values()].filter((item) => !hidden(item.element));
     this.makeRoom(visible);
     this.drawn = new Map([...items].map(([id, item]) => [id, { item, batch: null, number: 0 }]));
     for (const item of visible) this.enlist(item);
@@ -79,8 +79,7 @@ class Crowd {
   }
 
   private shape(element: ViewElement): Shape | null {
-    if (element.shape === null) return isMatter(element) ? shapeOf("") : null;
-    return shapeOf(element.shape, this.shapes[element.shape]);
+    return shapeIn(this.shapes, element);
   }
 
   private makeRoom(visible: readonly Item[]): void {
@@ -121,11 +120,6 @@ class Crowd {
     if (batch === null || !frameInMap(item.frame, frame)) return;
     batch.move(number, pose.multiplyMatrices(frame, item.matrix));
   }
-}
-
-/** Whether an element has a picture of its own: robots have a model, and their devices are in that. */
-function isMatter({ kind, shape }: ViewElement): boolean {
-  return kind !== "robot" && (shape !== null || kind !== "device");
 }
 
 function lookOf({ element, sure }: Item): Look {

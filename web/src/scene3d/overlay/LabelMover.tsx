@@ -1,23 +1,30 @@
 import { useFrame } from "@react-three/fiber";
 import { type Camera, Vector3 } from "three";
-import { onPicture, pointOf, type Spot } from "../pointing";
-import { labelNodes } from "./labelNodes";
+import { onPicture, type Spot } from "../pointing";
+import { turnCompass } from "./compassAxes";
+import { labelNodes, type Whereabouts } from "./labelNodes";
 
 const point = new Vector3();
 const LINE = 20; // px
 const taken: { x: number; y: number; half: number }[] = [];
 
-/** Moves the labels to where their elements are drawn; those that would cover others go above them. */
+/** Turns the compass, and moves the labels to where their elements are drawn; those that would cover others go above them. */
 export function LabelMover() {
   useFrame(({ camera, size }) => {
+    turnCompass(camera);
     taken.length = 0;
-    for (const [id, node] of labelNodes) move(id, node, camera, size);
+    for (const [node, where] of labelNodes) move(node, where, camera, size);
   });
   return null;
 }
 
-function move(id: string, node: HTMLElement, camera: Camera, { width, height }: { width: number; height: number }) {
-  const spot = pointOf(id, "top", point) ? onPicture(point, camera, width, height) : null;
+function move(
+  node: HTMLElement,
+  where: Whereabouts,
+  camera: Camera,
+  { width, height }: { width: number; height: number },
+) {
+  const spot = where(point) ? onPicture(point, camera, width, height) : null;
   const there = spot !== null && spot.x > 0 && spot.x < width && spot.y > 0 && spot.y < height;
   const visibility = there ? "visible" : "hidden";
   if (node.style.visibility !== visibility) node.style.visibility = visibility;

@@ -1,10 +1,14 @@
-import { useMemo } from "react";
+import { useEffect, useMemo } from "react";
 import { useTranslation } from "react-i18next";
+import type { Vector3 } from "three";
 import { useSelection } from "../../selection/selection";
 import { useLayers } from "../layers";
+import { pointOf } from "../pointing";
+import { wake } from "../ticker";
 import { useShownView } from "../useShownView";
 import type { View, ViewElement } from "../view";
-import { labelNodes } from "./labelNodes";
+import { type FloatingLabel, useFloating } from "./floating";
+import { hold } from "./labelNodes";
 import classes from "./Labels.module.css";
 
 const MOST = 40; // labels, of what is not selected
@@ -18,11 +22,14 @@ export function Labels() {
   const named = useMemo(() => (view !== null && shown ? worthALabel(view) : []), [view, shown]);
   const ids = [...new Set([selected, hovered, ...named])];
   const elements = ids.flatMap((id) => view?.elements.get(id ?? "") ?? []);
+  const seen = useFloating((state) => state.labels);
+  useEffect(() => wake()); // new ones have to be put in their places
   return (
     <div className={classes.labels} aria-hidden>
       {elements.map((element) => (
         <Label key={element.id} element={element} strong={element.id === selected} />
       ))}
+      {shown && seen.map((label) => <SeenLabel key={label.key} label={label} />)}
     </div>
   );
 }
@@ -39,7 +46,11 @@ function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
   const { id, label, pose, place, held_by } = element;
   const unsure = pose === null && place !== null && held_by === null;
   return (
-    <div ref={(node) => hold(id, node)} className={classes.label} data-strong={strong || undefined}>
+    <div
+      ref={(node) => hold(node, (into) => pointOf(id, "top", into))}
+      className={classes.label}
+      data-strong={strong || undefined}
+    >
       <span>
         {label === id || label === "" ? id : label}
         {strong && label !== id && <small> {id}</small>}
@@ -49,9 +60,12 @@ function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
   );
 }
 
-function hold(id: string, node: HTMLElement | null): () => void {
-  if (node !== null) labelNodes.set(id, node);
-  return () => {
-    if (labelNodes.get(id) === node) labelNodes.delete(id);
-  };
+function SeenLabel({ label }: { label: FloatingLabel }) {
+  const { t } = useTranslation("scene3d");
+  const where = (into: Vector3) => into.copy(label.point) === into;
+  return (
+    <div ref={(node) => hold(node, where)} className={classes.label} data-seen>
+      <span>{label.type === null ? t("seenUnknown") : label.type.replace(/^.*:/, "")}</span>
+    </div>
+  );
 }

@@ -1,3 +1,15 @@
-/** The labels of the picture, by the ids of the elements that they are for; they are moved once a frame. */
+/** The labels of the picture, and where in the map each of them is; they are moved once a frame. */
 
-export const labelNodes = new Map<string, HTMLElement>();
+import type { Vector3 } from "three";
+
+/** Writes where a label belongs; false for nowhere. */
+export type Whereabouts = (into: Vector3) => boolean;
+
+export const labelNodes = new Map<HTMLElement, Whereabouts>();
+
+/** Keeps a label where it belongs; returns how to end that. */
+export function hold(node: HTMLElement | null, where: Whereabouts): () => void {
+  if (node === null) return () => undefined;
+  labelNodes.set(node, where);
+  return () => void labelNodes.delete(node);
+}

@@ -5,7 +5,7 @@ import { ExtrudeGeometry, type Group, Shape, Vector2 } from "three";
 import { useSelection } from "../../selection/selection";
 import { devices } from "../devices";
 import type { Palette } from "../palette";
-import type { RobotInfo } from "./Robot";
+import type { RobotInfo } from "./useRobots";
 
 const HEIGHT = 0.35; // m, of a robot of which only the outline is known
 const MARGIN = 1.2;

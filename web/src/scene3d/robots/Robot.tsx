@@ -2,7 +2,6 @@ import { useFrame } from "@react-three/fiber";
 import { useQuery } from "@tanstack/react-query";
 import { useEffect } from "react";
 import type { URDFRobot } from "urdf-loader";
-import type { Schema } from "../../api/client";
 import { devices } from "../devices";
 import { bearTool } from "../frames";
 import type { Palette } from "../palette";
@@ -10,8 +9,7 @@ import { wake } from "../ticker";
 import { Footprint } from "./Footprint";
 import { disposeModel, loadModel } from "./model";
 import { baseOf, models } from "./models";
-
-export type RobotInfo = Schema<"RobotInfo">;
+import type { RobotInfo } from "./useRobots";
 
 /** A robot as its model draws it, moving live; its outline where nobody knows a model. */
 export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }) {

@@ -8,8 +8,8 @@ import { type Arguments, count, inputKind, type InputKind, type Shape, withArgum
 
 export interface InputProps {
   label: string;
-  help?: ReactNode;
-  error?: string;
+  help?: string | undefined;
+  error?: string | undefined;
   /** What it is where nothing is said. */
   placeholder?: string;
   required?: boolean;
@@ -43,19 +43,15 @@ export function Input(props: InputProps) {
 
 function ElementInput({ label, help, error, required, shape, value, onChange }: InputProps) {
   return (
-    <Stack gap={2}>
-      <ElementPicker
-        label={label}
-        class_={String(shape.schema.class)}
-        value={typeof value === "string" ? value : null}
-        onChange={(id) => onChange(id ?? undefined)}
-        required={required}
-        error={error}
-      />
-      <Text size="xs" c="dimmed" component="div">
-        {help}
-      </Text>
-    </Stack>
+    <ElementPicker
+      label={label}
+      description={help}
+      class_={String(shape.schema.class)}
+      value={typeof value === "string" ? value : null}
+      onChange={(id) => onChange(id ?? undefined)}
+      required={required}
+      error={error}
+    />
   );
 }
 
@@ -214,7 +210,7 @@ function Numbers({ label, help, error, shape, value, onChange, names }: InputPro
   );
 }
 
-function Below({ help, error }: { help: ReactNode; error: string | undefined }) {
+function Below({ help, error }: Pick<InputProps, "help" | "error">) {
   return (
     <>
       <Text size="xs" c="dimmed" component="div" mt={4}>

@@ -19,7 +19,7 @@ interface Props {
 
 /** Adds an element below another: of a class that may be put there, or a copy. */
 export function AddElement({ parent, like, onClose }: Props) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const adding = useAdding(parent, like, onClose);
   const title = like ? t("add.copyOf", { label: like.label }) : t("add.title");
   const submit = (event: SyntheticEvent) => {
@@ -55,7 +55,7 @@ export function AddElement({ parent, like, onClose }: Props) {
 }
 
 function WhatPicker({ parent, adding }: { parent: Details | null; adding: Adding }) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const options = useOptions(parent);
   const groups = useMemo(
     () => [
@@ -80,7 +80,7 @@ function WhatPicker({ parent, adding }: { parent: Details | null; adding: Adding
 }
 
 function Fields({ adding, class_, copy }: { adding: Adding; class_: string; copy: boolean }) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const { draft, setDraft, errors } = adding;
   return (
     <>

@@ -16,7 +16,7 @@ interface Props {
 
 /** Asks before an element is removed; says what goes with it, and what stays. */
 export function RemoveElement({ tagged: { data, tag }, onClose }: Props) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const remove = useWrite(
     () =>
       answer(
@@ -45,7 +45,7 @@ export function RemoveElement({ tagged: { data, tag }, onClose }: Props) {
 }
 
 function Hanging({ element, place }: { element: string; place: string | null }) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const { data } = useQuery({
     queryKey: keys.world("hanging", element),
     queryFn: () => answer(api.GET("/api/v1/tree", { params: { query: { root: element, depth: 20, limit: 200 } } })),

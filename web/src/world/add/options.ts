@@ -9,9 +9,9 @@ interface Option {
 }
 
 export interface Options {
-  classes: readonly Option[];
+  classes: Option[];
   /** Abstract individuals, which are copied with their pieces. */
-  copies: readonly Option[];
+  copies: Option[];
   /** The class of what was chosen. */
   classOf: (value: string | null) => string | null;
 }

@@ -3,6 +3,7 @@ import { IconPencil, IconRobot, IconServer, type TablerIcon } from "@tabler/icon
 import type { InfiniteData, UseInfiniteQueryResult } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../../api/client";
+import { Moment } from "../../widgets/Moment";
 import { problemText } from "../../widgets/problems";
 import { editLine, isAbout } from "../edits";
 import type { Edit } from "../tree/concerned";
@@ -51,10 +52,9 @@ function WriterIcon({ writer }: { writer: string }) {
 }
 
 function One({ change, about }: { change: Change; about: string | undefined }) {
-  const { t, i18n } = useTranslation("world");
+  const { t } = useTranslation("world");
   const words = useWords();
   const edits = (change.edits as unknown as Edit[]).filter((edit) => about === undefined || isAbout(edit, about));
-  const when = change.written ? new Date(change.written).toLocaleString(i18n.language) : `${change.time.toFixed(1)} s`;
   return (
     <Stack gap={2}>
       <Group gap={6}>
@@ -65,7 +65,7 @@ function One({ change, about }: { change: Change; about: string | undefined }) {
         <UndoButton only={change.number} />
       </Group>
       <Text size="xs" c="dimmed">
-        {t("changes.by", { number: change.number, author: change.author, when })}
+        {t("changes.by", change)} · {change.written ? <Moment at={change.written} /> : `${change.time.toFixed(1)} s`}
       </Text>
       <List size="xs" listStyleType="none" withPadding={false}>
         {edits.slice(0, FEW).map((edit, index) => (

@@ -1,12 +1,12 @@
 import { ActionIcon, Group, Stack, Table, Text, Tooltip } from "@mantine/core";
 import { IconX } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
+import { ElementName } from "../../widgets/ElementName";
 import type { Schema } from "../../api/client";
 import { useMay } from "../../api/session";
 import { AddRelation } from "../edit/AddRelation";
 import { transact } from "../edit/transact";
 import { useWrite } from "../edit/useWrite";
-import { ElementLink } from "../ElementLink";
 import type { Tagged } from "../queries";
 
 type Relation = Schema<"Relation">;
@@ -44,7 +44,7 @@ function keyOf({ subject, relation, object }: Relation): string {
 }
 
 function Row({ relation, tagged, may }: { relation: Relation; tagged: Tagged; may: boolean }) {
-  const end = (id: string) => (id === tagged.data.id ? <Text size="sm">{id}</Text> : <ElementLink id={id} />);
+  const end = (id: string) => (id === tagged.data.id ? <Text size="sm">{id}</Text> : <ElementName id={id} />);
   return (
     <Table.Tr>
       <Table.Td>{end(relation.subject)}</Table.Td>

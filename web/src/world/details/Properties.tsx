@@ -1,8 +1,8 @@
 import { Badge, Group, Table, Text, Tooltip } from "@mantine/core";
 import { IconBooks, IconSchool, IconUser, type TablerIcon } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
+import { ElementName } from "../../widgets/ElementName";
 import type { Schema } from "../../api/client";
-import { ElementLink } from "../ElementLink";
 import { type Details, type PropertyInfo, useClass } from "../queries";
 import { useWords } from "../useWords";
 import { written } from "../values";
@@ -103,7 +103,7 @@ function OriginMark({ property: { origin, taught_by } }: { property: Property })
           {t(`properties.originName.${origin}`)}
         </Badge>
       </Tooltip>
-      {taught_by && <ElementLink id={taught_by} label={t("properties.taughtBy")} />}
+      {taught_by && <ElementName id={taught_by} />}
     </Group>
   );
 }

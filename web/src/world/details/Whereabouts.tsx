@@ -1,6 +1,6 @@
 import { DataList, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
-import { ElementLink } from "../ElementLink";
+import { ElementName } from "../../widgets/ElementName";
 import type { Details } from "../queries";
 import { useWords } from "../useWords";
 import { written } from "../values";
@@ -19,7 +19,7 @@ export function Whereabouts({ element }: { element: Details }) {
             <Text size="sm" span mr={6}>
               {placement.relation}
             </Text>
-            <ElementLink id={placement.place} />
+            <ElementName id={placement.place} />
           </DataList.ItemValue>
         </DataList.Item>
       )}
@@ -27,7 +27,7 @@ export function Whereabouts({ element }: { element: Details }) {
         <DataList.Item>
           <DataList.ItemLabel>{t("where.owner")}</DataList.ItemLabel>
           <DataList.ItemValue>
-            <ElementLink id={owner} />
+            <ElementName id={owner} />
           </DataList.ItemValue>
         </DataList.Item>
       )}

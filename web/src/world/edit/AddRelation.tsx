@@ -13,7 +13,7 @@ type Direction = "from" | "to";
 
 /** States a relation of an element to another: those that the ontology allows it, in either direction. */
 export function AddRelation({ tagged }: { tagged: Tagged }) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const [open, setOpen] = useState(false);
   if (!open) {
     return (
@@ -28,7 +28,7 @@ export function AddRelation({ tagged }: { tagged: Tagged }) {
 }
 
 function NewRelation({ tagged, onDone }: { tagged: Tagged; onDone: () => void }) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const [direction, setDirection] = useState<Direction>("from");
   const [name, setName] = useState<string | null>(null);
   const [other, setOther] = useState<string | null>(null);

@@ -1,6 +1,6 @@
 import { Alert, Button, Fieldset, Group, Stack, TextInput } from "@mantine/core";
 import { IconLock } from "@tabler/icons-react";
-import { type SyntheticEvent, useState } from "react";
+import type { SyntheticEvent } from "react";
 import { useTranslation } from "react-i18next";
 import { MayButton } from "../../widgets/MayButton";
 import { useLock } from "../locks/locks";
@@ -18,7 +18,7 @@ interface Props {
 
 /** Edits an element; others cannot meanwhile, and what they wrote before is shown, never overwritten. */
 export function EditForm({ tagged, onDone }: Props) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const editing = useEditing(tagged, onDone);
   const locked = useLock(tagged.data.id);
   const submit = (event: SyntheticEvent) => {
@@ -56,7 +56,7 @@ export function EditForm({ tagged, onDone }: Props) {
 }
 
 function Fields({ tagged, editing }: { tagged: Tagged; editing: Editing }) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const { draft, setDraft, errors } = editing;
   const { id, class: class_, placement, abstract } = tagged.data;
   return (

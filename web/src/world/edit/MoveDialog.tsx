@@ -5,7 +5,7 @@ import type { Move } from "./useMove";
 
 /** Asks how something shall be put where it was dropped, or says why it cannot be. */
 export function MoveDialog({ move }: { move: Move }) {
-  const { t } = useTranslation("world");
+  const { t } = useTranslation(["world", "common"]);
   const { question, close, put } = move;
   if (question === null) return null;
   const { element, place, fits } = question;

@@ -1,8 +1,10 @@
-import { Fieldset, Group, NumberInput, Text } from "@mantine/core";
+import { Fieldset, Group, Text } from "@mantine/core";
 import { type ReactNode, useState } from "react";
 import { useTranslation } from "react-i18next";
+import { numbersOf, type PoseNumbers, poseFrom } from "../../scene3d/pose";
+import { NumberField } from "../../widgets/arguments/NumberField";
 import { ElementPicker } from "../../widgets/ElementPicker";
-import { anglesOf, orientationOf, type PoseValue } from "../values";
+import type { PoseValue } from "../values";
 
 interface Props {
   label: string;
@@ -14,21 +16,19 @@ interface Props {
   framed: boolean;
 }
 
-const AXES = ["x", "y", "z"] as const;
+const LENGTHS = ["x", "y", "z"] as const;
 const ANGLES = ["roll", "pitch", "yaw"] as const;
 
 /** Takes a pose in metres and degrees. */
 export function PoseInput({ label, description, error, value, onChange, framed }: Props) {
   const { t } = useTranslation("world");
   // Kept as they are typed: a quaternion does not tell which of several angles was meant.
-  const [angles, setAngles] = useState(() => anglesOf(value.orientation));
-  const turn = (index: number, degrees: number) => {
-    const next = angles.with(index, degrees) as typeof angles;
-    setAngles(next);
-    onChange({ ...value, orientation: orientationOf(next) });
+  const [numbers, setNumbers] = useState(() => numbersOf(value));
+  const take = (change: Partial<PoseNumbers>) => {
+    const next = { ...numbers, ...change };
+    setNumbers(next);
+    onChange({ ...value, ...poseFrom(next) });
   };
-  const shift = (index: number, metres: number) =>
-    onChange({ ...value, position: value.position.with(index, metres) as PoseValue["position"] });
   return (
     <Fieldset legend={label} p="xs">
       {description && (
@@ -36,14 +36,15 @@ export function PoseInput({ label, description, error, value, onChange, framed }
           {description}
         </Text>
       )}
-      <Numbers names={AXES} label={label} values={value.position} unit="m" step={0.01} onChange={shift} />
-      <Numbers names={ANGLES} label={label} values={angles} unit="°" step={5} onChange={turn} />
+      <Numbers names={LENGTHS} label={label} numbers={numbers} unit="m" step={0.01} onChange={take} />
+      <Numbers names={ANGLES} label={label} numbers={numbers} unit="°" step={5} onChange={take} />
       {framed && (
         <ElementPicker
           label={t("value.frame")}
           class_="sk:SpatialThing"
           value={value.frame ?? null}
           onChange={(frame) => onChange({ ...value, frame })}
+          description={t("value.frameHelp")}
         />
       )}
       {error && (
@@ -56,29 +57,28 @@ export function PoseInput({ label, description, error, value, onChange, framed }
 }
 
 interface NumbersProps {
-  names: typeof AXES | typeof ANGLES;
+  names: readonly (keyof PoseNumbers)[];
   label: string;
-  values: readonly number[];
+  numbers: PoseNumbers;
   unit: string;
   step: number;
-  onChange: (index: number, value: number) => void;
+  onChange: (change: Partial<PoseNumbers>) => void;
 }
 
-function Numbers({ names, label, values, unit, step, onChange }: NumbersProps) {
+function Numbers({ names, label, numbers, unit, step, onChange }: NumbersProps) {
   const { t } = useTranslation("world");
   return (
     <Group gap={6} grow wrap="nowrap">
-      {names.map((name, index) => (
-        <NumberInput
+      {names.map((name) => (
+        <NumberField
           key={name}
           label={t(`value.${name}`)}
           aria-label={`${label}: ${t(`value.${name}`)}`}
           suffix={` ${unit}`}
           step={step}
-          decimalScale={4}
           hideControls
-          value={values[index]}
-          onChange={(value) => typeof value === "number" && onChange(index, value)}
+          value={numbers[name]}
+          onChange={(number) => number !== undefined && onChange({ [name]: number })}
         />
       ))}
     </Group>

@@ -1,9 +1,10 @@
-import { NumberInput, Select, Textarea, TextInput } from "@mantine/core";
+import { Select, Textarea, TextInput } from "@mantine/core";
 import { type ReactNode, useState } from "react";
 import { useTranslation } from "react-i18next";
+import { NumberField } from "../../widgets/arguments/NumberField";
 import { useClasses } from "../classes";
 import type { PropertyInfo } from "../queries";
-import { isPose, kindOf, vectorOf } from "../values";
+import { isPose, kindOf, type PoseValue, vectorOf } from "../values";
 import { PoseInput } from "./PoseInput";
 
 export interface ValueInputProps {
@@ -39,10 +40,10 @@ function useCommon({ info, error }: ValueInputProps) {
 function NumberValue(props: ValueInputProps) {
   const { info, value, onChange } = props;
   return (
-    <NumberInput
+    <NumberField
       {...useCommon(props)}
-      value={value as number | string}
-      onChange={onChange}
+      value={typeof value === "number" ? value : undefined}
+      onChange={(number) => onChange(number ?? "")}
       allowDecimal={kindOf(info.datatype) === "number"}
       suffix={info.unit ? ` ${info.unit}` : undefined}
     />
@@ -66,7 +67,7 @@ function YesNo(props: ValueInputProps) {
   );
 }
 
-const NOWHERE = { position: [0, 0, 0] as [number, number, number], orientation: [0, 0, 0, 1] as [number, number, number, number] };
+const NOWHERE: PoseValue = { position: [0, 0, 0], orientation: [0, 0, 0, 1] };
 
 function PoseValueInput(props: ValueInputProps) {
   const { info, value, onChange } = props;

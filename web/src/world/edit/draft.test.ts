@@ -20,7 +20,7 @@ test("only what became another is written", () => {
 });
 
 test("an own value that is gone is taken away with null", () => {
-  expect(patchOf(before, without(before, "sk:mass"), "")).toEqual({ properties: { "sk:mass": null } });
+  expect(patchOf(before, without(before, "sk:mass"), "")).toEqual({ properties: { "sk:mass": null }, reason: "" });
 });
 
 test("a pose without a frame is one in the map, not in the frame that it had", () => {
@@ -31,7 +31,7 @@ test("a pose without a frame is one in the map, not in the frame that it had", (
 
 test("a pose whose frame is not said and one whose frame is the map are the same", () => {
   const pose = { position: [1, 2, 3], orientation: [0, 0, 0, 1] };
-  expect(patchOf({ "sk:pose": pose }, { "sk:pose": { ...pose, frame: null } }, "")).toEqual({});
+  expect(patchOf({ "sk:pose": pose }, { "sk:pose": { ...pose, frame: null } }, "")).toEqual({ reason: "" });
 });
 
 test("both changed one field to different things: that is a clash; a field of one of us is none", () => {

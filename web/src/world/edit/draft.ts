@@ -5,6 +5,7 @@ import type { Details, Placement } from "../queries";
 import { isPose } from "../values";
 
 type Patch = Schema<"ElementPatch">;
+type GivenValue = NonNullable<Patch["properties"]>[string];
 
 export const LABEL = "rdfs:label";
 export const PLACEMENT = "sk:placement";
@@ -40,16 +41,16 @@ export function patchOf(before: Draft, after: Draft, reason: string): Patch {
     ...(fields.includes(LABEL) && { label: String(after[LABEL]) }),
     ...(fields.includes(PLACEMENT) && { placement: after[PLACEMENT] as Placement | null }),
     ...(properties.length > 0 && { properties: Object.fromEntries(properties.map((name) => [name, given(name, after[name])])) }),
-    ...(reason && { reason }),
+    reason,
   };
 }
 
 /** Returns a value as the server takes it: null takes the own one away. */
-export function given(name: string, value: unknown): Schema<"ElementPatch">["properties"][string] {
+export function given(name: string, value: unknown): GivenValue {
   if (value === undefined || value === "") return null;
   // Without a frame it would stay the one that it is in, and none is the map here.
   const told = name === POSE && isPose(value) ? { ...value, frame: value.frame ?? null } : value;
-  return told as Schema<"ElementPatch">["properties"][string];
+  return told as GivenValue;
 }
 
 /** A field that I or others changed since I began. */

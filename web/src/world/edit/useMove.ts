@@ -51,7 +51,7 @@ function place({ element, place: where }: Question, relation: string) {
   return answer(
     api.PATCH("/api/v1/elements/{element}", {
       params: { path: { element: element.data.id }, header: { "if-match": element.tag } },
-      body: { placement: { relation, place: where } },
+      body: { placement: { relation, place: where }, reason: "" },
     }),
   );
 }

@@ -10,7 +10,7 @@ export function useWrite<Input = void, Output = unknown>(
   return useMutation({
     mutationFn: write,
     onSuccess: (output) => {
-      void client.invalidateQueries({ queryKey: ["world"] });
+      for (const word of ["world", "scenes"]) void client.invalidateQueries({ queryKey: [word] });
       then?.(output);
     },
     onError: notifyProblem,

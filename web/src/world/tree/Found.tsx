@@ -5,8 +5,8 @@ import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useSelection } from "../../selection/selection";
-import { localName, useClasses } from "../classes";
-import { iconOf } from "../kinds";
+import { localName, nameOf } from "../../widgets/names";
+import { KindIcon } from "../kinds";
 import classes from "./SceneTree.module.css";
 import type { Search } from "./TreeSearch";
 import { type TreeSource, VirtualTree } from "./VirtualTree";
@@ -45,14 +45,14 @@ export function Found({ search }: { search: Search }) {
   );
 }
 
-const NONE: readonly string[] = [];
+const NONE: string[] = [];
 const ignore = () => undefined;
 
 function flat(items: ReadonlyMap<string, Summary>): TreeSource {
   const ids = [...items.keys()];
   return {
     children: (id) => (id === "" ? ids : []),
-    name: (id) => items.get(id)?.label ?? id,
+    name: (id) => nameOf(id, items.get(id)?.label ?? id),
     folder: () => false,
   };
 }
@@ -71,12 +71,10 @@ function useFound({ text, class_ }: Search) {
 }
 
 function Hit({ item }: { item: Summary | undefined }) {
-  const ontology = useClasses();
   if (item === undefined) return null;
-  const Icon = iconOf(ontology, item.class);
   return (
     <>
-      <Icon size={15} aria-hidden className={classes.icon} />
+      <KindIcon class_={item.class} />
       <Text span size="sm" truncate>
         {item.label}
       </Text>

@@ -3,8 +3,8 @@ import { useEffect, useMemo } from "react";
 import { useTranslation } from "react-i18next";
 import { useSelection } from "../../selection/selection";
 import { notifyProblem } from "../../widgets/problems";
-import { type Classes, localName, useClasses } from "../classes";
-import { iconOf } from "../kinds";
+import { localName, nameOf } from "../../widgets/names";
+import { KindIcon } from "../kinds";
 import { type Branches, followTree, type Node, reveal, setOpen, useBranches } from "./branches";
 import classes from "./SceneTree.module.css";
 import { TOP } from "./top";
@@ -18,7 +18,6 @@ export function SceneTree({ onMove }: { onMove?: (element: string, place: string
   const selected = useSelection((selection) => selection.selected);
   const choose = useSelection((selection) => selection.choose);
   const hover = useSelection((selection) => selection.hover);
-  const ontology = useClasses();
   const grown = useMemo(() => grow(branches), [branches]);
   useEffect(followTree, []);
   useRevealed(selected, grown.nodes);
@@ -32,7 +31,7 @@ export function SceneTree({ onMove }: { onMove?: (element: string, place: string
       onChoose={choose}
       onHover={hover}
       onDrop={onMove}
-      row={(id) => <Label node={grown.nodes.get(id)} classes={ontology} />}
+      row={(id) => <Label node={grown.nodes.get(id)} />}
     />
   );
 }
@@ -63,21 +62,16 @@ function grow(branches: Branches): Grown {
   return {
     nodes,
     children: (id) => children.get(id) ?? [],
-    name: (id) => nameOf(nodes.get(id), id),
+    name: (id) => nameOf(id, nodes.get(id)?.label ?? id),
     folder: (id) => (nodes.get(id)?.children_total ?? 0) > 0,
   };
 }
 
-function nameOf(node: Node | undefined, id: string): string {
-  return node === undefined || node.label === id ? id : `${node.label} (${id})`;
-}
-
-function Label({ node, classes: ontology }: { node: Node | undefined; classes: Classes }) {
+function Label({ node }: { node: Node | undefined }) {
   if (node === undefined) return null;
-  const Icon = iconOf(ontology, node.class);
   return (
     <>
-      <Icon size={15} aria-hidden className={classes.icon} />
+      <KindIcon class_={node.class} />
       <Names node={node} />
     </>
   );

@@ -10,7 +10,7 @@ import { useTree } from "@headless-tree/react";
 import { ActionIcon } from "@mantine/core";
 import { IconChevronDown, IconChevronRight } from "@tabler/icons-react";
 import { useVirtualizer } from "@tanstack/react-virtual";
-import { type ReactNode, useEffect, useRef } from "react";
+import { type ReactNode, useEffect, useMemo, useRef } from "react";
 import classes from "./VirtualTree.module.css";
 
 /** What a tree consists of, by id. */
@@ -24,7 +24,8 @@ export interface TreeSource {
 interface Props {
   label: string;
   source: TreeSource;
-  open: readonly string[];
+  /** Ids of the open ones; the same list as long as they are the same. */
+  open: string[];
   onOpen: (open: string[]) => void;
   selected: string | null;
   onChoose: (id: string) => void;
@@ -43,7 +44,7 @@ const FEATURES = [syncDataLoaderFeature, selectionFeature, hotkeysCoreFeature, d
 
 /** A tree with the keyboard of the WAI-ARIA pattern, of which only the rows that are seen are drawn. */
 export function VirtualTree(props: Props) {
-  const { source, label, onHover } = props;
+  const { source, onHover } = props;
   const scroller = useRef<HTMLDivElement>(null);
   const scroll = useRef<(index: number) => void>(() => undefined);
   const tree = useSourceTree(props, (index) => scroll.current(index));
@@ -51,13 +52,14 @@ export function VirtualTree(props: Props) {
   useShown(tree, props, (index) => scroll.current(index));
   return (
     <div ref={scroller} className={classes.scroller} onMouseLeave={() => onHover?.(null)}>
-      <Rows tree={tree} label={label} scroller={scroller} scroll={scroll} {...props} />
+      <Rows {...props} tree={tree} scroller={scroller} scroll={scroll} />
     </div>
   );
 }
 
 function useSourceTree(props: Props, scrollTo: (index: number) => void): TreeInstance<string> {
   const { source, open, onOpen, selected, onChoose, onDrop } = props;
+  const selectedItems = useMemo(() => (selected === null ? [] : [selected]), [selected]);
   const ids = (id: string) => [...source.children(id === ABOVE_ALL ? "" : id)];
   return useTree<string>({
     rootItemId: ABOVE_ALL,
@@ -66,8 +68,8 @@ function useSourceTree(props: Props, scrollTo: (index: number) => void): TreeIns
     dataLoader: { getItem: (id) => id, getChildren: ids },
     getItemName: (item) => source.name(item.getId()),
     isItemFolder: (item) => source.folder(item.getId()),
-    state: { expandedItems: [...open], selectedItems: selected === null ? [] : [selected] },
-    setExpandedItems: (next) => onOpen(typeof next === "function" ? next([...open]) : next),
+    state: { expandedItems: open, selectedItems },
+    setExpandedItems: (next) => onOpen(typeof next === "function" ? next(open) : next),
     setSelectedItems: () => undefined, // one is selected, and onChoose says which
     onPrimaryAction: (item) => onChoose(item.getId()),
     scrollToItem: (item) => scrollTo(item.getItemMeta().index),
@@ -75,7 +77,6 @@ function useSourceTree(props: Props, scrollTo: (index: number) => void): TreeIns
     canDrag: () => onDrop !== undefined,
     canDrop: (items, { item }) => items[0] !== undefined && mayHold(items[0], item),
     onDrop: (items, { item }) => items[0] && onDrop?.(items[0].getId(), item.getId()),
-    hotkeys: { customChoose: { hotkey: "Enter", handler: (_, tree) => tree.getFocusedItem().primaryAction() } },
   });
 }
 
@@ -104,6 +105,7 @@ interface RowsProps extends Props {
 
 function Rows({ tree, label, scroller, scroll, row, onHover }: RowsProps) {
   const items = tree.getItems();
+  // eslint-disable-next-line react-hooks/incompatible-library -- nothing of it is handed to what is memoised
   const rows = useVirtualizer({
     count: items.length,
     getScrollElement: () => scroller.current,
@@ -140,10 +142,14 @@ function Row({ item, top, content, onHover }: RowProps) {
   return (
     <div
       {...item.getProps()}
+      role="treeitem"
+      aria-selected={item.isSelected()}
+      tabIndex={item.isFocused() ? 0 : -1}
       className={classes.row}
       data-target={item.isDragTarget() || undefined}
       style={{ height: ROW, transform: `translateY(${top}px)`, paddingLeft: item.getItemMeta().level * INDENT }}
       onClick={choose}
+      onKeyDown={(event) => (event.key === "Enter" || event.key === " ") && choose()}
       onMouseEnter={() => onHover?.(item.getId())}
     >
       <Opener item={item} />

@@ -17,7 +17,7 @@ interface State {
   /** What hangs on a node, of those nodes of which it was read. */
   branches: Branches;
   /** The nodes that are open. */
-  open: readonly string[];
+  open: string[];
   /** Whether anything was read yet. */
   ready: boolean;
 }
@@ -63,7 +63,7 @@ export async function readBranch(id: string): Promise<void> {
 }
 
 /** Opens exactly these nodes. */
-export function setOpen(open: readonly string[]): void {
+export function setOpen(open: string[]): void {
   useBranches.setState({ open });
   const { branches } = useBranches.getState();
   for (const id of open) if (branches[id] === undefined) readBranch(id).catch(notifyProblem);

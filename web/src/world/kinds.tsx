@@ -17,7 +17,8 @@ import {
   IconTable,
   type TablerIcon,
 } from "@tabler/icons-react";
-import { ancestors, type Classes } from "./classes";
+import { createElement } from "react";
+import { ancestors, type Classes, useClasses } from "./classes";
 
 const ICONS: Readonly<Record<string, TablerIcon>> = {
   "sk:Robot": IconRobot,
@@ -37,8 +38,16 @@ const ICONS: Readonly<Record<string, TablerIcon>> = {
   "sk:LearnedDuration": IconSchool,
 };
 
+/** The icon of a class, for the eye only: its name is said beside it. */
+export function KindIcon({ class_ }: { class_: string }) {
+  const icon = iconOf(useClasses(), class_);
+  return createElement(icon, { size: 15, "aria-hidden": true, style: STYLE });
+}
+
+const STYLE = { flex: "none", color: "var(--mantine-color-dimmed)" } as const;
+
 /** Returns the icon of the nearest known class at or above one. */
-export function iconOf(classes: Classes, name: string): TablerIcon {
+function iconOf(classes: Classes, name: string): TablerIcon {
   for (const one of ancestors(classes, name)) {
     const icon = ICONS[one];
     if (icon !== undefined) return icon;

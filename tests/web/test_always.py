@@ -1,0 +1,307 @@
+"""What is always there, in a browser: tabs, stop and reset, alarms and questions, the connection, languages, keys."""
+
+from __future__ import annotations
+
+import re
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import httpx2
+import pytest
+
+from skiros_py.server.settings import ServerSettings
+from skiros_py.skills.questions import QuestionKind
+from skiros_py.testing.server_process import ServerProcess
+from skiros_py.testing.serving import Served
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+TABS = ("Goal", "Task", "Modules", "World")
+REFUSED = ("Failed to load resource",)
+"""What the browser itself says of requests that are refused or reach nobody."""
+EVIL = '<img src=x onerror="window.hacked = 1">'
+
+
+@pytest.fixture
+def expect():
+    """Playwright's assertions, which wait."""
+    return pytest.importorskip("playwright.sync_api").expect
+
+
+@contextmanager
+def api(served: Served, key: str = "") -> Iterator[httpx2.Client]:
+    headers = {"X-API-Key": key} if key else {}
+    with httpx2.Client(base_url=f"{served.url}/api/v1", headers=headers, timeout=30) as http:
+        yield http
+
+
+def stop_button(page: Page):
+    return page.get_by_role("button", name="Stop all", exact=True)
+
+
+# ---------------------------------------------------------------------- the frame
+
+
+def test_the_page_opens_with_the_four_tabs_and_says_that_it_is_connected(station, visit, expect):
+    page = visit(station().url)
+    for tab in TABS:
+        expect(page.get_by_role("tab", name=tab)).to_be_visible()
+    expect(page.get_by_role("heading", level=1)).to_have_text("kitting")
+    expect(page.get_by_text("connected", exact=True)).to_be_visible()
+    expect(stop_button(page)).to_be_visible()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious_on_any_tab(station, visit, axe, expect, scheme):
+    page = visit(station().url, color_scheme=scheme)
+    found = {}
+    for tab in TABS:
+        page.get_by_role("tab", name=tab).click()
+        expect(page.get_by_role("tab", name=tab)).to_have_attribute("aria-selected", "true")
+        expect(page.get_by_label("Loading …")).to_have_count(0)
+        found[tab] = axe(page)
+    assert {tab: one for tab, one in found.items() if one} == {}
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious_in_banners_dialogs_and_alarms(station, visit, axe, expect, scheme):
+    served = station()
+    page = visit(served.url, color_scheme=scheme)
+    stop_button(page).click()
+    expect(page.get_by_text("Everything is halted")).to_be_visible()
+    with asking(served):
+        expect(page.get_by_text("A robot asks")).to_be_visible()
+        found = {"banners": axe(page)}
+        page.get_by_role("button", name="Alarms").click()
+        expect(page.get_by_role("button", name="Acknowledge").first).to_be_visible()
+        page.wait_for_timeout(300)  # until it has slid in: axe takes what is half transparent for pale
+        found["alarms"] = axe(page)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+k")
+    expect(page.get_by_role("textbox", name=re.compile("Tabs, commands"))).to_be_visible()
+    page.wait_for_timeout(300)
+    found["palette"] = axe(page)
+    assert found == {"banners": [], "alarms": [], "palette": []}
+
+
+def test_keys_open_tabs_hide_the_view_and_show_their_list(station, visit, expect):
+    page = visit(station().url)
+    expect(page.get_by_role("tab", name="Goal")).to_be_visible()
+    page.keyboard.press("Alt+4")
+    expect(page.get_by_role("tab", name="World")).to_have_attribute("aria-selected", "true")
+    assert page.url.endswith("#/world")
+    page.keyboard.press("Alt+0")
+    expect(page.get_by_role("region", name="3D view")).to_have_count(0)
+    page.reload()
+    expect(page.get_by_role("button", name="Show the 3D view")).to_be_visible()
+    page.keyboard.press("Shift+?")
+    expect(page.get_by_role("dialog", name="Keys")).to_be_visible()
+
+
+def test_a_mistyped_address_opens_the_page_nevertheless(station, visit, expect):
+    page = visit(station().url, at="#/task/100%")
+    expect(page.get_by_role("tab", name="Task")).to_have_attribute("aria-selected", "true")
+
+
+@pytest.mark.parametrize("width", [640, 1024])
+def test_nothing_of_the_frame_is_cut_off_in_a_narrow_window(station, visit, expect, width):
+    page = visit(station().url, viewport={"width": width, "height": 768})
+    expect(page.get_by_role("tab", name="World")).to_be_in_viewport(ratio=1)
+    expect(stop_button(page)).to_be_in_viewport(ratio=1)
+    expect(page.get_by_role("button", name="Signed in")).to_be_in_viewport(ratio=1)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+# ---------------------------------------------------------------------- stop and reset
+
+
+def test_stop_all_halts_everything_and_a_reset_lets_it_go_on(station, visit, expect):
+    served = station()
+    page = visit(served.url)
+    stop_button(page).click()
+    expect(page.get_by_text("The stop was obeyed.")).to_be_visible()
+    assert served.services.session.cycle.halted
+    expect(page).to_have_title(re.compile("halted"))
+    page.get_by_role("button", name="Reset").click()
+    page.get_by_role("button", name="I have looked: reset").click()
+    expect(page.get_by_text("Everything is halted")).to_have_count(0)
+    assert not served.services.session.cycle.halted
+
+
+@pytest.mark.parametrize("how", ["click", "key"])
+def test_stop_all_works_while_a_dialog_is_open_and_somebody_writes(station, visit, expect, how):
+    served = station()
+    page = visit(served.url)
+    expect(stop_button(page)).to_be_visible()
+    page.keyboard.press("Control+k")
+    expect(page.get_by_role("textbox", name=re.compile("Tabs, commands"))).to_be_focused()
+    if how == "key":
+        page.keyboard.press("Control+Shift+Space")
+    else:
+        stop_button(page).click()
+    expect(page.get_by_text("The stop was obeyed.")).to_be_visible()
+    assert served.services.session.cycle.halted
+
+
+def test_a_stop_that_nobody_hears_says_so_until_somebody_does(station, visit, expect):
+    served = station()
+    page = visit(served.url, expected=REFUSED)
+    expect(page.get_by_text("connected", exact=True)).to_be_visible()
+    page.route("**/api/v1/stop", lambda route: route.abort())
+    stop_button(page).click()
+    expect(page.get_by_text("NO ANSWER TO THE STOP")).to_be_visible()
+    page.unroute("**/api/v1/stop")
+    expect(page.get_by_text("The stop was obeyed.")).to_be_visible()
+    assert served.services.session.cycle.halted
+
+
+def test_whoever_stops_elsewhere_is_named_with_the_reason(station, visit, expect):
+    served = station()
+    page = visit(served.url)
+    expect(stop_button(page)).to_be_visible()
+    with api(served) as http:
+        http.post("/stop", json={"reason": "a person is in the cell"}, headers={"X-Skiros-User": "door"})
+    banner = page.get_by_role("alert").filter(has_text="Everything is halted")
+    expect(banner).to_contain_text("a person is in the cell")
+    expect(banner).to_contain_text("door")
+
+
+# ---------------------------------------------------------------------- questions
+
+
+@contextmanager
+def asking(served: Served, text: str = "Is the pallet full?") -> Iterator[object]:
+    """A robot asks while the block runs."""
+    questions = served.services.session.questions
+    asked = questions.ask(QuestionKind.CONFIRM, text, ("yes", "no"), asker="confirm", time=0.0)
+    try:
+        yield asked
+    finally:
+        questions.withdraw(asked)
+
+
+def test_a_question_is_shown_and_answered(station, visit, expect):
+    served = station()
+    page = visit(served.url)
+    with asking(served) as asked:
+        expect(page.get_by_role("alert").filter(has_text="Is the pallet full?")).to_be_visible()
+        page.get_by_role("button", name="Yes", exact=True).click()
+        expect(page.get_by_text("Is the pallet full?")).to_have_count(0)
+        assert asked.answer == "yes"
+
+
+# ---------------------------------------------------------------------- the connection
+
+
+def free_port() -> int:
+    with socket.socket() as listening:
+        listening.bind(("127.0.0.1", 0))
+        return listening.getsockname()[1]
+
+
+def test_a_lost_connection_is_shown_and_heals_when_the_server_is_there_again(visit, expect, tmp_path: Path):
+    port = free_port()
+    with ServerProcess("kitting", "--fake", data=tmp_path, port=port) as first:
+        page = visit(first.url, expected=REFUSED)
+        expect(page.get_by_text("connected", exact=True)).to_be_visible()
+        first.kill()
+        expect(page.get_by_text("Connection lost")).to_be_visible()
+    with ServerProcess("--fake", data=tmp_path, port=port) as second:
+        expect(page.get_by_text("Connection lost")).to_have_count(0, timeout=30_000)
+        stop_button(page).click()
+        expect(page.get_by_text("The stop was obeyed.")).to_be_visible()
+        with second.client() as client:
+            client.http.post("/reset").raise_for_status()
+        expect(page.get_by_text("Everything is halted")).to_have_count(0)  # events come again
+
+
+# ---------------------------------------------------------------------- keys and roles
+
+
+def key_of(served: Served, role: str) -> tuple[str, str]:
+    """Makes a key; returns its id and itself."""
+    with api(served, served.services.keys.local_token) as http:
+        made = http.post("/keys", json={"name": "anna", "role": role}).json()
+    return made["key"]["id"], made["secret"]
+
+
+def sign_in(page: Page, key: str) -> None:
+    page.get_by_label("Key", exact=True).fill(key)
+    page.get_by_role("button", name="Sign in").click()
+
+
+def test_who_shows_a_key_is_let_in_and_out_again(station, visit, axe, expect):
+    served = station(settings=ServerSettings(authentication="keys"))
+    _, key = key_of(served, "operator")
+    page = visit(served.url, expected=REFUSED)
+    sign_in(page, "sk_00000000_wrong")
+    expect(page.get_by_role("alert")).to_contain_text("opens nothing")
+    assert axe(page) == []
+    sign_in(page, key)
+    expect(page.get_by_role("button", name="Signed in: anna, operator")).to_be_visible()
+    page.get_by_role("button", name="Signed in: anna").click()
+    page.get_by_role("button", name="Sign out").click()
+    expect(page.get_by_label("Key", exact=True)).to_be_visible()
+
+
+def test_a_viewer_sees_everything_and_may_not_stop(station, visit, expect):
+    served = station(settings=ServerSettings(authentication="keys"))
+    _, key = key_of(served, "viewer")
+    page = visit(served.url, expected=REFUSED)
+    sign_in(page, key)
+    for tab in TABS:
+        expect(page.get_by_role("tab", name=tab)).to_be_visible()
+    expect(stop_button(page)).to_have_attribute("aria-disabled", "true")
+
+
+def test_who_loses_the_key_in_the_midst_of_work_signs_in_again_and_finds_the_page_as_it_was(station, visit, expect):
+    served = station(settings=ServerSettings(authentication="keys"))
+    (number, key), (_, other) = key_of(served, "operator"), key_of(served, "operator")
+    page = visit(served.url, at="#/world", expected=REFUSED)
+    sign_in(page, key)
+    expect(page.get_by_text("connected", exact=True)).to_be_visible()
+    page.evaluate("document.querySelector('main').dataset.draft = 'mine'")
+    with api(served, served.services.keys.local_token) as http:
+        http.delete(f"/keys/{number}").raise_for_status()
+    expect(page.get_by_role("dialog", name="Sign in again")).to_be_visible()
+    sign_in(page, other)
+    expect(page.get_by_role("dialog", name="Sign in again")).to_have_count(0)
+    assert page.evaluate("document.querySelector('main').dataset.draft") == "mine"
+    expect(page.get_by_text("connected", exact=True)).to_be_visible()
+
+
+# ---------------------------------------------------------------------- words
+
+
+def test_the_page_speaks_german_to_those_who_do_and_remembers_a_choice(station, visit, expect):
+    page = visit(station().url, locale="de-DE")
+    expect(page.get_by_role("tab", name="Aufgabe")).to_be_visible()
+    expect(page.get_by_role("button", name="Alles anhalten")).to_be_visible()
+    assert page.evaluate("document.documentElement.lang") == "de"
+    page.get_by_role("button", name="Sprache: English").click()
+    expect(page.get_by_role("tab", name="Task")).to_be_visible()
+    page.reload()
+    expect(page.get_by_role("tab", name="Task")).to_be_visible()
+
+
+def test_a_name_that_looks_like_a_page_stays_text(station, visit, expect):
+    served = station()
+    with api(served) as http:
+        element = {"class": "kitting:Starter", "label": EVIL, "placement": {"relation": "sk:in", "place": "pallet_a"}}
+        http.post("/elements", json=element).raise_for_status()
+    page = visit(served.url, at="#/world")
+    with asking(served, f"Is {EVIL} there?"):
+        expect(page.get_by_role("alert").filter(has_text=EVIL)).to_be_visible()
+        page.keyboard.press("Control+k")
+        page.keyboard.type("onerror")
+        expect(page.get_by_role("dialog").get_by_text(EVIL)).to_be_visible()
+        page.keyboard.press("Escape")
+        for tab in TABS:
+            page.get_by_role("tab", name=tab).click()
+            expect(page.get_by_label("Loading …")).to_have_count(0)
+    assert page.locator("img").count() == 0
+    assert page.evaluate("window.hacked") is None

@@ -1,0 +1,35 @@
+import { clock, doneOf, stepPieces } from "./steps";
+
+const DRIVE = { skill: "drive", arguments: { Base: "base_1", Robot: "robot_1", Location: "pallet_a" } };
+const PICK = { skill: "pick", arguments: { Robot: "robot_1", Object: "starter_1" } };
+
+function run(step: typeof DRIVE | typeof PICK, end: number | null, reason = "") {
+  return { ...step, agent: "base_1", start: 0, end, reason };
+}
+
+test("a step is said by the sentence of its skill", () => {
+  const pieces = stepPieces(DRIVE, { drive: "{Robot} drives to {Location}" });
+  expect(pieces).toEqual([{ id: "robot_1" }, { text: " drives to " }, { id: "pallet_a" }]);
+});
+
+test("a step without a sentence that fits is said by its arguments, without the devices", () => {
+  const plain = [
+    { text: "drive" },
+    { text: " Robot: " },
+    { id: "robot_1" },
+    { text: " Location: " },
+    { id: "pallet_a" },
+  ];
+  expect(stepPieces(DRIVE, {})).toEqual(plain);
+  expect(stepPieces(DRIVE, { drive: "{Robot} drives to {Elsewhere}" })).toEqual(plain);
+});
+
+test("a step that was run counts once, a failed or a running one not", () => {
+  const plan = [DRIVE, PICK, DRIVE];
+  expect(doneOf(plan, [run(DRIVE, 5), run(PICK, 9, "slipped"), run(DRIVE, null)])).toBe(1);
+  expect(doneOf(plan, [run(DRIVE, 5), run(PICK, 9), run(DRIVE, 12)])).toBe(3);
+});
+
+test("seconds are said in minutes", () => {
+  expect(clock(65.4)).toBe("1:05");
+});

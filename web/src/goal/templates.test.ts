@@ -1,0 +1,53 @@
+import { EMPTY, fieldsOf, isCounted, templateOrder, variablesOf, withPlaceholders } from "./templates";
+
+const WORDS = [
+  {
+    name: "ObjectAtLocation",
+    help: "",
+    abstract: true,
+    skills: [],
+    roles: [
+      { name: "object", class: "sk:Manipulatable" },
+      { name: "location", class: "sk:Container" },
+    ],
+  },
+];
+const CONTENT = {
+  description: "",
+  parameters: [{ name: "kit", class: "Kit", description: "" }],
+  goal: [],
+  per_material: { condition: "ObjectAtLocation", arguments: [{ material: "class" }, { material: "location" }] },
+};
+const ROW = { ...EMPTY, class: "kitting:Starter", location: "kit_1_a" };
+
+test("the table has the fields that the template speaks of, and counts pieces only where they are not told apart", () => {
+  expect(fieldsOf(CONTENT)).toEqual(["class", "location"]);
+  expect(isCounted(["class", "location"])).toBe(false);
+  expect(isCounted(["class", "lot"])).toBe(true);
+});
+
+test("a template is no order before its parameters and all rows are filled in", () => {
+  const filled = { name: "fill", parameters: { kit: "kit_1" }, materials: [ROW] };
+  expect(templateOrder(filled, CONTENT)).toMatchObject({ work_master: "fill", parameters: { kit: "kit_1" } });
+  expect(templateOrder({ ...filled, parameters: {} }, CONTENT)).toBeNull();
+  expect(templateOrder({ ...filled, materials: [] }, CONTENT)).toBeNull();
+  expect(templateOrder({ ...filled, materials: [{ ...ROW, location: "" }] }, CONTENT)).toBeNull();
+});
+
+test("elements may become parameters, named after their roles; classes stay", () => {
+  const conditions = ["kit_1_a", "kit_1_b"].map((place) => ({
+    data: { condition: "ObjectAtLocation", arguments: ["kitting:Starter", place] },
+    text: "",
+    holds: false,
+    why: "",
+    lines: [],
+  }));
+  const variables = variablesOf(conditions, WORDS);
+  expect(variables.map(({ id, name }) => [id, name])).toEqual([
+    ["kit_1_a", "location"],
+    ["kit_1_b", "location_2"],
+  ]);
+  expect(withPlaceholders({ not: conditions[0]?.data }, variables)).toEqual({
+    not: { condition: "ObjectAtLocation", arguments: ["kitting:Starter", { parameter: "location" }] },
+  });
+});

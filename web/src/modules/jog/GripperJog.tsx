@@ -1,0 +1,64 @@
+import { Button, Group, Stack, Text } from "@mantine/core";
+import { useState } from "react";
+import { useTranslation } from "react-i18next";
+import { NumberField } from "../../widgets/arguments/NumberField";
+import classes from "../modules.module.css";
+import type { Robot } from "../queries";
+import { useLive } from "./live";
+import { hand, jog } from "./robotHand";
+
+interface Props {
+  robot: string;
+  gripper: Robot["grippers"][number];
+  disabled: boolean;
+}
+
+/** The fingers: open, closed on what is between them, or so far apart. */
+export function GripperJog({ robot, gripper, disabled }: Props) {
+  const { t } = useTranslation("modules");
+  const [wanted, setWanted] = useState<number>();
+  const most = gripper.max_gap * 1000; // mm
+  const move = (millimetres: number) =>
+    hand.once(jog(robot, { gripper: { gripper: gripper.id, width: millimetres / 1000 } }));
+  const sound = wanted !== undefined && wanted >= 0 && wanted <= most;
+  return (
+    <Stack gap="xs">
+      <Fingers gripper={gripper.id} />
+      <Group gap="xs" align="end">
+        <Button variant="default" disabled={disabled} onClick={() => move(most)}>
+          {t("jog.open")}
+        </Button>
+        <Button variant="default" disabled={disabled} onClick={() => move(0)}>
+          {t("jog.close")}
+        </Button>
+        <NumberField
+          label={t("jog.width", { most: Math.round(most) })}
+          w="10rem"
+          min={0}
+          max={most}
+          error={wanted !== undefined && !sound}
+          value={wanted}
+          onChange={setWanted}
+        />
+        <Button variant="default" disabled={disabled || !sound} onClick={() => sound && move(wanted)}>
+          {t("jog.moveFingers")}
+        </Button>
+      </Group>
+    </Stack>
+  );
+}
+
+function Fingers({ gripper }: { gripper: string }) {
+  const { t } = useTranslation("modules");
+  const text = useLive<HTMLSpanElement>((element, state) => {
+    const now = state.grippers[gripper];
+    if (now === undefined) return;
+    const gap = t("jog.gap", { gap: (now.gap * 1000).toFixed(1), force: now.force.toFixed(0) });
+    element.textContent = now.holds ? `${gap} · ${t("jog.holds", { what: now.holds })}` : gap;
+  });
+  return (
+    <Text size="xs" className={classes.live}>
+      <span ref={text} />
+    </Text>
+  );
+}

@@ -1,0 +1,64 @@
+import { Button, type ButtonProps } from "@mantine/core";
+import { type KeyboardEvent, type PointerEvent, type ReactNode, useEffect, useRef } from "react";
+import classes from "../modules.module.css";
+import type { Step } from "./hand";
+import { hand } from "./robotHand";
+
+interface Props extends ButtonProps {
+  /** One step; the next follows while the button, or Enter or Space on it, is held. */
+  step: Step;
+  /** What it does, for those who cannot see where it is. */
+  name: string;
+  children: ReactNode;
+}
+
+/** Moves while it is held: a click is one step; whatever takes the finger or the focus away ends it. */
+export function HoldButton({ step, name, children, ...rest }: Props) {
+  const held = useRef(false);
+  const press = () => {
+    held.current = true;
+    hand.hold(step);
+  };
+  const release = () => {
+    if (held.current) hand.release();
+    held.current = false;
+  };
+  useEffect(() => {
+    const end = () => document.hidden && release();
+    document.addEventListener("visibilitychange", end);
+    return () => {
+      document.removeEventListener("visibilitychange", end);
+      release();
+    };
+  }, []);
+  const pointerDown = (event: PointerEvent<HTMLButtonElement>) => {
+    if (event.button !== 0) return;
+    event.currentTarget.setPointerCapture(event.pointerId);
+    press();
+  };
+  const keyDown = (event: KeyboardEvent) => {
+    if (event.key !== "Enter" && event.key !== " ") return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return; // those keys mean something else
+    event.preventDefault();
+    if (!event.repeat) press();
+  };
+  return (
+    <Button
+      variant="default"
+      {...rest}
+      className={classes.hold}
+      aria-label={name}
+      onPointerDown={pointerDown}
+      onPointerUp={release}
+      onPointerCancel={release}
+      onLostPointerCapture={release}
+      onContextMenu={(event) => event.preventDefault()}
+      onKeyDown={keyDown}
+      onKeyUp={release}
+      onBlur={release}
+      onClick={(event) => event.detail === 0 && hand.once(step)} // by assistive technology, without any press
+    >
+      {children}
+    </Button>
+  );
+}

@@ -1,0 +1,98 @@
+import { Accordion, Alert, Select, Stack, Text } from "@mantine/core";
+import { useTranslation } from "react-i18next";
+import { useMay } from "../../api/session";
+import { Teach } from "../teach/Teach";
+import { Learned } from "../teach/Learned";
+import type { View } from "../places";
+import { type Robot, useRobots } from "../queries";
+import { BaseJog } from "./BaseJog";
+import { GripperJog } from "./GripperJog";
+import { HandBar } from "./HandBar";
+import { Joints } from "./Joints";
+import { ToolJog } from "./ToolJog";
+import { useHindrance } from "./useHindrance";
+
+interface Props {
+  /** Id of the robot; the first one where nobody has chosen. */
+  chosen: string | undefined;
+  show: (view: View, ...rest: string[]) => void;
+}
+
+/** Moving a robot by hand, and teaching it where it stands. */
+export function JogPanel({ chosen, show }: Props) {
+  const { t } = useTranslation("modules");
+  const { data: robots = [] } = useRobots();
+  const robot = robots.find(({ id }) => id === chosen) ?? robots[0];
+  if (robot === undefined) return <Text p="sm">{t("jog.noRobot")}</Text>;
+  return (
+    <>
+      {robots.length > 1 && (
+        <Select
+          m="sm"
+          label={t("robot")}
+          allowDeselect={false}
+          data={robots.map(({ id, label }) => ({ value: id, label: label || id }))}
+          value={robot.id}
+          onChange={(id) => id !== null && show("jog", id)}
+        />
+      )}
+      <ByHand key={robot.id} robot={robot} alone={robots.length === 1} />
+    </>
+  );
+}
+
+function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
+  const { t } = useTranslation("modules");
+  const hindrance = useHindrance(robot, alone);
+  const may = useMay("jog_robot");
+  const disabled = hindrance !== "" || !may;
+  return (
+    <Stack gap="xs">
+      <HandBar robot={robot} disabled={disabled} />
+      {disabled && (
+        <Alert mx="sm" color="yellow" title={t("jog.notNow")} role="status">
+          {may ? hindrance : t("jog.mayNot")}
+        </Alert>
+      )}
+      <Accordion
+        multiple
+        defaultValue={robot.arms.slice(0, 1).flatMap(({ id }) => [`joints ${id}`, `tool ${id}`])}
+        variant="default"
+      >
+        {robot.arms.map((arm) => (
+          <Section key={arm.id} value={`joints ${arm.id}`} title={t("jog.joints", { arm: arm.id })}>
+            <Joints robot={robot.id} arm={arm} disabled={disabled} />
+          </Section>
+        ))}
+        {robot.arms.map((arm) => (
+          <Section key={arm.id} value={`tool ${arm.id}`} title={t("jog.tool", { arm: arm.id })}>
+            <ToolJog robot={robot.id} arm={arm.id} disabled={disabled} />
+          </Section>
+        ))}
+        {robot.grippers.map((gripper) => (
+          <Section key={gripper.id} value={gripper.id} title={t("jog.gripper", { gripper: gripper.id })}>
+            <GripperJog robot={robot.id} gripper={gripper} disabled={disabled} />
+          </Section>
+        ))}
+        <Section value="base" title={t("jog.base", { base: robot.base.id })}>
+          <BaseJog robot={robot.id} base={robot.base.id} disabled={disabled} />
+        </Section>
+        <Section value="teach" title={t("teach.title")}>
+          <Teach robot={robot} disabled={disabled} />
+        </Section>
+        <Section value="learned" title={t("learned.title")}>
+          <Learned />
+        </Section>
+      </Accordion>
+    </Stack>
+  );
+}
+
+function Section({ value, title, children }: { value: string; title: string; children: React.ReactNode }) {
+  return (
+    <Accordion.Item value={value}>
+      <Accordion.Control>{title}</Accordion.Control>
+      <Accordion.Panel>{children}</Accordion.Panel>
+    </Accordion.Item>
+  );
+}

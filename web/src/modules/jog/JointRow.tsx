@@ -1,0 +1,75 @@
+import { Slider, Text } from "@mantine/core";
+import { IconMinus, IconPlus } from "@tabler/icons-react";
+import { useTranslation } from "react-i18next";
+import classes from "../modules.module.css";
+import type { Robot } from "../queries";
+import type { Step } from "./hand";
+import { HoldButton } from "./HoldButton";
+import { useLive } from "./live";
+import { DEGREE } from "./steps";
+
+interface Props {
+  arm: string;
+  index: number;
+  joint: Robot["arms"][number]["joints"][number];
+  /** Where somebody has put the slider [rad]; undefined while it follows. */
+  target: number | undefined;
+  /** Where the joint stood last [rad]. */
+  rest: number;
+  setTarget: (angle: number) => void;
+  step: (sign: 1 | -1) => Step;
+  disabled: boolean;
+}
+
+const EVERYWHERE = Math.PI;
+
+/** One joint: back and forth by steps, its angle now on the way between its limits, and a slider for its target. */
+export function JointRow({ arm, index, joint, target, rest, setTarget, step, disabled }: Props) {
+  const { t } = useTranslation("modules");
+  const [lower, upper] = [joint.lower ?? -EVERYWHERE, joint.upper ?? EVERYWHERE];
+  const mark = useLive<HTMLDivElement>((element, state) => {
+    const angle = state.arms[arm]?.positions[index] ?? 0;
+    element.style.left = `${(100 * (angle - lower)) / (upper - lower)}%`;
+  });
+  const degrees = useLive<HTMLSpanElement>((element, state) => {
+    element.textContent = inDegrees(state.arms[arm]?.positions[index] ?? 0);
+  });
+  const name = joint.name;
+  return (
+    <div className={classes.joint} role="group" aria-label={name}>
+      <Text size="xs" truncate title={name}>
+        {name}
+      </Text>
+      <HoldButton step={step(-1)} name={t("jog.minus", { name })} disabled={disabled} px={8}>
+        <IconMinus size={14} aria-hidden />
+      </HoldButton>
+      <div className={classes.track}>
+        <Slider
+          size="sm"
+          thumbLabel={t("jog.target", { name })}
+          min={lower / DEGREE}
+          max={upper / DEGREE}
+          step={0.5}
+          label={(angle) => `${angle.toFixed(1)}°`}
+          value={(target ?? rest) / DEGREE}
+          onChange={(angle) => setTarget(angle * DEGREE)}
+          disabled={disabled}
+        />
+        <div className={classes.way} aria-hidden>
+          <div ref={mark} className={classes.now} />
+        </div>
+      </div>
+      <HoldButton step={step(1)} name={t("jog.plus", { name })} disabled={disabled} px={8}>
+        <IconPlus size={14} aria-hidden />
+      </HoldButton>
+      <Text size="xs" className={classes.live} title={`${inDegrees(lower)} … ${inDegrees(upper)}`}>
+        <span ref={degrees} />
+        {target !== undefined && ` → ${inDegrees(target)}`}
+      </Text>
+    </div>
+  );
+}
+
+function inDegrees(angle: number): string {
+  return `${(angle / DEGREE).toFixed(1)}°`;
+}

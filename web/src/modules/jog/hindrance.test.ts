@@ -1,0 +1,30 @@
+import type { StationState } from "../../live/station";
+import type { Robot } from "../queries";
+import { hindranceOf } from "./hindrance";
+
+const ROBOT = { id: "robot_1", agents: ["arm_1", "base_1"] } as unknown as Robot;
+const state = (part: Partial<StationState>) =>
+  ({ halted: "", modules: [], tasks: [], ...part }) as unknown as StationState;
+const running = (agent: string, status = "running") => [{ agent, module: "pick", status }];
+
+test("a robot that stands may be moved, one that nobody hears of or that is halted may not", () => {
+  expect(hindranceOf(state({}), ROBOT, false, true)).toBeNull();
+  expect(hindranceOf(null, ROBOT, false, true)).toEqual({ why: "unknown" });
+  expect(hindranceOf(state({ halted: "stop-all" }), ROBOT, true, true)).toEqual({ why: "halted", text: "stop-all" });
+});
+
+test("modules of this robot are in the way, unless this hand started them; those of another are not", () => {
+  const busy = state({ modules: running("arm_1") });
+  expect(hindranceOf(busy, ROBOT, false, true)).toEqual({ why: "atWork", modules: ["pick (arm_1)"] });
+  expect(hindranceOf(busy, ROBOT, true, true)).toBeNull();
+  expect(hindranceOf(state({ modules: running("arm_9") }), ROBOT, false, true)).toBeNull();
+  expect(hindranceOf(state({ modules: running("arm_1", "ended") }), ROBOT, false, true)).toBeNull();
+});
+
+test("a task that goes on is in the way of an only robot; a paused or waiting one is not", () => {
+  const at = (status: string) => state({ tasks: [{ name: "kit-17", status }] });
+  expect(hindranceOf(at("running"), ROBOT, false, true)).toEqual({ why: "task", tasks: ["kit-17"] });
+  expect(hindranceOf(at("running"), ROBOT, false, false)).toBeNull();
+  expect(hindranceOf(at("paused"), ROBOT, false, true)).toBeNull();
+  expect(hindranceOf(at("waiting"), ROBOT, false, true)).toBeNull();
+});

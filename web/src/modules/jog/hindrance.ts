@@ -1,0 +1,28 @@
+/** Why a robot cannot be moved by hand just now. */
+
+import type { StationState } from "../../live/station";
+import type { Robot } from "../queries";
+
+export type Hindrance =
+  | { why: "unknown" }
+  | { why: "halted"; text: string }
+  | { why: "atWork"; modules: string[] }
+  | { why: "task"; tasks: string[] };
+
+/**
+ * Tells it from the latest state; null where nothing is in the way.
+ *
+ * @param own - Whether what runs on it was started by this hand.
+ * @param alone - Whether it is the only robot: then a task that goes on is one of its.
+ */
+export function hindranceOf(state: StationState | null, robot: Robot, own: boolean, alone: boolean): Hindrance | null {
+  if (state === null) return { why: "unknown" };
+  if (state.halted) return { why: "halted", text: state.halted };
+  const modules = state.modules.filter(({ agent, status }) => robot.agents.includes(agent) && status !== "ended");
+  if (modules.length > 0 && !own) {
+    return { why: "atWork", modules: modules.map(({ agent, module }) => `${module} (${agent})`) };
+  }
+  const tasks = state.tasks.filter(({ status }) => status === "planning" || status === "running");
+  if (alone && tasks.length > 0) return { why: "task", tasks: tasks.map(({ name }) => name) };
+  return null;
+}

@@ -1,0 +1,26 @@
+import { useTranslation } from "react-i18next";
+import { useStation } from "../../live/station";
+import type { Robot } from "../queries";
+import { hindranceOf } from "./hindrance";
+import { hand } from "./robotHand";
+
+/** Returns in words why a robot cannot be moved by hand just now; empty where it can. */
+export function useHindrance(robot: Robot, alone: boolean): string {
+  const { t } = useTranslation("modules");
+  const own = hand.useHand(({ moving }) => moving);
+  return useStation(({ state }) => {
+    const hindrance = hindranceOf(state, robot, own, alone);
+    switch (hindrance?.why) {
+      case undefined:
+        return "";
+      case "unknown":
+        return t("jog.hindrance.unknown");
+      case "halted":
+        return t("jog.hindrance.halted", { why: hindrance.text });
+      case "atWork":
+        return t("jog.hindrance.atWork", { modules: hindrance.modules.join(", ") });
+      case "task":
+        return t("jog.hindrance.task", { tasks: hindrance.tasks.join(", ") });
+    }
+  });
+}

@@ -1,0 +1,79 @@
+import { useEffect, useMemo } from "react";
+import {
+  DataTexture,
+  InstancedMesh,
+  LinearFilter,
+  Matrix4,
+  MeshBasicMaterial,
+  PlaneGeometry,
+  RGBAFormat,
+  Vector3,
+} from "three";
+import { crowd } from "../elements/crowd";
+import type { Palette } from "../palette";
+import { wake } from "../ticker";
+import { useShownView } from "../useShownView";
+
+const SIZE = 64; // px of the texture
+const SPREAD = 1.35; // how much farther than what stands there
+const LOW = 0.02; // m: what is higher above the floor casts none
+
+/** Soft shadows under what stands on the floor, painted once: real ones cost too much here. */
+export function Contacts({ palette }: { palette: Palette }) {
+  const view = useShownView();
+  const mesh = useMemo(() => shadows(palette.shade), [palette]);
+  useEffect(() => {
+    put(mesh);
+    wake();
+  }, [mesh, view]);
+  useEffect(() => () => dispose(mesh), [mesh]);
+  return <primitive object={mesh} />;
+}
+
+const MOST = 256;
+
+function shadows(opacity: number): InstancedMesh {
+  const material = new MeshBasicMaterial({ map: blur(), transparent: true, opacity, depthWrite: false });
+  const mesh = new InstancedMesh(new PlaneGeometry(1, 1), material, MOST);
+  mesh.frustumCulled = false;
+  mesh.raycast = () => undefined;
+  return mesh;
+}
+
+function put(mesh: InstancedMesh): void {
+  mesh.count = 0;
+  const pose = new Matrix4();
+  for (const { element, frame, sure } of crowd.items()) {
+    const bounds = crowd.shapeOf(element.id)?.bounds;
+    const stands = bounds !== undefined && sure && frame.on === "map" && element.kind !== "floor";
+    if (!stands || mesh.count === MOST || !crowd.poseOf(element.id, pose)) continue;
+    if (Math.abs((pose.elements[14] ?? 0) + bounds.min.z) > LOW) continue;
+    const size = bounds.getSize(new Vector3());
+    const middle = bounds.getCenter(new Vector3()).setZ(bounds.min.z + 0.006);
+    pose.multiply(new Matrix4().makeTranslation(middle)).scale(new Vector3(size.x + 0.5, size.y + 0.5, 1));
+    mesh.setMatrixAt(mesh.count++, pose);
+  }
+  mesh.instanceMatrix.needsUpdate = true;
+}
+
+/** Dark in the middle, nothing at the rim. */
+function blur(): DataTexture {
+  const data = new Uint8Array(SIZE * SIZE * 4);
+  for (let i = 0; i < SIZE * SIZE; i++) {
+    const [x, y] = [(i % SIZE) / (SIZE - 1) - 0.5, Math.floor(i / SIZE) / (SIZE - 1) - 0.5];
+    const rim = Math.max(0, 1 - Math.hypot(Math.abs(2 * x) ** SPREAD, Math.abs(2 * y) ** SPREAD));
+    data[4 * i + 3] = 255 * rim * rim * (3 - 2 * rim);
+  }
+  const texture = new DataTexture(data, SIZE, SIZE, RGBAFormat);
+  texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+function dispose(mesh: InstancedMesh): void {
+  const material = mesh.material as MeshBasicMaterial;
+  material.map?.dispose();
+  material.dispose();
+  mesh.geometry.dispose();
+  mesh.dispose();
+}

@@ -1,0 +1,87 @@
+import { Line } from "@react-three/drei";
+import { keepPreviousData, useQuery } from "@tanstack/react-query";
+import { useEffect, useMemo } from "react";
+import { BufferAttribute, BufferGeometry, Matrix4, Vector3 } from "three";
+import { answer, api, type Schema } from "../../api/client";
+import { keys } from "../../api/keys";
+import { useStation } from "../../live/station";
+import { useLayers } from "../layers";
+import type { Palette } from "../palette";
+import { matrixOf } from "../pose";
+import { useReplay } from "../replay";
+import { useRobots } from "../robots/useRobots";
+import { wake } from "../ticker";
+import { Detections } from "./Detections";
+import { cloudOf } from "./points";
+
+type Camera = Schema<"CameraDescription">;
+
+const REACH = 0.35; // m, of the pyramid that stands for a camera's view
+
+/** The last look of each camera: from where, what it saw, and what was made out in it. */
+export function Looks({ palette }: { palette: Palette }) {
+  const { data: robots } = useRobots();
+  const past = useReplay((state) => state.replay !== null);
+  if (past) return null; // they belong to the present
+  return robots?.flatMap(({ id, cameras }) =>
+    cameras.map((camera) => <CameraLook key={camera.id} robot={id} camera={camera} palette={palette} />),
+  );
+}
+
+function CameraLook({ robot, camera, palette }: { robot: string; camera: Camera; palette: Palette }) {
+  const number = useStation(({ state }) => state?.looks[camera.id] ?? 0);
+  const { clouds, seen } = useLayers(({ shown }) => shown);
+  const { data: look } = useQuery({
+    queryKey: keys.station("look", robot, camera.id, number),
+    queryFn: async () => (await answer(api.GET(LOOK, { params: { path: { id: robot, camera: camera.id } } }))) as Look,
+    enabled: number > 0 && (clouds || seen),
+    placeholderData: keepPreviousData,
+    gcTime: 0,
+  });
+  useEffect(() => wake(), [look]);
+  if (look === undefined || look.number === 0 || number === 0) return null;
+  return (
+    <>
+      {clouds && <CloudPoints look={look} />}
+      {clouds && look.pose !== null && <Frustum pose={look.pose} camera={camera} palette={palette} />}
+      {seen && <Detections seen={look.seen} palette={palette} />}
+    </>
+  );
+}
+
+type Look = Schema<"Look">;
+const LOOK = "/api/v1/robots/{id}/cameras/{camera}/look";
+
+function CloudPoints({ look }: { look: Look }) {
+  const geometry = useMemo(() => {
+    const { places, colours } = cloudOf(look);
+    const made = new BufferGeometry().setAttribute("position", new BufferAttribute(places, 3));
+    return colours === null ? made : made.setAttribute("color", new BufferAttribute(colours, 3));
+  }, [look]);
+  useEffect(() => () => geometry.dispose(), [geometry]);
+  const coloured = geometry.hasAttribute("color");
+  return (
+    <points geometry={geometry} frustumCulled={false}>
+      <pointsMaterial key={String(coloured)} size={2} sizeAttenuation={false} vertexColors={coloured} />
+    </points>
+  );
+}
+
+function Frustum({ pose, camera, palette }: { pose: Schema<"PoseInfo">; camera: Camera; palette: Palette }) {
+  const points = useMemo(() => pyramid(camera, matrixOf(pose)), [camera, pose]);
+  return <Line segments points={points} color={palette.seen} lineWidth={1.5} />;
+}
+
+/** Edges of the pyramid that a camera sees, z forward. */
+function pyramid({ width, height, vertical_fov }: Camera, pose: Matrix4): Vector3[] {
+  const y = REACH * Math.tan(vertical_fov / 2);
+  const x = (y * width) / height;
+  const rim = [
+    [-x, -y],
+    [x, -y],
+    [x, y],
+    [-x, y],
+  ].map(([a = 0, b = 0]) => new Vector3(a, b, REACH).applyMatrix4(pose));
+  const eye = new Vector3().applyMatrix4(pose);
+  return rim.flatMap((corner, i) => [eye, corner, corner, rim[(i + 1) % rim.length] ?? corner]);
+}

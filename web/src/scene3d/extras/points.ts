@@ -1,0 +1,25 @@
+/** Points of a camera as the API tells them. */
+
+import { Color, SRGBColorSpace } from "three";
+import type { Schema } from "../../api/client";
+
+export interface Cloud {
+  /** x, y, z [m] of each point. */
+  places: Float32Array;
+  /** Red, green, blue of each point, linear from 0 to 1; null for none. */
+  colours: Float32Array | null;
+}
+
+/** How bright a byte of a picture is, linear. */
+const LINEAR = Float32Array.from({ length: 256 }, (_, i) => new Color().setRGB(i / 255, 0, 0, SRGBColorSpace).r);
+
+export function cloudOf(look: Schema<"Look">): Cloud {
+  const places = new Float32Array(bytesOf(look.points).buffer);
+  const bytes = bytesOf(look.colours);
+  if (bytes.length !== places.length) return { places, colours: null };
+  return { places, colours: Float32Array.from(bytes, (byte) => LINEAR[byte] ?? 0) };
+}
+
+function bytesOf(text: string): Uint8Array<ArrayBuffer> {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+}

@@ -1,0 +1,45 @@
+import { useMutation } from "@tanstack/react-query";
+import { answer, api } from "../../api/client";
+import { seenFrom } from "../pose";
+import type { MapPose } from "../tools";
+import { type Movable, poseInMap } from "./useMovable";
+
+const DIGITS = 6;
+
+/** Writes where an element is believed to be; what somebody else wrote meanwhile is not overwritten. */
+export function useWriteBelief(id: string) {
+  return useMutation({
+    mutationFn: ({ pose, movable }: { pose: MapPose; movable: Movable }) => {
+      const frame = movable.frame === null ? null : poseInMap(movable.frame);
+      const inFrame = rounded(seenFrom(pose, frame));
+      const value = { ...inFrame, frame: frame === null ? null : movable.frame };
+      const params = { path: { element: id }, header: { "if-match": movable.tag } };
+      return answer(
+        api.PATCH("/api/v1/elements/{element}", {
+          params,
+          body: { properties: { "sk:pose": value }, reason: `moves ${id} in the 3D view` },
+        }),
+      );
+    },
+  });
+}
+
+/** Moves what is simulated; nobody is told. */
+export function useMoveBody(id: string) {
+  return useMutation({
+    mutationFn: async (pose: MapPose) => {
+      const params = { path: { body: id } };
+      const { error, response } = await api.PUT("/api/v1/simulation/bodies/{body}/pose", {
+        params,
+        body: rounded(pose),
+      });
+      if (!response.ok) await answer(Promise.resolve({ error, response }));
+    },
+  });
+}
+
+function rounded({ position, orientation }: MapPose): MapPose {
+  const round = (value: number) => Number(value.toFixed(DIGITS));
+  const [x, y, z, w] = orientation;
+  return { position: [round(position[0]), round(position[1]), round(position[2])], orientation: [x, y, z, w] };
+}

@@ -1,0 +1,74 @@
+import { Button } from "@mantine/core";
+import { IconAlertTriangle, IconClick, IconHistory } from "@tabler/icons-react";
+import { useEffect } from "react";
+import { useTranslation } from "react-i18next";
+import { useSelection } from "../../selection/selection";
+import { problemText } from "../../widgets/problems";
+import { useReplay } from "../replay";
+import { useLiveView } from "../view";
+import classes from "./Overlay.module.css";
+
+/** What one has to know about the picture: that it is the past, that a click is awaited, that it is not up to date. */
+export function Notices() {
+  return (
+    <div className={classes.notices}>
+      <ReplayNotice />
+      <PickNotice />
+      <ProblemNotice />
+    </div>
+  );
+}
+
+function ReplayNotice() {
+  const { t } = useTranslation("scene3d");
+  const job = useReplay((state) => state.replay?.job);
+  const seconds = useReplay((state) => (state.time - (state.replay?.start ?? 0)).toFixed(1));
+  const set = useReplay((state) => state.set);
+  if (job === undefined) return null;
+  return (
+    <>
+      <div className={classes.notice} data-mood="past" role="note">
+        <IconHistory size={16} aria-hidden />
+        {t("replay.badge", { job, seconds })}
+        <Button size="compact-xs" variant="default" onClick={() => set({ replay: null, speed: 0 })}>
+          {t("replay.end")}
+        </Button>
+      </div>
+    </>
+  );
+}
+
+function PickNotice() {
+  const { t } = useTranslation("scene3d");
+  const pick = useSelection((state) => state.pick);
+  const endPick = useSelection((state) => state.endPick);
+  const waits = pick !== null;
+  useEffect(() => {
+    if (!waits) return;
+    const end = (event: KeyboardEvent) => event.key === "Escape" && endPick();
+    window.addEventListener("keydown", end);
+    return () => window.removeEventListener("keydown", end);
+  }, [waits, endPick]);
+  if (pick === null) return null;
+  return (
+    <div className={classes.notice} data-mood="pick" role="status">
+      <IconClick size={16} aria-hidden />
+      {t("pick.text", { purpose: pick.purpose })}
+      <Button size="compact-xs" variant="default" onClick={endPick}>
+        {t("pick.end")}
+      </Button>
+    </div>
+  );
+}
+
+function ProblemNotice() {
+  const { t } = useTranslation("scene3d");
+  const problem = useLiveView((state) => state.problem);
+  if (problem === null) return null;
+  return (
+    <div className={classes.notice} role="status">
+      <IconAlertTriangle size={16} aria-hidden />
+      {t("stale", { why: problemText(problem) })}
+    </div>
+  );
+}

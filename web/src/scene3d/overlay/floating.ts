@@ -1,0 +1,18 @@
+/** Labels of what is no element: what a camera made out. */
+
+import type { Vector3 } from "three";
+import { create } from "zustand";
+
+export interface FloatingLabel {
+  key: string;
+  /** A class; null for what fits none. */
+  type: string | null;
+  point: Vector3;
+}
+
+interface Floating {
+  labels: readonly FloatingLabel[];
+  show: (labels: readonly FloatingLabel[]) => void;
+}
+
+export const useFloating = create<Floating>((set) => ({ labels: [], show: (labels) => set({ labels }) }));

@@ -1,0 +1,28 @@
+import { Group, Text, UnstyledButton } from "@mantine/core";
+import type { ReactNode } from "react";
+import classes from "./task.module.css";
+
+interface Props {
+  title: string;
+  note: ReactNode;
+  state?: ReactNode;
+  current: boolean;
+  open: () => void;
+}
+
+/** One of a list that can be opened. */
+export function Entry({ title, note, state, current, open }: Props) {
+  return (
+    <UnstyledButton className={classes.entry} aria-current={current || undefined} onClick={open}>
+      <Group gap={4} justify="space-between" wrap="nowrap">
+        <Text size="sm" fw={600} truncate>
+          {title}
+        </Text>
+        {state}
+      </Group>
+      <Text size="xs" truncate>
+        {note}
+      </Text>
+    </UnstyledButton>
+  );
+}

@@ -1,0 +1,119 @@
+import { Select, Text, TextInput } from "@mantine/core";
+import { useVirtualizer } from "@tanstack/react-virtual";
+import { useRef, useState } from "react";
+import { useTranslation } from "react-i18next";
+import type { Schema } from "../api/client";
+import { Moment } from "../widgets/Moment";
+import { Status } from "../widgets/Status";
+import { Entry } from "./Entry";
+import { type Period, PERIODS, useJobs } from "./jobs";
+import { jobState } from "./jobWords";
+import type { ListProps } from "./Lists";
+import { Problem } from "./Problem";
+import classes from "./task.module.css";
+import { jobMood } from "./words";
+
+const HEIGHT = 46; // px
+type Kind = "every" | "open" | "good" | "bad";
+const KINDS: Kind[] = ["every", "open", "good", "bad"];
+
+/** Jobs of some time, the latest first. */
+export function JobList({ current, open }: ListProps) {
+  const { t } = useTranslation("task");
+  const [period, setPeriod] = useState<Period>("week");
+  const [kind, setKind] = useState<Kind>("every");
+  const [text, setText] = useState("");
+  const { data, error, refetch } = useJobs(period);
+  const jobs = (data ?? []).filter((job) => isOf(job, kind) && says(job, text.trim().toLowerCase()));
+  return (
+    <div className={classes.list}>
+      <TextInput
+        aria-label={t("list.filter")}
+        placeholder={t("list.filter")}
+        value={text}
+        onChange={(event) => setText(event.currentTarget.value)}
+      />
+      <Select
+        aria-label={t("list.state")}
+        data={KINDS.map((value) => ({ value, label: t(`list.kinds.${value}`) }))}
+        value={kind}
+        allowDeselect={false}
+        onChange={(value) => setKind(value as Kind)}
+      />
+      <Select
+        aria-label={t("list.period")}
+        data={Object.keys(PERIODS).map((value) => ({ value, label: t(`list.periods.${value as Period}`) }))}
+        value={period}
+        allowDeselect={false}
+        onChange={(value) => setPeriod(value as Period)}
+      />
+      {error !== null && <Problem error={error} again={refetch} />}
+      {jobs.length === 0 && data !== undefined && <Text c="dimmed">{t("list.noJobs")}</Text>}
+      <Jobs jobs={jobs} current={current} open={open} />
+    </div>
+  );
+}
+
+interface JobsProps extends ListProps {
+  jobs: readonly Schema<"Job">[];
+}
+
+function Jobs({ jobs, current, open }: JobsProps) {
+  const { t } = useTranslation("task");
+  const scrolled = useRef<HTMLDivElement>(null);
+  // It has functions that cannot be memoized; nothing here is.
+  // eslint-disable-next-line react-hooks/incompatible-library
+  const virtual = useVirtualizer({
+    count: jobs.length,
+    getScrollElement: () => scrolled.current,
+    estimateSize: () => HEIGHT,
+    overscan: 10,
+  });
+  return (
+    <div ref={scrolled} style={{ flex: 1, minHeight: 80, overflow: "auto" }}>
+      <ul
+        aria-label={t("list.jobs")}
+        style={{ height: virtual.getTotalSize(), position: "relative", margin: 0, padding: 0 }}
+      >
+        {virtual.getVirtualItems().map(({ index, start }) => {
+          const job = jobs[index];
+          if (job === undefined) return null;
+          return (
+            <li
+              key={job.id}
+              style={{ position: "absolute", top: start, insetInline: 0, height: HEIGHT, listStyle: "none" }}
+            >
+              <Entry
+                title={job.id}
+                note={<JobNote job={job} />}
+                state={<Status mood={jobMood(job)} text={jobState(t, job)} />}
+                current={current?.kind === "job" && current.id === job.id}
+                open={() => open({ kind: "job", id: job.id })}
+              />
+            </li>
+          );
+        })}
+      </ul>
+    </div>
+  );
+}
+
+function JobNote({ job }: { job: Schema<"Job"> }) {
+  return (
+    <>
+      <Moment at={job.ended ?? job.started ?? job.ordered} /> · {job.order.description || job.order.goal.join(", ")}
+    </>
+  );
+}
+
+function isOf(job: Schema<"Job">, kind: Kind): boolean {
+  if (kind === "every") return true;
+  if (kind === "open") return job.ended === null;
+  return job.ended !== null && (jobMood(job) === "good") === (kind === "good");
+}
+
+function says(job: Schema<"Job">, wanted: string): boolean {
+  const { id, order, outcome, state } = job;
+  const all = [id, order.description, ...order.goal, order.work_master, outcome ?? "", state.text].join(" ");
+  return wanted === "" || all.toLowerCase().includes(wanted);
+}

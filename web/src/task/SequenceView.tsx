@@ -1,0 +1,133 @@
+import { Alert, Button, Group, Stack, Text, Title } from "@mantine/core";
+import { IconPlus, IconTrash } from "@tabler/icons-react";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { useTranslation } from "react-i18next";
+import { answer, api } from "../api/client";
+import { keys } from "../api/keys";
+import { useTab } from "../app/useTab";
+import { MayButton } from "../widgets/MayButton";
+import { notifyProblem } from "../widgets/problems";
+import { Status } from "../widgets/Status";
+import { ConflictAlert } from "./ConflictAlert";
+import { Problem } from "./Problem";
+import { RunSequence } from "./RunSequence";
+import type { Skills } from "./schedule";
+import { type Sequence, useEdits, useSequence } from "./sequences";
+import { SequenceSteps } from "./SequenceSteps";
+import { StepForm } from "./StepForm";
+import { useSkills } from "./useRun";
+
+/** A sequence of steps that a person puts together, changes and runs. */
+export function SequenceView({ id }: { id: string }) {
+  const { data: sequence, error, refetch } = useSequence(id);
+  const skills = useSkills();
+  if (error !== null && sequence === undefined) return <Problem error={error} again={refetch} />;
+  if (sequence === undefined) return null;
+  return <Known sequence={sequence} skills={skills} />;
+}
+
+function Known({ sequence, skills }: { sequence: Sequence; skills: Skills }) {
+  const { t } = useTranslation("task");
+  const { edit, isPending, conflict, drop } = useEdits(sequence);
+  const title = sequence.title || sequence.id;
+  return (
+    <Stack gap="sm" component="article" aria-label={t("sequence.label", { title })}>
+      <Group gap="xs">
+        <Title order={3} size="h4">
+          {title}
+        </Title>
+        <Works sequence={sequence} />
+        <Remove sequence={sequence} />
+      </Group>
+      {conflict !== null && <ConflictAlert conflict={conflict} skills={skills} again={edit} drop={drop} />}
+      {sequence.count === 0 && <Text c="dimmed">{t("sequence.empty")}</Text>}
+      <SequenceSteps sequence={sequence} skills={skills} pending={isPending} edit={edit} />
+      <NewStep
+        skills={skills}
+        pending={isPending}
+        save={(step) => edit({ kind: "insert", at: sequence.count, step })}
+      />
+      <RunSequence sequence={sequence} />
+    </Stack>
+  );
+}
+
+function Works({ sequence }: { sequence: Sequence }) {
+  const { t } = useTranslation("task");
+  if (sequence.count === 0) return null;
+  if (sequence.works) return <Status mood="good" text={t("sequence.works")} />;
+  const wrong = sequence.steps.filter(({ works }) => !works).length;
+  return <Status mood="warning" text={t("sequence.worksNot", { count: wrong })} />;
+}
+
+function NewStep({ skills, pending, save }: Pick<Parameters<typeof StepForm>[0], "skills" | "pending" | "save">) {
+  const { t } = useTranslation("task");
+  const [opened, setOpened] = useState(false);
+  if (!opened) {
+    return (
+      <Group>
+        <MayButton
+          operation="insert_step"
+          variant="light"
+          leftSection={<IconPlus size={14} aria-hidden />}
+          onClick={() => setOpened(true)}
+        >
+          {t("step.new")}
+        </MayButton>
+      </Group>
+    );
+  }
+  const take: typeof save = (step) => {
+    save(step);
+    setOpened(false);
+  };
+  return (
+    <StepForm skills={skills} label={t("step.add")} pending={pending} save={take} cancel={() => setOpened(false)} />
+  );
+}
+
+function Remove({ sequence: { id, version } }: { sequence: Sequence }) {
+  const { t } = useTranslation("task");
+  const { t: common } = useTranslation();
+  const [sure, ask] = useState(false);
+  const client = useQueryClient();
+  const [, open] = useTab();
+  const { mutate, isPending } = useMutation({
+    mutationFn: () =>
+      answer(
+        api.DELETE("/api/v1/sequences/{id}", { params: { path: { id }, header: { "if-match": `"${version}"` } } }),
+      ),
+    onSuccess: () => {
+      void client.invalidateQueries({ queryKey: keys.sequences() });
+      open("task");
+    },
+    onError: notifyProblem,
+  });
+  if (!sure) {
+    return (
+      <MayButton
+        operation="delete_sequence"
+        variant="subtle"
+        ml="auto"
+        leftSection={<IconTrash size={14} aria-hidden />}
+        onClick={() => ask(true)}
+      >
+        {t("sequence.remove")}
+      </MayButton>
+    );
+  }
+  return (
+    <Alert color="red" p="xs" w="100%">
+      <Group gap="xs" justify="end">
+        <Text size="sm">{t("sequence.sure")}</Text>
+        <Button variant="default" onClick={() => ask(false)}>
+          {common("cancel")}
+        </Button>
+        <Button color="red" loading={isPending} onClick={() => mutate()}>
+          {t("sequence.remove")}
+        </Button>
+      </Group>
+    </Alert>
+  );
+}

@@ -1,0 +1,31 @@
+import { type Conflict, onto, type Sequence } from "./sequences";
+
+function sequence(version: number, places: string[]): Sequence {
+  const steps = places.map((Location) => {
+    return { skill: "drive", arguments: { Location }, agent: "base_1", works: true, problems: [] };
+  });
+  return { id: "round", title: "", version, count: steps.length, works: true, steps };
+}
+const SEEN = sequence(1, ["pallet_a", "kit_1"]);
+const STEP = { skill: "drive", arguments: { Location: "pallet_b" } };
+
+function conflict(edit: Conflict["edit"], there: string[]): Conflict {
+  return { edit, seen: SEEN, there: sequence(2, there) };
+}
+
+test("a change that came too late is made to the step that was meant, wherever it is by now", () => {
+  const removal = conflict({ kind: "remove", at: 1 }, ["pallet_b", "pallet_a", "kit_1"]);
+  expect(onto(removal)).toEqual({ kind: "remove", at: 2 });
+});
+
+test("a change of a step that somebody else has changed or removed cannot be made any more", () => {
+  expect(onto(conflict({ kind: "change", at: 0, step: STEP }, ["kit_1"]))).toBeNull();
+});
+
+test("what is inserted never comes behind the end", () => {
+  expect(onto(conflict({ kind: "insert", at: 2, step: STEP }, ["kit_1"]))).toEqual({
+    kind: "insert",
+    at: 1,
+    step: STEP,
+  });
+});

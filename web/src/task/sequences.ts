@@ -1,0 +1,97 @@
+/** A sequence and the changes of it: each is based on the version that was seen. */
+
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { answer, api, ApiProblem, type Schema } from "../api/client";
+import { keys } from "../api/keys";
+import { notifyProblem } from "../widgets/problems";
+
+export type Sequence = Schema<"SequenceInfo">;
+export type WantedStep = Schema<"WantedStep">;
+
+export type Edit =
+  | { kind: "insert"; at: number; step: WantedStep }
+  | { kind: "change"; at: number; step: WantedStep }
+  | { kind: "remove"; at: number }
+  | { kind: "move"; at: number; to: number };
+
+/** A change that was not made, because somebody else had changed the sequence. */
+export interface Conflict {
+  edit: Edit;
+  /** What it was based on, and what is there now. */
+  seen: Sequence;
+  there: Sequence;
+}
+
+/** Also old when the world changes: each step is checked against that. */
+function keyOf(id: string) {
+  return keys.world("sequence", id);
+}
+
+export function useSequence(id: string) {
+  return useQuery({ queryKey: keyOf(id), queryFn: () => read(id), staleTime: 0 });
+}
+
+function read(id: string): Promise<Sequence> {
+  return answer(api.GET("/api/v1/sequences/{id}", { params: { path: { id } } }));
+}
+
+export function useEdits(sequence: Sequence) {
+  const client = useQueryClient();
+  const [conflict, setConflict] = useState<Conflict | null>(null);
+  const take = (there: Sequence) => {
+    client.setQueryData(keyOf(sequence.id), there);
+    void client.invalidateQueries({ queryKey: keys.sequences() });
+  };
+  const { mutate, isPending } = useMutation({
+    mutationFn: (edit: Edit) => send(sequence, edit),
+    onSuccess: (there) => {
+      take(there);
+      setConflict(null);
+    },
+    onError: async (error, edit) => {
+      if (!(error instanceof ApiProblem && error.status === 412)) return notifyProblem(error);
+      const there = await read(sequence.id);
+      take(there);
+      setConflict({ edit, seen: sequence, there });
+    },
+  });
+  return { edit: mutate, isPending, conflict, drop: () => setConflict(null) };
+}
+
+function send({ id, version }: Sequence, edit: Edit): Promise<Sequence> {
+  const header = { "if-match": `"${version}"` };
+  const step = { path: { id, number: edit.at }, header };
+  switch (edit.kind) {
+    case "insert":
+      return answer(
+        api.POST("/api/v1/sequences/{id}/steps", {
+          params: { path: { id }, header },
+          body: { ...edit.step, at: edit.at },
+        }),
+      );
+    case "change":
+      return answer(api.PUT("/api/v1/sequences/{id}/steps/{number}", { params: step, body: edit.step }));
+    case "remove":
+      return answer(api.DELETE("/api/v1/sequences/{id}/steps/{number}", { params: step }));
+    case "move":
+      return answer(api.POST("/api/v1/sequences/{id}/steps/{number}/move", { params: step, body: { to: edit.to } }));
+  }
+}
+
+/** What an edit would do, once more, to what is there now; null where that step is not the same any more. */
+export function onto({ edit, seen, there }: Conflict): Edit | null {
+  if (edit.kind === "insert") return { ...edit, at: Math.min(edit.at, there.steps.length) };
+  const meant = seen.steps[edit.at];
+  const at = there.steps.findIndex((step) => meant !== undefined && isSame(step, meant));
+  if (at < 0) return null;
+  return edit.kind === "move" ? { ...edit, at, to: Math.min(edit.to, there.steps.length - 1) } : { ...edit, at };
+}
+
+function isSame(one: WantedStep, other: WantedStep): boolean {
+  return one.skill === other.skill && JSON.stringify(sorted(one)) === JSON.stringify(sorted(other));
+}
+
+function sorted(step: WantedStep): [string, string][] {
+  return Object.entries(step.arguments ?? {}).sort();
+}

@@ -1,0 +1,81 @@
+import { Alert, Button, Group, Modal, Stack, Text } from "@mantine/core";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useTranslation } from "react-i18next";
+import { answer, api } from "../../api/client";
+import { useSelection } from "../../selection/selection";
+import { problemText } from "../../widgets/problems";
+import { notifyDone } from "../../widgets/toasts";
+import { Difference } from "./Difference";
+import { usePresent } from "./queries";
+
+/** A scene by its name, or one that was sent as Turtle. */
+export interface SceneToLoad {
+  name: string;
+  turtle?: string;
+}
+
+interface Props {
+  scene: SceneToLoad;
+  onClose: () => void;
+}
+
+/** Asks before another scene is loaded; says what of the present one would be lost. */
+export function LoadDialog({ scene, onClose }: Props) {
+  const { t } = useTranslation(["world", "common"]);
+  const { data: present } = usePresent();
+  const load = useLoad(scene, onClose);
+  if (present === undefined) return null;
+  const { name, changed } = present.data;
+  return (
+    <Modal opened onClose={onClose} title={t("load.title", { name: scene.name })} size="lg">
+      <Stack>
+        <Text size="sm">{t("load.text")}</Text>
+        {changed === null && <Alert color="orange">{t("load.neverSaved")}</Alert>}
+        {changed && (
+          <Alert color="orange" title={t("load.lost")}>
+            <Difference name={name} />
+          </Alert>
+        )}
+        {load.error && (
+          <Alert color="red" title={t("load.refused")} style={{ whiteSpace: "pre-wrap" }}>
+            {problemText(load.error)}
+          </Alert>
+        )}
+        <Group justify="end">
+          <Button variant="default" onClick={onClose} data-autofocus>
+            {t("common:cancel")}
+          </Button>
+          <Button color={changed ? "red" : undefined} loading={load.isPending} onClick={() => load.mutate(present.tag)}>
+            {changed ? t("load.anyway") : t("scenes.load")}
+          </Button>
+        </Group>
+      </Stack>
+    </Modal>
+  );
+}
+
+function useLoad(scene: SceneToLoad, onDone: () => void) {
+  const { t } = useTranslation(["world", "common"]);
+  const client = useQueryClient();
+  return useMutation({
+    mutationFn: (tag: string) => put(scene, tag),
+    onSuccess: () => {
+      useSelection.getState().choose(null);
+      void client.invalidateQueries(); // robots, modules and goals are others, too
+      notifyDone(t("load.done", { name: scene.name }));
+      onDone();
+    },
+  });
+}
+
+function put({ name, turtle }: SceneToLoad, tag: string) {
+  const params = { header: { "if-match": tag } };
+  if (turtle === undefined) return answer(api.PUT("/api/v1/scene", { params, body: { name } }));
+  return answer(
+    api.PUT("/api/v1/scene", {
+      params: { header: { ...params.header, "Content-Type": "text/turtle" } },
+      body: turtle as never, // its description knows the other form only
+      bodySerializer: String,
+    }),
+  );
+}

@@ -1,0 +1,36 @@
+import { useQuery } from "@tanstack/react-query";
+import { answer, answerWithTag, api } from "../../api/client";
+import { keys } from "../../api/keys";
+
+const ALL = 1000;
+const LINES = 200;
+const LOOKED_AT = 2000; // ms: time goes on without events
+
+/** The scene that robots act in, with the tag that loading another one has to say. */
+export function usePresent() {
+  return useQuery({ queryKey: keys.scenes("present"), queryFn: () => answerWithTag(api.GET("/api/v1/scene")) });
+}
+
+export function useScenes() {
+  return useQuery({
+    queryKey: keys.scenes("list"),
+    queryFn: async () => (await answer(api.GET("/api/v1/scenes", { params: { query: { limit: ALL } } }))).items,
+  });
+}
+
+/** What makes the present scene of another one. */
+export function useDifference(name: string, enabled: boolean) {
+  return useQuery({
+    queryKey: keys.scenes("difference", name),
+    queryFn: () => answer(api.GET("/api/v1/scene/diff", { params: { query: { with: name, limit: LINES } } })),
+    enabled: enabled && name !== "",
+  });
+}
+
+export function useSimulation() {
+  return useQuery({
+    queryKey: keys.station("simulation"),
+    queryFn: () => answer(api.GET("/api/v1/simulation")),
+    refetchInterval: LOOKED_AT,
+  });
+}

@@ -1,0 +1,58 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { useTranslation } from "react-i18next";
+import { answer, answerWithTag, api } from "../../api/client";
+import { problemText } from "../../widgets/problems";
+import { notifyDone } from "../../widgets/toasts";
+import { useScenes } from "./queries";
+
+export interface Saving {
+  save: (name: string) => void;
+  busy: boolean;
+  /** Why it was refused; empty where it was not. */
+  refusal: string;
+  /** Whether a saved scene of that name would be replaced, which has to be asked. */
+  asked: boolean;
+  replace: () => void;
+  close: () => void;
+}
+
+/** Saves the present scene; one that is there already is replaced only by who wants that. */
+export function useSave(): Saving {
+  const { t } = useTranslation("world");
+  const client = useQueryClient();
+  const { data: scenes } = useScenes();
+  const [asked, setAsked] = useState("");
+  const write = useMutation({
+    mutationFn: ({ name, tag }: { name: string; tag?: string }) => post(name, tag),
+    onSuccess: ({ name }) => {
+      void client.invalidateQueries({ queryKey: ["scenes"] });
+      notifyDone(t("scenes.saved", { name }));
+    },
+  });
+  const replace = useMutation({
+    mutationFn: async (name: string) => {
+      const { tag } = await answerWithTag(api.GET("/api/v1/scenes/{name}", { params: { path: { name } } }));
+      setAsked("");
+      write.mutate({ name, tag });
+    },
+  });
+  const error = write.error ?? replace.error;
+  return {
+    save: (name) => {
+      const there = scenes?.some((scene) => scene.name === name && scene.source === "saved");
+      if (there) setAsked(name);
+      else write.mutate({ name });
+    },
+    busy: write.isPending || replace.isPending,
+    refusal: error ? problemText(error) : "",
+    asked: asked !== "",
+    replace: () => replace.mutate(asked),
+    close: () => setAsked(""),
+  };
+}
+
+function post(name: string, tag: string | undefined) {
+  const header = tag === undefined ? {} : { "if-match": tag };
+  return answer(api.POST("/api/v1/scenes", { params: { header }, body: { name } }));
+}
