@@ -64,8 +64,29 @@ def browser(chromium: str) -> Iterator[Browser]:
         browser.close()
 
 
+@pytest.fixture(scope="session")
+def expect() -> Any:
+    """Playwright's assertions, which wait."""
+    expect = pytest.importorskip("playwright.sync_api").expect
+    expect.set_options(timeout=_PATIENCE)
+    return expect
+
+
+@pytest.fixture(scope="session")
+def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the models of robots are kept that pages draw: they are made once for all tests, which takes seconds."""
+    return tmp_path_factory.mktemp("models")
+
+
 @pytest.fixture
-def station(tmp_path: Path) -> Iterator[Station]:
+def data(tmp_path: Path, models: Path) -> Path:
+    """A data directory."""
+    (tmp_path / "models").symlink_to(models)
+    return tmp_path
+
+
+@pytest.fixture
+def station(data: Path) -> Iterator[Station]:
     """Opens a station with its server: ``station(scene, physics=False, pace=3.0, settings=…)``."""
     # Playwright's event loop is that of this thread; servers are begun and ended in another one.
     with ThreadPoolExecutor(1, "station") as keeper:
@@ -75,7 +96,7 @@ def station(tmp_path: Path) -> Iterator[Station]:
             scene: str = "kitting", *, physics: bool = False, pace: float = 3.0, settings: ServerSettings = _USUAL
         ) -> Served:
             options = Options(fake=not physics, pace=pace)
-            return keeper.submit(stations.enter_context, serving(scene, tmp_path, options, settings)).result()
+            return keeper.submit(stations.enter_context, serving(scene, data, options, settings)).result()
 
         yield opened
         keeper.submit(stations.close).result()

@@ -26,12 +26,6 @@ REFUSED = ("Failed to load resource",)
 EVIL = '<img src=x onerror="window.hacked = 1">'
 
 
-@pytest.fixture
-def expect():
-    """Playwright's assertions, which wait."""
-    return pytest.importorskip("playwright.sync_api").expect
-
-
 @contextmanager
 def api(served: Served, key: str = "") -> Iterator[httpx2.Client]:
     headers = {"X-API-Key": key} if key else {}
@@ -203,14 +197,14 @@ def free_port() -> int:
         return listening.getsockname()[1]
 
 
-def test_a_lost_connection_is_shown_and_heals_when_the_server_is_there_again(visit, expect, tmp_path: Path):
+def test_a_lost_connection_is_shown_and_heals_when_the_server_is_there_again(visit, expect, data: Path):
     port = free_port()
-    with ServerProcess("kitting", "--fake", data=tmp_path, port=port) as first:
+    with ServerProcess("kitting", "--fake", data=data, port=port) as first:
         page = visit(first.url, expected=REFUSED)
         expect(page.get_by_text("connected", exact=True)).to_be_visible()
         first.kill()
         expect(page.get_by_text("Connection lost")).to_be_visible()
-    with ServerProcess("--fake", data=tmp_path, port=port) as second:
+    with ServerProcess("--fake", data=data, port=port) as second:
         expect(page.get_by_text("Connection lost")).to_have_count(0, timeout=30_000)
         stop_button(page).click()
         expect(page.get_by_text("The stop was obeyed.")).to_be_visible()

@@ -5,8 +5,10 @@ from __future__ import annotations
 import shlex
 import signal
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -15,7 +17,7 @@ import click
 from skiros_py.cli.ending import end_now, end_unless
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.nothing_left import nothing_left_of
-from skiros_py.cli.options import CONFIG, DATA, JSON, pace_option, planner_options
+from skiros_py.cli.options import CONFIG, JSON, data_option, pace_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS
 from skiros_py.cli.text import escaped
@@ -47,13 +49,14 @@ _ENDING = 9.0
     "serve",
     epilog="""\b
 Examples:
+  skiros serve kitting
   skiros serve kitting --data cell
   skiros serve --data cell --port 8080 --log json
   skiros serve kitting --data try --fake --pace max
 """,
 )
 @click.argument("scene", required=False, default="")
-@DATA
+@data_option(required=False)
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address; any but this machine's own takes keys.")
 @click.option("--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="0 for any free one.")
 @pace_option("real")
@@ -79,7 +82,7 @@ Examples:
 @JSON
 def command(
     scene: str,
-    data: Path,
+    data: Path | None,
     host: str,
     port: int,
     pace: float | None,
@@ -101,8 +104,9 @@ def command(
     """Serves SCENE, or the world that lives in the data directory, until Ctrl-C or a polite kill.
 
     SCENE is the first content of a new data directory, and can be left out afterwards: world, jobs and keys live on
-    there. The API is below /api/v1, with a page that describes it at /api/v1/docs. At the end the robots come to a
-    standstill, and what was under way waits for a person at the next start.
+    there; without --data all of that is gone at the end. The API is below /api/v1, with a page that describes it at
+    /api/v1/docs; where the web pages are installed, they are at /. At the end the robots come to a standstill, and what
+    was under way waits for a person at the next start.
     """
     from skiros_py.runtime import Options
     from skiros_py.server.serving import bind
@@ -133,17 +137,32 @@ def command(
     # The control thread asks for the interpreter 200 times a second and would wait for 5 ms each time that a request
     # is being answered: a whole cycle.
     sys.setswitchinterval(_SWITCH)
-    with closing(bind(settings)) as listening, _Stops(as_json=as_json).heard() as stops:
+    with closing(bind(settings)) as listening, _Stops(as_json=as_json).heard() as stops, _folder(data) as folder:
         _log_to_stderr(log)
         try:
-            _serve(scene, options, settings, listening, stops, as_json=as_json)
+            _serve(scene, replace(options, data=folder), settings, listening, stops, as_json=as_json)
         except UserStop:
             return REACHED  # ended before it was up
     return REACHED
 
 
-def _check_first_content(scene: str, data: Path) -> None:
-    if not (scene or _lives(data)):
+@contextmanager
+def _folder(data: Path | None) -> Iterator[Path]:
+    """Gives the data directory: where nobody names one, one for the time of the block."""
+    if data is not None:
+        yield data
+        return
+    with tempfile.TemporaryDirectory(prefix="skiros-") as folder:
+        click.echo("data    for this time only: --data DIR keeps world, jobs and keys", err=True)
+        yield Path(folder)
+
+
+def _check_first_content(scene: str, data: Path | None) -> None:
+    if data is None and not scene:
+        raise UsageError(
+            "say what is served: skiros serve SCENE, or skiros serve --data DIR where a world lives already"
+        )
+    if data is not None and not (scene or _lives(data)):
         raise UsageError(f"{data}: no world lives here yet; say with which scene it begins: skiros serve SCENE …")
 
 

@@ -26,7 +26,9 @@ afterEach(() => {
 
 test("a stop that was obeyed says so", async () => {
   const fetch = answers(answer(200, { ...INFO, obeyed: true }));
-  await stopAll("a person is in the cell");
+  const stopping = stopAll("a person is in the cell");
+  await vi.advanceTimersByTimeAsync(100);
+  await stopping;
   expect(useStopping.getState().verdict).toBe("obeyed");
   expect(fetch.mock.calls[0]?.[1]).toMatchObject({ method: "POST", keepalive: true });
 });
@@ -36,9 +38,9 @@ test("a stop that nobody answers is asked for until somebody does", async () => 
   const stopping = stopAll("why");
   await vi.advanceTimersByTimeAsync(1);
   expect(useStopping.getState().verdict).toBe("noAnswer");
-  await vi.advanceTimersByTimeAsync(600);
+  await vi.advanceTimersByTimeAsync(2100);
   expect(useStopping.getState().verdict).toBe("noAnswer");
-  await vi.advanceTimersByTimeAsync(600);
+  await vi.advanceTimersByTimeAsync(2100);
   await stopping;
   expect(useStopping.getState().verdict).toBe("obeyed");
   expect(fetch).toHaveBeenCalledTimes(3);
@@ -60,7 +62,9 @@ test("a stop that was heard and not obeyed is no good news until it is", async (
 
 test("a stop that is refused says what the server says, and is not tried again", async () => {
   const fetch = answers(answer(403, { title: "Role too low", detail: "that takes the role operator" }));
-  await stopAll("why");
+  const stopping = stopAll("why");
+  await vi.advanceTimersByTimeAsync(5000);
+  await stopping;
   expect(useStopping.getState()).toMatchObject({ verdict: "refused", text: "that takes the role operator" });
   expect(fetch).toHaveBeenCalledTimes(1);
 });
@@ -74,4 +78,19 @@ test("who has seen that nobody answers ends the trying", async () => {
   await stopping;
   expect(useStopping.getState().verdict).toBeNull();
   expect(fetch).toHaveBeenCalledTimes(1);
+});
+
+test("an answer that comes late is one, though it was tried again meanwhile", async () => {
+  let late: (response: Response) => void = () => undefined;
+  const fetch = vi.spyOn(globalThis, "fetch").mockReturnValue(new Promise(() => undefined));
+  fetch.mockReturnValueOnce(new Promise((resolve) => (late = resolve)));
+  const stopping = stopAll("why");
+  await vi.advanceTimersByTimeAsync(1600);
+  expect(useStopping.getState().verdict).toBe("noAnswer");
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(fetch).toHaveBeenCalledTimes(2);
+  late(answer(200, { ...INFO, obeyed: true }));
+  await vi.advanceTimersByTimeAsync(100);
+  await stopping;
+  expect(useStopping.getState().verdict).toBe("obeyed");
 });

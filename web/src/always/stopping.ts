@@ -24,9 +24,10 @@ export const useStopping = create<Stopping>((set) => ({
   },
 }));
 
-const PATIENCE = 1500; // ms
-const AGAIN = 500; // ms
-const ROOM_AFTER = 800; // ms without an answer (which may take 500) until the streams give way
+const NOTICE_AFTER = 1500; // ms without an answer until that is said
+const AGAIN = 2000; // ms between two tries; each goes on while the next begins: any answer is one
+const PATIENCE = 8000; // ms for one try
+const LOOK = 50; // ms
 const LOOK_AGAIN = 1000; // ms
 
 let round = 0;
@@ -35,24 +36,38 @@ let round = 0;
 export async function stopAll(reason: string): Promise<void> {
   round += 1;
   const mine = round;
-  const going = () => mine === round;
-  if (useStopping.getState().verdict !== "noAnswer") useStopping.setState({ verdict: "asking", text: "" });
-  while (going()) {
-    const answered = await ask(reason);
-    if (!going()) return;
-    useStopping.setState(answered ?? { verdict: "noAnswer", text: "" });
-    if (answered?.verdict === "notObeyed") return untilObeyed(going);
-    if (answered !== null) return;
-    await pause(AGAIN);
+  const open = () => mine === round && !isAnswer(useStopping.getState().verdict);
+  useStopping.setState(({ verdict }) => ({ verdict: verdict === "noAnswer" ? verdict : "asking", text: "" }));
+  const room = setTimeout(reconnect, NOTICE_AFTER / 2); // several windows may hold all that a browser connects
+  const notice = setTimeout(() => open() && giveNotice(), NOTICE_AFTER);
+  while (open()) {
+    void ask(reason).then((answer) => {
+      if (open()) settle(answer, () => mine === round);
+    });
+    await whileOpen(open, AGAIN);
   }
+  clearTimeout(room);
+  clearTimeout(notice);
 }
 
 type Answer = Pick<Stopping, "verdict" | "text">;
 
+function isAnswer(verdict: Verdict | null): boolean {
+  return verdict !== "asking" && verdict !== "noAnswer";
+}
+
+function giveNotice(): void {
+  useStopping.setState({ verdict: "noAnswer", text: "" });
+}
+
+function settle(answer: Answer | null, mine: () => boolean): void {
+  if (answer === null) return giveNotice();
+  useStopping.setState(answer);
+  if (answer.verdict === "notObeyed") void untilObeyed(mine);
+}
+
 /** Asks once; null where nobody answers. */
 async function ask(reason: string): Promise<Answer | null> {
-  // Several windows of these pages may hold all connections that a browser opens to one server.
-  const room = setTimeout(reconnect, ROOM_AFTER);
   try {
     const response = await fetch(`${BASE}/api/v1/stop`, {
       method: "POST",
@@ -65,8 +80,6 @@ async function ask(reason: string): Promise<Answer | null> {
     return await meaning(response);
   } catch {
     return null;
-  } finally {
-    clearTimeout(room);
   }
 }
 
@@ -97,6 +110,12 @@ async function isObeyed(): Promise<boolean> {
   } catch {
     return false;
   }
+}
+
+/** Waits, but no longer than something is open. */
+async function whileOpen(open: () => boolean, milliseconds: number): Promise<void> {
+  const until = Date.now() + milliseconds;
+  while (open() && Date.now() < until) await pause(LOOK);
 }
 
 function pause(milliseconds: number): Promise<void> {

@@ -69,10 +69,13 @@ function Course({ job }: { job: Job }) {
     mutationFn: () => answer(api.POST("/api/v1/jobs/{id}/stop", { params: { path: { id: job.id } } })),
     onError: notifyProblem,
   });
+  const said: Record<string, string> = t("job.states", { returnObjects: true });
+  const states = ({ outcome, state }: Job) =>
+    (outcome === null ? [state.text, ...state.substates] : [outcome]).map((one) => said[one] ?? one).join(" · ");
   return (
     <>
       <Group gap="xs">
-        <Status mood={moodOf(job)} text={job.outcome ?? [job.state.text, ...job.state.substates].join(" · ")} />
+        <Status mood={moodOf(job)} text={states(job)} />
         {job.detail && <Text size="sm">{job.detail}</Text>}
         {job.commands.includes("stop") && (
           <MayButton

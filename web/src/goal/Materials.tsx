@@ -1,4 +1,14 @@
-import { ActionIcon, Button, Group, NumberInput, Stack, Table, TextInput, Tooltip } from "@mantine/core";
+import {
+  ActionIcon,
+  Button,
+  Group,
+  NumberInput,
+  Stack,
+  Table,
+  TextInput,
+  Tooltip,
+  VisuallyHidden,
+} from "@mantine/core";
 import { IconPlus, IconTable, IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
@@ -40,7 +50,9 @@ export function Materials({ content, filled, words, onChange }: Props) {
               <Table.Th key={field}>{t(`materials.${field}`)}</Table.Th>
             ))}
             {counted && <Table.Th w={80}>{t("materials.quantity")}</Table.Th>}
-            <Table.Th w={36} aria-label={t("materials.remove")} />
+            <Table.Th w={36}>
+              <VisuallyHidden>{t("materials.remove")}</VisuallyHidden>
+            </Table.Th>
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>

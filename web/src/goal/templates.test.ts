@@ -34,6 +34,11 @@ test("a template is no order before its parameters and all rows are filled in", 
   expect(templateOrder({ ...filled, materials: [{ ...ROW, location: "" }] }, CONTENT)).toBeNull();
 });
 
+test("a row without a part wants nothing", () => {
+  const filled = { name: "fill", parameters: { kit: "kit_1" }, materials: [ROW, { ...EMPTY, location: "kit_1_b" }] };
+  expect(templateOrder(filled, CONTENT)?.materials.map(({ location }) => location)).toEqual(["kit_1_a"]);
+});
+
 test("elements may become parameters, named after their roles; classes stay", () => {
   const conditions = ["kit_1_a", "kit_1_b"].map((place) => ({
     data: { condition: "ObjectAtLocation", arguments: ["kitting:Starter", place] },

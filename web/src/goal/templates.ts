@@ -40,12 +40,12 @@ export function isCounted(fields: readonly Field[]): boolean {
   return !fields.includes("location") && !fields.includes("id");
 }
 
-/** The order that a filled template makes; null while something is missing. */
+/** The order that a filled template makes; null while something is missing. A row without a part wants nothing. */
 export function templateOrder(filled: Filled, content: Content): GoalOrder | null {
   const given = content.parameters.filter(({ name }) => filled.parameters[name]);
   const missing = content.parameters.some(({ name, default: fallback }) => !filled.parameters[name] && !fallback);
   const fields = fieldsOf(content);
-  const materials = content.per_material ? filled.materials : [];
+  const materials = content.per_material ? filled.materials.filter((piece) => piece.class !== "") : [];
   const incomplete = materials.some((piece) => fields.some((field) => !piece[field]));
   if (missing || incomplete || (content.per_material && materials.length === 0)) return null;
   const parameters = Object.fromEntries(given.map(({ name }) => [name, filled.parameters[name] ?? ""]));

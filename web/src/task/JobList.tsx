@@ -1,4 +1,4 @@
-import { Select, Text, TextInput } from "@mantine/core";
+import { Group, Select, Text, TextInput } from "@mantine/core";
 import { useVirtualizer } from "@tanstack/react-virtual";
 import { useRef, useState } from "react";
 import { useTranslation } from "react-i18next";
@@ -33,20 +33,22 @@ export function JobList({ current, open }: ListProps) {
         value={text}
         onChange={(event) => setText(event.currentTarget.value)}
       />
-      <Select
-        aria-label={t("list.state")}
-        data={KINDS.map((value) => ({ value, label: t(`list.kinds.${value}`) }))}
-        value={kind}
-        allowDeselect={false}
-        onChange={(value) => setKind(value as Kind)}
-      />
-      <Select
-        aria-label={t("list.period")}
-        data={Object.keys(PERIODS).map((value) => ({ value, label: t(`list.periods.${value as Period}`) }))}
-        value={period}
-        allowDeselect={false}
-        onChange={(value) => setPeriod(value as Period)}
-      />
+      <Group grow gap={4} wrap="nowrap">
+        <Select
+          aria-label={t("list.state")}
+          data={KINDS.map((value) => ({ value, label: t(`list.kinds.${value}`) }))}
+          value={kind}
+          allowDeselect={false}
+          onChange={(value) => setKind(value as Kind)}
+        />
+        <Select
+          aria-label={t("list.period")}
+          data={Object.keys(PERIODS).map((value) => ({ value, label: t(`list.periods.${value as Period}`) }))}
+          value={period}
+          allowDeselect={false}
+          onChange={(value) => setPeriod(value as Period)}
+        />
+      </Group>
       {error !== null && <Problem error={error} again={refetch} />}
       {jobs.length === 0 && data !== undefined && <Text c="dimmed">{t("list.noJobs")}</Text>}
       <Jobs jobs={jobs} current={current} open={open} />

@@ -1,6 +1,7 @@
 import { Alert, Anchor, Button, Group, Stack, Text, Title } from "@mantine/core";
 import { IconHistory, IconListNumbers } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
+import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { Answers } from "../always/Answers";
 import { useAlarms } from "../always/useAlarms";
@@ -32,6 +33,7 @@ export function JobView({ id }: { id: string }) {
 function Known({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
   const [, open] = useTab();
+  const [chosen, choose] = useState<string | null>(null);
   const skills = useSkills();
   const over = job.ended !== null;
   const { run, error, refetch } = useJobRun(job.id, over);
@@ -56,7 +58,7 @@ function Known({ job }: { job: Schema<"Job"> }) {
         {job.started !== null && <ReplayButton job={job.id} />}
         {job.plan.length > 0 && <NewSequenceButton from={{ job: job.id }} title={job.id} icon={IconListNumbers} />}
       </Group>
-      <Replayed job={job.id} run={run} />
+      <Replayed job={job.id} run={run} choose={choose} />
       {error !== null && <Problem error={error} again={refetch} />}
       <RunPanes
         key={job.id}
@@ -69,6 +71,8 @@ function Known({ job }: { job: Schema<"Job"> }) {
         from={moment(job.started)}
         to={moment(job.ended)}
         report={<JobReport job={job} run={run} skills={skills} />}
+        chosen={chosen}
+        choose={choose}
       />
     </Stack>
   );
@@ -148,11 +152,11 @@ function ReplayButton({ job }: { job: string }) {
 }
 
 /** The controls of a replay of this job; or that another job is replayed. */
-function Replayed({ job, run }: { job: string; run: Run }) {
+function Replayed({ job, run, choose }: { job: string; run: Run; choose: (step: string) => void }) {
   const { t } = useTranslation("task");
   const shown = useReplay(({ replay }) => replay?.job);
   if (shown === undefined) return null;
-  if (shown === job) return <ReplayBar steps={run.steps} choose={() => undefined} />;
+  if (shown === job) return <ReplayBar steps={run.steps} choose={choose} />;
   return (
     <Alert color="blue" p="xs">
       <Anchor href={`#/task/${encodeURIComponent(shown)}`}>{t("replay.other", { job: shown })}</Anchor>

@@ -51,7 +51,13 @@ export function ListsDrawer({ current, open }: ListProps) {
   const [opened, { open: show, close }] = useDisclosure(false);
   return (
     <>
-      <Button variant="default" leftSection={<IconList size={14} aria-hidden />} onClick={show} aria-expanded={opened}>
+      <Button
+        variant="default"
+        leftSection={<IconList size={14} aria-hidden />}
+        onClick={show}
+        aria-expanded={opened}
+        mb="xs"
+      >
         {current === null ? t("lists.choose") : t("lists.other")}
       </Button>
       <Drawer opened={opened} onClose={close} title={t("lists.choose")} size="xs" position="right">

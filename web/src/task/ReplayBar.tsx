@@ -30,7 +30,7 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
     // Space plays and pauses wherever in it somebody is; each of its parts is a control of its own.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
     <div role="group" aria-label={t("replay.label", { job: replay.job })} onKeyDown={keys}>
-      <Group gap={4} wrap="nowrap">
+      <Group gap={4}>
         <Tool name={t("replay.before")} act={() => jump(steps.findLast((one) => one.start < time - 0.3))}>
           <IconPlayerSkipBack size={16} />
         </Tool>
@@ -40,19 +40,7 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
         <Tool name={t("replay.next")} act={() => jump(steps.find((one) => one.start > time + 0.01))}>
           <IconPlayerSkipForward size={16} />
         </Tool>
-        <Slider
-          flex={1}
-          mx="xs"
-          size="sm"
-          min={start}
-          max={end}
-          step={KEY_STEP / 10}
-          value={time}
-          label={(value) => `${(value - start).toFixed(1)} s`}
-          thumbLabel={t("replay.time")}
-          onChange={(value) => set({ time: value })}
-        />
-        <Text size="sm" w={96} ta="right" style={{ fontVariantNumeric: "tabular-nums" }}>
+        <Text size="sm" w={96} ta="right" ml="auto" style={{ fontVariantNumeric: "tabular-nums" }}>
           {`${(time - start).toFixed(1)} / ${(end - start).toFixed(1)} s`}
         </Text>
         <Select
@@ -70,6 +58,18 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
           {t("replay.leave")}
         </Button>
       </Group>
+      <Slider
+        mx="xs"
+        my={6}
+        size="sm"
+        min={start}
+        max={end}
+        step={KEY_STEP / 10}
+        value={time}
+        label={(value) => `${(value - start).toFixed(1)} s`}
+        thumbLabel={t("replay.time")}
+        onChange={(value) => set({ time: value })}
+      />
       {!replay.complete && (
         <Alert color="yellow" p={4} mt={4}>
           {t("replay.incomplete")}

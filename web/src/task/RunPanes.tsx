@@ -1,6 +1,6 @@
 import { Divider, Stack, Tabs, Text } from "@mantine/core";
 import { IconBinaryTree, IconFileText, IconTerminal2, IconTimeline } from "@tabler/icons-react";
-import { type ReactNode, useEffect, useState } from "react";
+import { lazy, type ReactNode, useEffect, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { Part } from "../app/Part";
 import { useReplay } from "../scene3d/replay";
@@ -11,7 +11,6 @@ import type { Skills } from "./schedule";
 import { StepDetails } from "./StepDetails";
 import { Timeline } from "./Timeline";
 import type { Run } from "./trace";
-import { TreePane } from "./TreePane";
 
 interface Props {
   /** Id of the job, or name of the task. */
@@ -25,17 +24,21 @@ interface Props {
   from: number | null;
   to: number | null;
   report: ReactNode;
+  /** Key of the step that is looked at. */
+  chosen: string | null;
+  choose: (step: string | null) => void;
 }
+
+const TreePane = lazy(() => import("./TreePane"));
 
 const ICONS = { timeline: IconTimeline, tree: IconBinaryTree, output: IconTerminal2, report: IconFileText };
 type Pane = keyof typeof ICONS;
 const PANES = Object.keys(ICONS) as Pane[];
 
 /** What is under way, or was, from its four sides; and the step of it that somebody has chosen. */
-export function RunPanes({ name, run, skills, title, state, paused, from, to, report }: Props) {
+export function RunPanes({ name, run, skills, title, state, paused, from, to, report, chosen, choose }: Props) {
   const { t } = useTranslation("task");
   const [pane, setPane] = useState<Pane>("timeline");
-  const [chosen, choose] = useState<string | null>(null);
   const cursor = useReplay((replay) => (replay.replay?.job === name ? replay.time : null));
   useEffect(followOutput, []);
   const step = run.steps.find(({ key }) => key === chosen);
@@ -70,7 +73,7 @@ export function RunPanes({ name, run, skills, title, state, paused, from, to, re
           </Text>
         )
       ) : (
-        <StepDetails step={step} run={run} skills={skills} close={() => choose(null)} />
+        <StepDetails name={name} step={step} run={run} skills={skills} close={() => choose(null)} />
       )}
     </Stack>
   );

@@ -19,7 +19,7 @@ import { StepForm } from "./StepForm";
 import { useSkills } from "./useRun";
 
 /** A sequence of steps that a person puts together, changes and runs. */
-export function SequenceView({ id }: { id: string }) {
+export default function SequenceView({ id }: { id: string }) {
   const { data: sequence, error, refetch } = useSequence(id);
   const skills = useSkills();
   if (error !== null && sequence === undefined) return <Problem error={error} again={refetch} />;

@@ -1,7 +1,8 @@
-import { Badge, CloseButton, Group, Stack, Table, Text, Title } from "@mantine/core";
+import { Badge, Button, CloseButton, Group, Stack, Table, Text, Title } from "@mantine/core";
 import { useQueries } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
+import { useReplay } from "../scene3d/replay";
 import { ElementName } from "../widgets/ElementName";
 import { problemText } from "../widgets/problems";
 import { Status } from "../widgets/Status";
@@ -15,6 +16,8 @@ import { messagesOf } from "./tree";
 import { span, STEP_MOODS, stepState, stepTitle } from "./words";
 
 interface Props {
+  /** Id of the job, or name of the task. */
+  name: string;
   step: Step;
   run: Run;
   skills: Skills;
@@ -22,7 +25,7 @@ interface Props {
 }
 
 /** All that is known of one step: with what it ran, what was true, what it changed in the world, what it said. */
-export function StepDetails({ step, run, skills, close }: Props) {
+export function StepDetails({ name, step, run, skills, close }: Props) {
   const { t } = useTranslation("task");
   const title = stepTitle(step, skills);
   return (
@@ -35,6 +38,7 @@ export function StepDetails({ step, run, skills, close }: Props) {
         <Text size="sm" c="dimmed">
           {`${(step.start - run.begun).toFixed(1)} s${step.end === null ? " …" : ` + ${span(step.end - step.start)}`}`}
         </Text>
+        <ReplayFrom name={name} step={step} />
         <CloseButton ml="auto" aria-label={t("details.close")} onClick={close} />
       </Group>
       <Text size="sm">{step.text}</Text>
@@ -51,6 +55,18 @@ export function StepDetails({ step, run, skills, close }: Props) {
         <Logs step={step} shift={run.shift} />
       </Section>
     </Stack>
+  );
+}
+
+/** In a replay: shows the moment at which the step began. */
+function ReplayFrom({ name, step }: { name: string; step: Step }) {
+  const { t } = useTranslation("task");
+  const shown = useReplay(({ replay }) => replay?.job === name);
+  if (!shown) return null;
+  return (
+    <Button variant="light" size="compact-xs" onClick={() => useReplay.getState().set({ time: step.start })}>
+      {t("replay.here")}
+    </Button>
   );
 }
 

@@ -1,17 +1,18 @@
 import { Stack, Text } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
-import { useState } from "react";
+import { lazy, useState } from "react";
 import { useTranslation } from "react-i18next";
+import { Part } from "../app/Part";
 import { useTab } from "../app/useTab";
 import { useStation } from "../live/station";
 import { detailOf, type Place, placeOf } from "./address";
 import { JobView } from "./JobView";
 import { Lists, ListsDrawer } from "./Lists";
-import { SequenceView } from "./SequenceView";
 import classes from "./task.module.css";
 import { TaskView } from "./TaskView";
 import { useTask } from "./useRun";
 
+const SequenceView = lazy(() => import("./SequenceView"));
 const ROOM = 700; // px: with less the list is behind a button
 
 /** What the robots do and did, and sequences of steps that people put together (Fig. 4 of the paper). */
@@ -26,7 +27,11 @@ export default function TaskTab() {
     <div ref={ref} className={classes.root}>
       {width > 0 && (
         <div className={wide ? classes.wide : undefined}>
-          {wide ? <Lists current={chosen} open={open} /> : <ListsDrawer current={chosen} open={open} />}
+          {wide ? (
+            <Lists key={chosen?.kind} current={chosen} open={open} />
+          ) : (
+            <ListsDrawer current={chosen} open={open} />
+          )}
           <div className={classes.content}>
             {chosen === null ? <Nothing present={present} /> : <Chosen place={chosen} />}
           </div>
@@ -64,6 +69,12 @@ function Present({ name }: { name: string }) {
 }
 
 function Chosen({ place }: { place: Place }) {
-  if (place.kind === "sequence") return <SequenceView key={place.id} id={place.id} />;
+  if (place.kind === "sequence") {
+    return (
+      <Part key={place.id}>
+        <SequenceView id={place.id} />
+      </Part>
+    );
+  }
   return place.kind === "task" ? <TaskView key={place.id} name={place.id} /> : <JobView key={place.id} id={place.id} />;
 }

@@ -1,4 +1,5 @@
 import { Alert, Group, Stack, Text, Title } from "@mantine/core";
+import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
 import { Moment } from "../widgets/Moment";
@@ -23,6 +24,7 @@ export function TaskView({ name }: { name: string }) {
 
 function Known({ task }: { task: Schema<"TaskInfo"> }) {
   const { t } = useTranslation("task");
+  const [chosen, choose] = useState<string | null>(null);
   const skills = useSkills();
   const { run: told, error, refetch } = useTaskRun(task.name);
   const run = withRound(told, task.goal.length > 0 ? [] : task.plan);
@@ -64,6 +66,8 @@ function Known({ task }: { task: Schema<"TaskInfo"> }) {
         from={Date.parse(task.begun)}
         to={null}
         report={<TaskReport task={task} />}
+        chosen={chosen}
+        choose={choose}
       />
     </Stack>
   );

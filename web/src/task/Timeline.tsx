@@ -65,6 +65,11 @@ function DrawnTimeline({ run, skills, paused, now, cursor, chosen, choose }: Pro
           choose={choose}
         />
       )}
+      {!table && (
+        <Text size="xs" c="dimmed">
+          {t("timeline.legend")}
+        </Text>
+      )}
     </Stack>
   );
 

@@ -20,7 +20,7 @@ const COLORS: Record<Mood, MantineColor> = {
 const SIGNS: Record<Mood, string> = {
   waiting: "○",
   running: "▶",
-  paused: "⏸",
+  paused: "‖",
   asking: "?",
   good: "✓",
   bad: "✕",
@@ -100,7 +100,7 @@ function look({ kind, mood }: Bar) {
   const hatch = kind === "old" ? "old" : kind === "actual" && (mood === "bad" || mood === "stopped") ? mood : null;
   return {
     fill: hatch === null ? `var(--mantine-color-${color}-light)` : `url(#hatch-${hatch})`,
-    stroke: `var(--mantine-color-${color}-outline)`,
+    stroke: color === "gray" ? "var(--mantine-color-dimmed)" : `var(--mantine-color-${color}-outline)`,
     strokeDasharray: kind === "expected" ? "4 3" : undefined,
     fillOpacity: kind === "expected" ? 0.4 : undefined,
   };

@@ -22,7 +22,7 @@ interface Props {
 }
 
 /** The live tree of a task: its steps, or what the chosen (else the running) step is doing. */
-export function TreePane({ run, skills, title, state, chosen, choose }: Props) {
+export default function TreePane({ run, skills, title, state, chosen, choose }: Props) {
   const { t } = useTranslation("task");
   const [shown, show] = useState<"task" | "skill">("task");
   const present = run.plans.at(-1);

@@ -1,9 +1,8 @@
 import { Group, Stack } from "@mantine/core";
-import { useDebouncedValue, useElementSize } from "@mantine/hooks";
+import { useDebouncedValue } from "@mantine/hooks";
 import { IconPlus } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { Group as Panes, Panel, Separator } from "react-resizable-panels";
 import { MayButton } from "../widgets/MayButton";
 import { useMay } from "../api/session";
 import { AddElement } from "./add/AddElement";
@@ -14,30 +13,15 @@ import { useMove } from "./edit/useMove";
 import { Found } from "./tree/Found";
 import { SceneTree } from "./tree/SceneTree";
 import { type Search, TreeSearch } from "./tree/TreeSearch";
+import { Split } from "./Split";
 import classes from "./World.module.css";
 
-const WIDE = 760; // px: from here on tree and details have room beside each other
 const SEARCH_PAUSE = 150; // ms
 
 /** The scene as a tree, beside the details of what is selected. */
 export function SceneView() {
   const { t } = useTranslation("world");
-  const { ref, width } = useElementSize();
-  return (
-    <div ref={ref} className={classes.fill}>
-      <Panes orientation={width >= WIDE ? "horizontal" : "vertical"}>
-        <Panel defaultSize="45%" minSize="15%" className={classes.part}>
-          <TreePane />
-        </Panel>
-        <Separator className="divider" aria-label={t("tree.divider")} />
-        <Panel minSize="20%" className={classes.part}>
-          <div className={classes.details}>
-            <ElementDetails />
-          </div>
-        </Panel>
-      </Panes>
-    </div>
-  );
+  return <Split divider={t("tree.divider")} list={<TreePane />} details={<ElementDetails />} />;
 }
 
 function TreePane() {

@@ -41,7 +41,8 @@ export function written(value: unknown, words: { yes: string; no: string; none: 
   if (value === null || value === undefined) return words.none;
   if (typeof value === "boolean") return value ? words.yes : words.no;
   if (typeof value === "number") return String(round(value, 6));
-  if (Array.isArray(value)) return value.map((one) => (typeof one === "number" ? round(one, 4) : String(one))).join(" ");
+  if (Array.isArray(value))
+    return value.map((one) => (typeof one === "number" ? round(one, 4) : String(one))).join(" ");
   if (isPose(value)) return poseText(value);
   if (typeof value === "object") return objectText(value);
   return String(value);
@@ -60,7 +61,10 @@ function objectText(value: object): string {
 
 /** Reads numbers separated by blanks or commas; what is none of that stays a text, which the server explains. */
 export function vectorOf(text: string): number[] | string {
-  const numbers = text.trim().split(/[\s,;]+/).map(Number);
+  const numbers = text
+    .trim()
+    .split(/[\s,;]+/)
+    .map(Number);
   return text.trim() !== "" && numbers.every(Number.isFinite) ? numbers : text;
 }
 

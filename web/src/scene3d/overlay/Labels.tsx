@@ -43,11 +43,12 @@ function worthALabel(view: View): string[] {
 
 function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
   const { t } = useTranslation("scene3d");
-  const { id, label, pose, place, held_by } = element;
+  const { id, kind, label, pose, place, held_by } = element;
+  const at = kind === "place" && !strong ? "middle" : "top"; // what lies on a place shall be seen
   const unsure = pose === null && place !== null && held_by === null;
   return (
     <div
-      ref={(node) => hold(node, (into) => pointOf(id, "top", into))}
+      ref={(node) => hold(node, (into) => pointOf(id, at, into))}
       className={classes.label}
       data-strong={strong || undefined}
     >

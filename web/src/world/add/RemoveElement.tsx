@@ -61,7 +61,14 @@ function Hanging({ element, place }: { element: string; place: string | null }) 
         </Alert>
       )}
       {guests.length > 0 && (
-        <Alert color="blue" title={place ? t("remove.guests", { place, count: guests.length }) : t("remove.guestsStay", { count: guests.length })}>
+        <Alert
+          color="blue"
+          title={
+            place
+              ? t("remove.guests", { place, count: guests.length })
+              : t("remove.guestsStay", { count: guests.length })
+          }
+        >
           <Names nodes={guests} />
         </Alert>
       )}

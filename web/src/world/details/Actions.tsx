@@ -1,5 +1,13 @@
 import { Button, Group } from "@mantine/core";
-import { IconArrowsMove, IconCopy, IconAxisX, IconHandMove, IconPencil, IconPlus, IconTrash } from "@tabler/icons-react";
+import {
+  IconArrowsMove,
+  IconCopy,
+  IconAxisX,
+  IconHandMove,
+  IconPencil,
+  IconPlus,
+  IconTrash,
+} from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";

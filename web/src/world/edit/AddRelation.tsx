@@ -94,7 +94,9 @@ function useAllowed(class_: string, direction: Direction): RelationInfo[] {
   const classes = useClasses();
   const { data } = useRelations();
   return useMemo(() => {
-    const stated = (data ?? []).filter((one) => !one.computed && one.family !== "placement" && one.family !== "computed");
+    const stated = (data ?? []).filter(
+      (one) => !one.computed && one.family !== "placement" && one.family !== "computed",
+    );
     return stated.filter((one) => fitsEnd(classes, class_, direction === "from" ? one.subjects : one.objects));
   }, [classes, data, class_, direction]);
 }

@@ -5,6 +5,7 @@ import { useTranslation } from "react-i18next";
 import { MayButton } from "../../widgets/MayButton";
 import { useLock } from "../locks/locks";
 import type { Placement, Tagged } from "../queries";
+import classes from "../World.module.css";
 import { Conflict } from "./Conflict";
 import { LABEL, PLACEMENT } from "./draft";
 import { PlacementInput } from "./PlacementInput";
@@ -41,7 +42,7 @@ export function EditForm({ tagged, onDone }: Props) {
           </Alert>
         )}
         <Fields tagged={tagged} editing={editing} />
-        <Group justify="end">
+        <Group justify="end" className={classes.buttons}>
           <Button variant="default" onClick={onDone}>
             {t("common:cancel")}
           </Button>

@@ -55,7 +55,8 @@ test("mine on top of theirs keeps what only they changed", () => {
 });
 
 test("a refusal is told beside the field that it names", () => {
-  const detail = "transaction of ann refused:\n  - sk:mass of starter_1 needs a finite number, got 'x'\n  - no such place";
+  const detail =
+    "transaction of ann refused:\n  - sk:mass of starter_1 needs a finite number, got 'x'\n  - no such place";
   expect(reasons(detail, ["rdfs:label", "sk:mass"])).toEqual({
     byField: { "sk:mass": "sk:mass of starter_1 needs a finite number, got 'x'" },
     rest: ["no such place"],

@@ -40,7 +40,9 @@ export function patchOf(before: Draft, after: Draft, reason: string): Patch {
   return {
     ...(fields.includes(LABEL) && { label: String(after[LABEL]) }),
     ...(fields.includes(PLACEMENT) && { placement: after[PLACEMENT] as Placement | null }),
-    ...(properties.length > 0 && { properties: Object.fromEntries(properties.map((name) => [name, given(name, after[name])])) }),
+    ...(properties.length > 0 && {
+      properties: Object.fromEntries(properties.map((name) => [name, given(name, after[name])])),
+    }),
     reason,
   };
 }
@@ -85,7 +87,10 @@ export function onTop(before: Draft, mine: Draft, theirs: Draft): Draft {
 }
 
 /** Returns what a refusal says of each field, and what it says besides. */
-export function reasons(detail: string, fields: readonly string[]): { byField: Record<string, string>; rest: string[] } {
+export function reasons(
+  detail: string,
+  fields: readonly string[],
+): { byField: Record<string, string>; rest: string[] } {
   const lines = detail.split("\n").map((line) => line.replace(/^\s*-\s*/, "").trim());
   const byField: Record<string, string> = {};
   const rest: string[] = [];

@@ -15,10 +15,18 @@ export function Difference({ name }: { name: string }) {
       <Text size="xs" c="dimmed">
         {t("scenes.legend")}
       </Text>
-      <Code block mah={260} style={{ whiteSpace: "pre-wrap" }} aria-label={t("scenes.difference", { name })} tabIndex={0}>
+      <Code
+        block
+        mah={260}
+        style={{ whiteSpace: "pre-wrap" }}
+        aria-label={t("scenes.difference", { name })}
+        tabIndex={0}
+      >
         {data.lines.join("\n")}
       </Code>
-      {data.total > data.lines.length && <Text size="xs">{t("scenes.moreLines", { count: data.total - data.lines.length })}</Text>}
+      {data.total > data.lines.length && (
+        <Text size="xs">{t("scenes.moreLines", { count: data.total - data.lines.length })}</Text>
+      )}
     </Stack>
   );
 }

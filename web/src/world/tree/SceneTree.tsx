@@ -55,7 +55,10 @@ function grow(branches: Branches): Grown {
   const take = (id: string) => {
     const fresh = (branches[id] ?? []).filter((child) => !nodes.has(child.id));
     fresh.forEach((child) => nodes.set(child.id, child));
-    children.set(id, fresh.map((child) => child.id));
+    children.set(
+      id,
+      fresh.map((child) => child.id),
+    );
     fresh.forEach((child) => take(child.id));
   };
   take(TOP);

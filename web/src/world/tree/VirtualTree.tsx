@@ -119,9 +119,7 @@ function Rows({ tree, label, scroller, scroll, row, onHover }: RowsProps) {
     <div {...tree.getContainerProps(label)} style={{ height: rows.getTotalSize(), position: "relative" }}>
       {rows.getVirtualItems().map(({ key, index, start }) => {
         const item = items[index];
-        return (
-          item && <Row key={key} item={item} top={start} onHover={onHover} content={row(item.getId())} />
-        );
+        return item && <Row key={key} item={item} top={start} onHover={onHover} content={row(item.getId())} />;
       })}
     </div>
   );

@@ -81,7 +81,7 @@ export async function reveal(id: string): Promise<void> {
 async function pathTo(id: string): Promise<string[]> {
   const parents = parentsOf(useBranches.getState().branches);
   const above: string[] = [];
-  for (let at = id; ; ) {
+  for (let at = id; ;) {
     const parent = parents.get(at) ?? (await askParent(at));
     if (parent === TOP || above.includes(parent)) return above;
     above.push(parent);

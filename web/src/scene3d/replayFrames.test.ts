@@ -1,0 +1,62 @@
+import { describe, expect, it } from "vitest";
+import type { Schema } from "../api/client";
+import type { Devices } from "./devices";
+import { framesAt, PastViews } from "./replayFrames";
+import { element, world } from "./testing";
+
+const FRAMES: Schema<"ReplayFrames"> = {
+  times: [1, 2, 4],
+  arms: { arm: [[0], [1], [3]] },
+  grippers: { gripper: [0.08, 0.04, 0.04] },
+  bases: {
+    base: [
+      [0, 0, 3],
+      [1, 0, -3],
+      [1, 0, -3],
+    ],
+  },
+};
+
+function devicesAt(time: number): Devices {
+  const into: Devices = { arms: {}, grippers: {}, bases: {} };
+  framesAt(FRAMES, time, into);
+  return into;
+}
+
+describe("devices between two frames of a replay", () => {
+  it("are on the straight way between them", () => {
+    expect(devicesAt(1.5).arms["arm"]).toEqual([0.5]);
+    expect(devicesAt(3).arms["arm"]).toEqual([2]);
+    expect(devicesAt(1.25).grippers["gripper"]?.[0]).toBeCloseTo(0.07);
+  });
+
+  it("turn the short way round", () => {
+    expect(Math.cos(devicesAt(1.5).bases["base"]?.[2] ?? 0)).toBeCloseTo(-1);
+  });
+
+  it("stay where they were before the first and after the last", () => {
+    expect(devicesAt(0).arms["arm"]).toEqual([0]);
+    expect(devicesAt(9).arms["arm"]).toEqual([3]);
+  });
+});
+
+describe("the world of a replay", () => {
+  const change = (time: number, place: string) => ({ time, author: "pick", view: world([element("a", { place })]) });
+  const replay = {
+    beginning: world([element("a", { place: "pallet" })]),
+    changes: [change(2, "gripper"), change(5, "kit")],
+  } as unknown as Schema<"Replay">;
+  const places = (times: number[]) => {
+    const past = new PastViews(replay);
+    return times.map((time) => past.at(time).elements.get("a")?.place);
+  };
+
+  it("is that of the moment, forwards and backwards", () => {
+    expect(places([0, 2, 4.9, 5, 9, 3, 1])).toEqual(["pallet", "gripper", "gripper", "kit", "kit", "gripper", "pallet"]);
+  });
+
+  it("is the same object until something changes", () => {
+    const past = new PastViews(replay);
+    expect(past.at(2.5)).toBe(past.at(4.5));
+  });
+});
