@@ -175,9 +175,9 @@ def _change_to_pixels(page: Page, server: Server, x: float) -> float:
     start = time.time()
     url = f"{server.url}/elements/rack_1"
     httpx2.patch(url, json={"properties": {"sk:pose": pose}}, headers={"If-Match": "*"}, timeout=30.0).raise_for_status()
-    seen = page.wait_for_function("(x) => window.seenAt[x]", arg=f"{x:.3f}").json_value()
+    seen = float(page.wait_for_function("(x) => window.seenAt[x]", arg=f"{x:.3f}").json_value())
     page.wait_for_timeout(300.0)
-    return float(seen) - start * 1000.0
+    return seen - start * 1000.0
 
 
 # ---------------------------------------------------------------------- many things

@@ -174,7 +174,7 @@ def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by
 
 def model_of_robot_1(api: httpx2.Client) -> httpx2.Response:
     """Reads the model, however long it takes to be made."""
-    while (response := sent(api, robot_models.get_robot_model("robot_1"))).status_code == 503:
+    while (response := sent(api, robot_models.get_robot_model("robot_1"))).status_code == 202:
         time.sleep(float(response.headers["Retry-After"]))
     return response
 

@@ -31,8 +31,8 @@ Axe = Callable[["Page"], list[str]]
 
 _SOFTWARE = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 """Renders without a graphics card."""
-_PATIENCE = 15_000
-"""How long anything on a page may take [ms]."""
+_PATIENCE = 30_000
+"""How long anything on a page may take [ms]: machines that test are busy."""
 _GRAVE = {"serious", "critical"}
 _USUAL = ServerSettings()
 
@@ -124,7 +124,7 @@ class Complaints:
 def visit(browser: Browser) -> Iterator[Visit]:
     """Opens a page: ``visit(url, at="#/task", expected=(…), color_scheme="dark", locale="de-DE", viewport=…)``.
 
-    An error that a page writes on the console fails the test, but what it is expected to say: refused requests are told by the
+    An error on the console fails the test, but what is expected there: refused requests are told by the
     browser itself.
     """
     with ExitStack() as stack:

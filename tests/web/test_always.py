@@ -34,7 +34,7 @@ def api(served: Served, key: str = "") -> Iterator[httpx2.Client]:
 
 
 def stop_button(page: Page):
-    return page.get_by_role("button", name="Stop all", exact=True)
+    return page.get_by_role("banner").get_by_role("button", name="Stop all", exact=True)
 
 
 # ---------------------------------------------------------------------- the frame

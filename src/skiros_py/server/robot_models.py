@@ -1,6 +1,6 @@
 """Models of robots as pages draw them: what is visible only, with meshes that any machine draws quickly.
 
-They are made once for each model, which takes some seconds, and kept in the data directory.
+They are made once for each model, which takes some seconds, and kept among what this user's programs keep for later.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _FORM = b"1"
 """Of what is kept; another one makes the server forget what an older one kept."""
 _MOST_TRIANGLES = 14_000
 """Of a whole robot: enough for the eye, and drawn by software 30 times a second."""
-_PATIENCE = 20.0
+_PATIENCE = 3.0
 """How long somebody waits for a model [s]; it takes a few, on a machine that has nothing else to do."""
 _INVISIBLE = ("collision", "inertial")
 _WHITE = (1.0, 1.0, 1.0, 1.0)

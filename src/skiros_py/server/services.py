@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Annotated, Self
 
 from fastapi import Depends, Request
+from platformdirs import user_cache_path
 
 from skiros_py.runtime import Session
 from skiros_py.server.access.audit import AuditLog
@@ -130,7 +131,7 @@ class Services:
         self._office: WebhookOffice | None = None
         self.control.on_open(lambda session: _ignore(session.jobs.subscribe(lambda _job: self.send_webhooks())))
         self.queries = Queries(self.control)
-        self.robot_models = RobotModels(data / "models")
+        self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
         self.scenes = SceneShelf(data / "scenes")
         self.stage = SceneStage()
         self.control.on_close(self.stage.forget)

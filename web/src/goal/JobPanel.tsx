@@ -25,7 +25,7 @@ export function JobPanel({ id, onClose }: Props) {
   const { t } = useTranslation("goal");
   const [, open] = useTab();
   const { data: job, error } = useQuery({
-    queryKey: keys.jobs(id),
+    queryKey: keys.jobs("one", id),
     queryFn: () => answer(api.GET("/api/v1/jobs/{id}", { params: { path: { id } } })),
   });
   const gone = error instanceof ApiProblem && (error.status === 404 || error.status === 410);

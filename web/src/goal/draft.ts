@@ -3,7 +3,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { create } from "zustand";
 import { createJSONStorage, persist } from "zustand/middleware";
-import { answer, api, type Schema } from "../api/client";
+import { answerWithTag, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { type NewRow, type Row, keyed } from "./goals";
 
@@ -83,8 +83,8 @@ export const useDrafts = create<Drafts>()(
 export function useSceneName(): string | undefined {
   const { data } = useQuery({
     queryKey: keys.scenes("present"),
-    queryFn: () => answer(api.GET("/api/v1/scene")),
-    select: ({ name }) => name,
+    queryFn: () => answerWithTag(api.GET("/api/v1/scene")),
+    select: ({ data: scene }) => scene.name,
   });
   return data;
 }

@@ -11,7 +11,7 @@ import { written } from "../world/values";
 import { Fact, Facts, Head } from "./Facts";
 import { TermLinks } from "./TermLinks";
 
-const Neighbours = lazy(() => import("./Neighbours"));
+const NeighbourGraph = lazy(() => import("./NeighbourGraph"));
 
 type Details = Schema<"ClassDetails">;
 
@@ -102,7 +102,7 @@ function Parts({ class_ }: { class_: Details }) {
       </Section>
       <Section name="graph" title={t("class.graph")}>
         <Suspense fallback={<Loader size="sm" />}>
-          <Neighbours class_={class_} />
+          <NeighbourGraph class_={class_} />
         </Suspense>
       </Section>
     </Accordion>

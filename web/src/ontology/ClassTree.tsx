@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { useEffect, useMemo, useState } from "react";
+import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
@@ -22,10 +22,11 @@ export function ClassTree({ search }: { search: string }) {
   const shown = useMemo(() => shownClasses(classes, search), [classes, search]);
   const source = useMemo(() => sourceOf(classes, shown), [classes, shown]);
   const opened = useMemo(() => (shown === null ? open : [...shown]), [shown, open]);
-  useEffect(() => {
-    const above = ancestors(classes, chosen).slice(1);
-    setOpen((before) => (above.every((one) => before.includes(one)) ? before : [...new Set([...before, ...above])]));
-  }, [classes, chosen]);
+  const [seen, setSeen] = useState("");
+  if (chosen !== seen && classes.size > 0) {
+    setSeen(chosen);
+    setOpen([...new Set([...open, ...ancestors(classes, chosen).slice(1)])]);
+  }
   return (
     <VirtualTree
       label={t("lists.classes")}

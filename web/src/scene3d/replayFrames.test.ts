@@ -52,7 +52,15 @@ describe("the world of a replay", () => {
   };
 
   it("is that of the moment, forwards and backwards", () => {
-    expect(places([0, 2, 4.9, 5, 9, 3, 1])).toEqual(["pallet", "gripper", "gripper", "kit", "kit", "gripper", "pallet"]);
+    expect(places([0, 2, 4.9, 5, 9, 3, 1])).toEqual([
+      "pallet",
+      "gripper",
+      "gripper",
+      "kit",
+      "kit",
+      "gripper",
+      "pallet",
+    ]);
   });
 
   it("is the same object until something changes", () => {

@@ -8,7 +8,17 @@ export function box(x: number, y: number, z: number): Block {
 
 export function element(id: string, rest: Partial<ViewElement> = {}): ViewElement {
   const nowhere = { pose: null, carrier: null, place: null, owner: null, held_by: null, in_hand: null };
-  return { id, class: "test:Thing", label: id, ...nowhere, shape: null, hollow: false, kind: "part", version: 1, ...rest };
+  return {
+    id,
+    class: "test:Thing",
+    label: id,
+    ...nowhere,
+    shape: null,
+    hollow: false,
+    kind: "part",
+    version: 1,
+    ...rest,
+  };
 }
 
 export function at(x: number, y: number, z: number): ViewElement["pose"] {

@@ -1,4 +1,14 @@
-import { ActionIcon, type ComboboxData, type ComboboxItem, Group, Loader, Select, Text, Tooltip } from "@mantine/core";
+import {
+  ActionIcon,
+  type ComboboxData,
+  type ComboboxItem,
+  type ComboboxParsedItem,
+  Group,
+  Loader,
+  Select,
+  Text,
+  Tooltip,
+} from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconClick } from "@tabler/icons-react";
 import { useEffect, useState } from "react";
@@ -57,6 +67,9 @@ export function ElementPicker(props: Props) {
     described: t("pick.described"),
     more: t("pick.more"),
   };
+  // The server has searched already; only the chosen one, which is always there for its name, may not be meant.
+  const found = (options: ComboboxParsedItem[]) =>
+    asked === "" ? options : options.filter((one) => !isAlone(one, value));
   const data = grouped({ candidates, titles, any: (kind) => t("pick.any", { class: kind }) });
   return (
     <Group gap={2} align={inline ? "center" : "end"} wrap="nowrap" flex={inline ? undefined : 1}>
@@ -74,8 +87,10 @@ export function ElementPicker(props: Props) {
         searchValue={search}
         onSearchChange={setSearch}
         onDropdownOpen={() => setOpened(true)}
+        onDropdownClose={() => setOpened(false)}
         onFocus={(event) => event.currentTarget.select()}
-        filter={({ options }) => options}
+        filter={({ options }) => found(options)}
+        allowDeselect={false}
         renderOption={({ option }) => <Offer option={option} kind={kinds.get(option.value)} />}
         clearable={!required && !inline}
         withAsterisk={required}
@@ -136,8 +151,12 @@ function grouped({ candidates, titles, any }: Offered): ComboboxData {
 function withValue(data: ComboboxData, value: string | null, label: string): ComboboxData {
   if (!value || listed(data).some((one) => one.value === value)) return data;
   const missing = { value, label };
-  const grouped = data.some((one) => typeof one === "object" && "group" in one);
-  return grouped ? [{ group: "", items: [missing] }, ...data] : [missing, ...data];
+  return [{ group: "", items: [missing] }, ...data];
+}
+
+/** Whether this is the chosen one that stands for itself, see withValue. */
+function isAlone(option: ComboboxParsedItem, value: string | null): boolean {
+  return "group" in option && option.group === "" && option.items.some((one) => "value" in one && one.value === value);
 }
 
 function listed(data: ComboboxData): Candidate[] {

@@ -3,6 +3,7 @@ import { classesOf, nameOf } from "./names";
 test("a name says label and id, and nothing twice", () => {
   expect(nameOf("pallet_a", "pallet A")).toBe("pallet A");
   expect(nameOf("relay_box_2", "relay box")).toBe("relay_box_2");
+  expect(nameOf("relay_box_17", "RelayBox")).toBe("relay_box_17");
   expect(nameOf("kit_1_a", "compartment A")).toBe("compartment A (kit_1_a)");
   expect(nameOf("kitting:standard_kit", "standard kit")).toBe("standard kit");
   expect(nameOf("thing_1", "")).toBe("thing_1");

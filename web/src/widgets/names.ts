@@ -22,7 +22,11 @@ export function nameOf(id: string, label: string): string {
 }
 
 function spelt(text: string): string {
-  return text.trim().toLowerCase().replaceAll(/\s+/g, "_");
+  return text
+    .trim()
+    .replaceAll(/([a-z])([A-Z])/g, "$1_$2")
+    .replaceAll(/\s+/g, "_")
+    .toLowerCase();
 }
 
 /** The class with those below it, as a list; the upper one first. */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Response
@@ -21,7 +22,10 @@ _Id = Annotated[str, Path(max_length=200)]
 _MeshName = Annotated[str, Path(max_length=200, description="As the model names it.")]
 _FOREVER = {"Cache-Control": "private, max-age=31536000, immutable"}
 """What is named by its content never changes."""
-_URDF: dict[int | str, dict[str, Any]] = {200: {"description": "The model.", "content": {"application/xml": {}}}}
+_URDF: dict[int | str, dict[str, Any]] = {
+    200: {"description": "The model.", "content": {"application/xml": {}}},
+    202: {"description": "It is being made: ask again after `Retry-After` seconds."},
+}
 _STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "content": {"model/stl": {}}}}
 
 
@@ -36,10 +40,13 @@ def get_robot_model(id: _Id, services: ServicesDep) -> Response:  # noqa: A002 -
     """Tells what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
 
     Files of meshes are named from the address of the model, are binary STL, and have few triangles. The description of
-    the robot says which joints stand where. The first time it may take some seconds; 503 says
-    when to ask again.
+    the robot says which joints stand where. The first time it may take some seconds; 202 without content says when to
+    ask again.
     """
-    return Response(_model(services, id).urdf, media_type="application/xml")
+    try:
+        return Response(_model(services, id).urdf, media_type="application/xml")
+    except Busy as busy:
+        return Response(status_code=202, headers={"Retry-After": str(math.ceil(busy.retry_after))})
 
 
 @router.get(

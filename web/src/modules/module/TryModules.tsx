@@ -1,4 +1,4 @@
-import { Text } from "@mantine/core";
+import { Loader, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import classes from "../modules.module.css";
 import type { Place, View } from "../places";
@@ -14,7 +14,7 @@ interface Props {
 /** The modules, and the one that is chosen. */
 export function TryModules({ place, show }: Props) {
   const { t } = useTranslation("modules");
-  const { data: modules = [] } = useModules();
+  const { data: modules = [], isPending } = useModules();
   const [agent, name] = place.rest;
   const chosen = modules.find((module) => module.name === name);
   const choose = (module: string, who: string) => show("try", who, module);
@@ -25,6 +25,7 @@ export function TryModules({ place, show }: Props) {
         <ModuleList modules={modules} chosen={name} choose={choose} />
       </nav>
       <section className={classes.details} aria-label={t("details")}>
+        {isPending && <Loader size="sm" aria-label={t("loading", { ns: "common" })} />}
         {chosen && doer !== undefined ? (
           <ModulePage
             key={`${doer}/${chosen.name}`}
@@ -35,8 +36,8 @@ export function TryModules({ place, show }: Props) {
             show={show}
           />
         ) : (
-          <Text c="dimmed" size="sm">
-            {name !== undefined && modules.length > 0 ? t("list.unknown", { name }) : t("list.choose")}
+          <Text c="dimmed" size="sm" hidden={isPending}>
+            {name !== undefined ? t("list.unknown", { name }) : t("list.choose")}
           </Text>
         )}
       </section>

@@ -124,7 +124,7 @@ function Reports({ run }: { run: Run }) {
         <Table.Tbody>
           {run.progress.slice(-LATEST).map((one, index) => (
             <Table.Tr key={`${one.time} ${index}`}>
-              <Table.Td>{`${one.time.toFixed(1)} s`}</Table.Td>
+              <Table.Td style={{ whiteSpace: "nowrap" }}>{`${one.time.toFixed(1)} s`}</Table.Td>
               <Table.Td pl={one.caller ? "md" : undefined}>{one.module}</Table.Td>
               <Table.Td>{one.status}</Table.Td>
               <Table.Td>{one.code}</Table.Td>

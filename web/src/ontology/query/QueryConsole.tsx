@@ -1,7 +1,7 @@
 import { Alert, Checkbox, Group, NumberInput, Select, Stack, Text } from "@mantine/core";
 import { IconPlayerPlay } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
-import { useState } from "react";
+import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { useMay } from "../../api/session";
@@ -13,7 +13,7 @@ import classes from "../../world/World.module.css";
 import { history, placeOf, remember } from "./console";
 import { Editor } from "./Editor";
 import { EXAMPLES, type ExampleName, PREFIXES } from "./examples";
-import { Result } from "./Result";
+import { type Answer, Result } from "./Result";
 
 const [USUAL_LIMIT, LONGEST] = [5, 60]; // s
 
@@ -25,13 +25,13 @@ export default function QueryConsole() {
   const [limit, setLimit] = useState(USUAL_LIMIT);
   const [asked, setAsked] = useState(history);
   const may = useMay("ask_question");
-  const ask = useMutation({
-    mutationFn: (text: string) =>
-      answer(api.POST("/api/v1/queries", { body: { query: text, bindings: {}, entailed, time_limit: limit } })),
+  const asking = useMutation({
+    mutationFn: (text: string) => ask(text, entailed, limit),
     onMutate: (text) => setAsked(remember(text)),
   });
-  const run = () => may && query.trim() !== "" && ask.mutate(query);
-  const trouble = ask.error === null ? "" : problemText(ask.error);
+  const run = () => may && query.trim() !== "" && asking.mutate(query);
+  const trouble = asking.error === null ? "" : problemText(asking.error);
+  const place = useMemo(() => placeOf(trouble), [trouble]);
   return (
     <Stack gap="xs" className={classes.scroll} pr={4}>
       <Beginnings asked={asked} onChoose={setQuery} />
@@ -41,13 +41,13 @@ export default function QueryConsole() {
         onChange={setQuery}
         onRun={run}
         names={useNames()}
-        error={ask.error === null ? null : placeOf(trouble)}
+        error={place}
       />
       <Group gap="md">
         <MayButton
           operation="ask_question"
           leftSection={<IconPlayerPlay size={14} aria-hidden />}
-          loading={ask.isPending}
+          loading={asking.isPending}
           onClick={run}
         >
           {t("query.run")}
@@ -77,9 +77,15 @@ export default function QueryConsole() {
           {trouble}
         </Alert>
       )}
-      {ask.data && <Result result={ask.data} query={ask.variables} entailed={entailed} limit={limit} />}
+      {asking.data && <Result result={asking.data} query={asking.variables} entailed={entailed} limit={limit} />}
     </Stack>
   );
+}
+
+/** The answer is JSON as long as nobody asks for something else. */
+function ask(query: string, entailed: boolean, limit: number): Promise<Answer> {
+  const body = { query, bindings: {}, entailed, time_limit: limit };
+  return answer(api.POST("/api/v1/queries", { body })) as Promise<Answer>;
 }
 
 function useNames(): string[] {

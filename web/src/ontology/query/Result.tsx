@@ -10,7 +10,7 @@ import { Cell, useKnown } from "./Cell";
 import { download } from "./console";
 
 type SelectAnswer = Schema<"SelectAnswer">;
-type Answer = SelectAnswer | Schema<"AskAnswer"> | Schema<"ConstructAnswer">;
+export type Answer = SelectAnswer | Schema<"AskAnswer"> | Schema<"ConstructAnswer">;
 
 interface Props {
   result: Answer;

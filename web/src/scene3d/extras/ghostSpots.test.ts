@@ -5,7 +5,8 @@ import { viewFrom } from "../view";
 import { ghostSpots } from "./ghostSpots";
 import { ghostsOf } from "./goals";
 
-const room = (id: string) => element(id, { kind: "place", owner: "kit", shape: "room", hollow: true, pose: at(0, 0, 0) });
+const room = (id: string) =>
+  element(id, { kind: "place", owner: "kit", shape: "room", hollow: true, pose: at(0, 0, 0) });
 const VIEW = viewFrom(
   world(
     [

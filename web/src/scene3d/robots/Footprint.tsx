@@ -13,7 +13,7 @@ const MARGIN = 1.2;
 interface Props {
   robot: RobotInfo;
   palette: Palette;
-  /** Draws a body, for a robot without a model. */
+  /** Draws a body, for a robot without a model, or until it is there. */
   solid: boolean;
 }
 

@@ -38,7 +38,7 @@ export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }
   return (
     <>
       {model && <primitive object={model} userData={{ element: robot.id }} />}
-      <Footprint robot={robot} palette={palette} solid={model === null} />
+      <Footprint robot={robot} palette={palette} solid={!model} />
     </>
   );
 }

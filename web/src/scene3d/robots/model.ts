@@ -16,18 +16,30 @@ import URDFLoader, { type URDFRobot } from "urdf-loader";
 import { ApiProblem, BASE } from "../../api/client";
 
 const CREASE = 0.6; // rad: sharper edges stay edges
+const UNPREPARED = [202, 503];
+const MOST_TRIES = 60;
 const MATERIAL = new MeshLambertMaterial({ vertexColors: true });
 
 /** Loads the model of a robot; null where nobody knows what it looks like. */
 export async function loadModel(robot: string): Promise<URDFRobot | null> {
   const address = `${BASE}/api/v1/robots/${encodeURIComponent(robot)}/model`;
-  const response = await fetch(address);
+  const response = await prepared(address);
   if (response.status === 404) return null;
   if (!response.ok) throw new ApiProblem(response.status, undefined);
   const model = await parsed(await response.text(), address.replace(/[^/]*$/, ""));
   for (const link of Object.values(model.links)) condense(link);
   for (const joint of Object.values(model.joints)) joint.ignoreLimits = true; // it is where it is
   return model;
+}
+
+/** Asks until the model is prepared, which takes seconds the first time. */
+async function prepared(address: string): Promise<Response> {
+  for (let tries = 0; ; tries++) {
+    const response = await fetch(address);
+    if (!UNPREPARED.includes(response.status) || tries === MOST_TRIES) return response;
+    const pause = Number(response.headers.get("Retry-After") ?? 1);
+    await new Promise((resume) => setTimeout(resume, 1000 * Math.max(pause, 1)));
+  }
 }
 
 function parsed(urdf: string, folder: string): Promise<URDFRobot> {

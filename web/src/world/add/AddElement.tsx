@@ -1,6 +1,7 @@
 import { Alert, Button, Fieldset, Group, Modal, Select, Stack, TextInput } from "@mantine/core";
 import { type SyntheticEvent, useMemo } from "react";
 import { useTranslation } from "react-i18next";
+import { useSelection } from "../../selection/selection";
 import { MayButton } from "../../widgets/MayButton";
 import { PlacementInput } from "../edit/PlacementInput";
 import { PropertyFields } from "../edit/PropertyFields";
@@ -21,6 +22,7 @@ interface Props {
 export function AddElement({ parent, like, onClose }: Props) {
   const { t } = useTranslation(["world", "common"]);
   const adding = useAdding(parent, like, onClose);
+  const picking = useSelection(({ pick }) => pick !== null); // steps aside, so that the place can be clicked at
   const title = like ? t("add.copyOf", { label: like.label }) : t("add.title");
   const submit = (event: SyntheticEvent) => {
     event.preventDefault();
@@ -28,7 +30,7 @@ export function AddElement({ parent, like, onClose }: Props) {
     adding.save();
   };
   return (
-    <Modal opened onClose={onClose} title={title} size="lg">
+    <Modal opened={!picking} keepMounted onClose={onClose} title={title} size="lg">
       <form onSubmit={submit} aria-label={title}>
         <Stack gap="xs">
           {adding.rest.length > 0 && (

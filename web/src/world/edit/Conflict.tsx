@@ -20,7 +20,7 @@ export function Conflict({ editing, theirs, onDone }: Props) {
   return (
     <Modal opened onClose={editing.goOn} title={t("conflict.title")} size="lg">
       <Stack>
-        <Text size="sm">{t("conflict.text", { label: theirs.data.label, version: theirs.data.version })}</Text>
+        <Text size="sm">{t("conflict.text", { label: theirs.data.id, version: theirs.data.version })}</Text>
         <Comparison found={found} />
         <Group justify="end">
           <Button variant="default" onClick={editing.goOn}>

@@ -11,7 +11,7 @@ import { neighbours } from "./neighbours";
 const NONE: RelationInfo[] = [];
 
 /** A class between those above, those below, and those that its relations lead to. */
-export default function Neighbours({ class_ }: { class_: Schema<"ClassDetails"> }) {
+export default function NeighbourGraph({ class_ }: { class_: Schema<"ClassDetails"> }) {
   const { t } = useTranslation("ontology");
   const [, , show] = useView();
   const classes = useClasses();
