@@ -57,7 +57,7 @@ class Account:
         """
         steps = tuple(self._history.steps)
         no_plan = () if steps else self.no_plan
-        why = "; ".join(no_plan) or fault
+        why = "; ".join(no_plan) or fault or ("stopped before it was reached" if self.stopped else "")
         given_up = (dict.fromkeys(self._goal, why) if why else {}) | self.given_up
         conditions = tuple(self._condition(c, given_up) for c in self._goal)
         stopped = self.stopped and not all(c.believed for c in conditions)

@@ -65,6 +65,17 @@ def test_a_task_that_is_stopped_before_its_first_cycle_does_nothing() -> None:
     assert (task.report.outcome, task.report.steps) == (Outcome.STOPPED, ())
 
 
+def test_what_a_stopped_task_did_not_reach_says_that_it_was_stopped() -> None:
+    with Bench(tiny_world(), LONG) as bench:
+        task = begin(bench)
+        bench.advance(1.0)
+        task.stop("changed my mind")
+        bench.until(lambda: task.done)
+
+    assert task.report is not None
+    assert [c.reason for c in task.report.conditions] == ["stopped before it was reached"]
+
+
 def test_a_halt_in_a_long_step_tells_its_end_and_the_next_task_runs_after_a_reset() -> None:
     with Bench(tiny_world(), LONG) as bench:
         task = begin(bench)

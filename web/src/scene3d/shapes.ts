@@ -3,7 +3,6 @@
 import { Box3, BoxGeometry, BufferAttribute, type BufferGeometry, CylinderGeometry, EdgesGeometry } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { matrixOf } from "./pose";
-import { quality } from "./quality";
 import type { Block, View, ViewElement } from "./view";
 
 export interface Shape {
@@ -12,7 +11,7 @@ export interface Shape {
   bounds: Box3;
 }
 
-const ROUND = quality().software ? 12 : 24; // segments of a cylinder
+const ROUND = 14; // segments of a cylinder
 const EDGE = 25; // degrees: flatter ones are not drawn
 /** Later blocks of a shape are a little darker, so that one sees of what it is built. */
 const SHADES = [1, 0.82, 0.68, 0.9, 0.75];

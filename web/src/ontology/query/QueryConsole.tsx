@@ -35,14 +35,7 @@ export default function QueryConsole() {
   return (
     <Stack gap="xs" className={classes.scroll} pr={4}>
       <Beginnings asked={asked} onChoose={setQuery} />
-      <Editor
-        label={t("query.text")}
-        value={query}
-        onChange={setQuery}
-        onRun={run}
-        names={useNames()}
-        error={place}
-      />
+      <Editor label={t("query.text")} value={query} onChange={setQuery} onRun={run} names={useNames()} error={place} />
       <Group gap="md">
         <MayButton
           operation="ask_question"

@@ -42,11 +42,13 @@ export async function readTree(): Promise<void> {
     node.children.forEach(take);
   };
   take(top);
-  const { open, ready } = useBranches.getState();
+  const { open, ready, branches: before } = useBranches.getState();
   const first = top.children.flatMap(({ id, children }) => [id, ...children.map((child) => child.id)]);
   const still = ready ? open.filter((id) => known.has(id)) : first;
-  useBranches.setState({ branches, open: still, ready: true });
   const missing = [TOP, ...still].filter((id) => branches[id] === undefined);
+  // Long branches stay as they were until they were read anew, or what is looked at would jump.
+  for (const id of missing) if (before[id] !== undefined) branches[id] = before[id];
+  useBranches.setState({ branches, open: still, ready: true });
   await Promise.all(missing.map(readBranch));
 }
 
