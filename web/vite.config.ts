@@ -11,8 +11,8 @@ function preloadFirst(): Plugin {
     const chunks = Object.values(bundle).filter((output) => output.type === "chunk");
     const first = chunks.filter(({ name }) => FIRST.includes(name));
     const needed = new Set(first.flatMap(({ fileName, imports }) => [fileName, ...imports]));
-    for (const { fileName } of chunks.filter(({ isEntry }) => isEntry)) needed.delete(fileName);
-    return [...needed].map(preloadTag);
+    const there = chunks.filter(({ isEntry }) => isEntry).flatMap(({ fileName, imports }) => [fileName, ...imports]);
+    return [...needed].filter((file) => !there.includes(file)).map(preloadTag);
   };
   return { name: "preload-first", transformIndexHtml: { order: "post", handler } };
 }

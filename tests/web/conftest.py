@@ -34,6 +34,8 @@ _SOFTWARE = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 _PATIENCE = 30_000
 """How long anything on a page may take [ms]: machines that test are busy."""
 _GRAVE = {"serious", "critical"}
+_PATIENT = 5.0
+"""For how long a module may hold the control cycle [s]: browser, server and physics share the machine."""
 _USUAL = ServerSettings()
 
 
@@ -95,7 +97,7 @@ def station(data: Path) -> Iterator[Station]:
         def opened(
             scene: str = "kitting", *, physics: bool = False, pace: float = 3.0, settings: ServerSettings = _USUAL
         ) -> Served:
-            options = Options(fake=not physics, pace=pace)
+            options = Options(fake=not physics, pace=pace, overrun=_PATIENT)
             return keeper.submit(stations.enter_context, serving(scene, data, options, settings)).result()
 
         yield opened

@@ -291,7 +291,7 @@ def test_a_name_that_looks_like_a_page_stays_text(station, visit, expect):
     with asking(served, f"Is {EVIL} there?"):
         expect(page.get_by_role("alert").filter(has_text=EVIL)).to_be_visible()
         page.keyboard.press("Control+k")
-        page.keyboard.type("onerror")
+        page.get_by_role("textbox", name=re.compile("Tabs, commands")).fill("onerror")
         expect(page.get_by_role("dialog").get_by_text(EVIL)).to_be_visible()
         page.keyboard.press("Escape")
         for tab in TABS:

@@ -34,6 +34,7 @@ export function KeyForm() {
           onChange={(event) => setKey(event.currentTarget.value)}
           data-autofocus
           required
+          withAsterisk={false}
         />
         {login.error && (
           <Alert role="alert" color="red" title={t("login.refused")}>

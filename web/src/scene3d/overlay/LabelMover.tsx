@@ -37,7 +37,8 @@ function move(
 function free({ x, y }: Spot, node: HTMLElement): number {
   const half = (node.textContent.length * 6.5 + 14) / 2; // measured is too slow, every frame
   let line = y;
-  for (let tries = 0; tries < 2 * taken.length && taken.some((one) => covers(one, x, line, half)); tries++) line -= LINE;
+  for (let tries = 0; tries < 2 * taken.length && taken.some((one) => covers(one, x, line, half)); tries++)
+    line -= LINE;
   taken.push({ x, y: line, half });
   return line;
 }

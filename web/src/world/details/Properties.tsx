@@ -25,7 +25,7 @@ export function Properties({ element }: { element: Details }) {
         <Table.Tr>
           <Table.Th w="34%">{t("properties.name")}</Table.Th>
           <Table.Th>{t("properties.value")}</Table.Th>
-          <Table.Th w={92}>{t("properties.origin")}</Table.Th>
+          <Table.Th w={112}>{t("properties.origin")}</Table.Th>
         </Table.Tr>
       </Table.Thead>
       <Table.Tbody>

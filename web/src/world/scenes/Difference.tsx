@@ -12,9 +12,7 @@ export function Difference({ name }: { name: string }) {
   if (data.total === 0) return <Text size="sm">{t("scenes.same", { name })}</Text>;
   return (
     <Stack gap={4}>
-      <Text size="xs" c="dimmed">
-        {t("scenes.legend")}
-      </Text>
+      <Text size="xs">{t("scenes.legend")}</Text>
       <Code
         block
         mah={260}

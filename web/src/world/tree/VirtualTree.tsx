@@ -95,7 +95,7 @@ function useShown(tree: TreeInstance<string>, { selected, source, open }: Props,
     const index = tree.getItems().findIndex((item) => item.getId() === selected);
     if (selected !== null && index < 0) return; // as soon as its branch was read
     shown.current = selected;
-    if (index >= 0) scrollTo(index);
+    if (index >= 0) requestAnimationFrame(() => scrollTo(index)); // when it was measured
   }, [tree, selected, source, open, scrollTo]);
 }
 
