@@ -466,8 +466,33 @@ def test_jobs_are_listed_page_by_page_and_by_state(api):
     assert api.get("/jobs", params={"since": "2099-01-01T00:00:00Z"}).json() == {"items": [], "next": None}
 
 
+@pytest.mark.parametrize("path", ["/jobs", "/job-responses"])
+def test_jobs_are_listed_back_from_the_newest_page_by_page(api, path):
+    for n in range(3):
+        api.put(f"/jobs/back-{n}", json={**HOLDS, **LATER}, params=STORE).raise_for_status()
+    whole = api.get(path, params={"limit": 100}).json()["items"]
+    seen, query = [], {"limit": 2, "newest_first": True}
+    while True:
+        page = api.get(path, params=query).json()
+        seen += page["items"]
+        if page["next"] is None:
+            break
+        query["cursor"] = page["next"]
+    name = "id" if path == "/jobs" else "job_order_id"
+    assert [job[name] for job in seen] == [job[name] for job in reversed(whole)]
+    assert len(seen) > 3
+
+
 @pytest.mark.parametrize(
-    "query", [{"state": "Asleep"}, {"limit": 0}, {"limit": 1001}, {"cursor": "x"}, {"since": "yesterday"}]
+    "query",
+    [
+        {"state": "Asleep"},
+        {"limit": 0},
+        {"limit": 1001},
+        {"cursor": "x"},
+        {"since": "yesterday"},
+        {"newest_first": "maybe"},
+    ],
 )
 def test_what_cannot_be_listed_is_refused(api, query):
     problem(api.get("/jobs", params=query), 422)
@@ -482,6 +507,8 @@ def test_the_client_says_the_same(served):
         assert job.outcome == "goal already satisfied"
         assert client.send(calls.get_job(job.id)) == job
         assert client.send(calls.list_jobs(states=["Ended"], limit=1000)).items[-1] == job
+        assert client.send(calls.list_jobs(states=["Ended"], limit=1, newest_first=True)).items == (job,)
+        assert client.send(calls.list_job_responses(limit=1, newest_first=True)).items[0].job_order_id == job.id
         assert client.send(calls.get_job_response(job.id)).outcome == job.outcome
         assert client.send(calls.get_job_plan(job.id)).steps == ()
         assert client.send(calls.get_job_report(job.id)).reached

@@ -40,6 +40,18 @@ def done(api: httpx2.Client, call: Call[Any]) -> Any:
     return call.read(response)
 
 
+def turns(api: httpx2.Client, run: ModuleRunInfo, least: int) -> list[dict[str, Any]]:
+    """Waits until a run has been told so often to stand or to go on, and returns that."""
+    deadline = time.monotonic() + 20.0
+    while True:
+        told = api.get("/events/recent", params={"kind": "module", "type": ["paused", "resumed"]}).json()["items"]
+        own: list[dict[str, Any]] = [event for event in told if event["data"]["run"] == run.id]
+        if len(own) >= least or time.monotonic() > deadline:
+            assert len(own) >= least, own
+            return own
+        time.sleep(0.01)
+
+
 def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:
     deadline = time.monotonic() + 20.0
     while run.status not in OVER and time.monotonic() < deadline:
@@ -181,6 +193,22 @@ def test_a_run_can_be_paused_stepped_resumed_and_stopped_for_good(api, services)
     for command in ("pause", "step", "resume"):
         assert api.post(f"/module-runs/{run.id}/{command}").status_code == 409
     assert not any(m.running for m in services.session.managers.values())
+
+
+def test_a_run_that_comes_to_a_standstill_and_goes_on_tells_so_once_each_time(api) -> None:
+    run = done(api, calls.run_module("arm_1", "confirm", {"question": "Is it so?"}))
+    told = []
+    for command, turn in (("pause", "paused"), ("step", None), ("resume", "resumed"), ("pause", "paused")):
+        done(api, calls.command_module_run(run.id, command))
+        told += [turns(api, run, len(told) + 1)[-1]] if turn else []
+        status = done(api, calls.get_module_run(run.id)).status
+        assert status == ("running" if turn == "resumed" else "paused")
+    followed(api, done(api, calls.command_module_run(run.id, "stop")))
+
+    assert [event["type"] for event in turns(api, run, 3)] == ["paused", "resumed", "paused"]
+    assert told == turns(api, run, 3)
+    assert {event["subject"] for event in told} == {"confirm"}
+    assert {(event["data"]["agent"], event["data"]["kind"]) for event in told} == {("arm_1", "primitive")}
 
 
 def test_the_same_module_runs_once_at_a_time_and_is_not_reset_meanwhile(api) -> None:

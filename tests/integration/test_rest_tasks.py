@@ -190,6 +190,24 @@ def test_a_sequence_is_made_of_a_plan_and_run_so_often_as_wanted(api) -> None:
     assert [step.skill for step in again.steps] == ["drive", "drive"]
 
 
+def test_a_sequence_is_made_of_the_kept_plan_of_a_job_whose_task_is_forgotten(tmp_path) -> None:
+    goal = {"goal": "InKit(Starter, kit_1)"}
+    with serving("kitting", tmp_path) as first, httpx2.Client(base_url=f"{first.url}/api/v1", timeout=60.0) as http:
+        http.put("/jobs/kept", json=goal, headers={"Prefer": "wait=30"}).raise_for_status()
+        fresh = http.post("/sequences", json={"job": "kept"}).raise_for_status().json()
+    with serving("kitting", tmp_path) as second, httpx2.Client(base_url=f"{second.url}/api/v1", timeout=60.0) as http:
+        assert http.get("/tasks/kept").status_code == 404
+        kept = http.post("/sequences", json={"job": "kept"}).raise_for_status().json()
+        http.put("/jobs/later", json=goal, params={"start": "false"}).raise_for_status()
+        refused = http.post("/sequences", json={"job": "later"})
+        unknown = http.post("/sequences", json={"job": "never"})
+
+    assert [step["skill"] for step in kept["steps"]] == ["drive", "pick", "drive", "place"]
+    assert [step["arguments"] for step in kept["steps"]] == [step["arguments"] for step in fresh["steps"]]
+    assert (refused.status_code, refused.json()["detail"]) == (409, "job 'later' has no plan")
+    assert unknown.status_code == 422
+
+
 def test_there_is_no_sequence_of_a_goal_that_has_no_plan(api) -> None:
     before = done(api, seq.list_sequences())
 

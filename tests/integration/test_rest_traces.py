@@ -22,11 +22,18 @@ def test_each_step_in_a_trace_has_its_inputs_conditions_and_changes_of_the_world
         while len(entries := http.get("/jobs/kit/trace").json()["entries"]) < 11 and time.monotonic() < deadline:
             time.sleep(0.01)
         steps = [entry for entry in entries if entry["what"] == "ended"]
+        ways = {
+            (step["skill"]): [
+                way["label"] for way in http.get(f"/modules/{step['agent']}/{step['skill']}").json()["implementations"]
+            ]
+            for step in steps
+        }
         changes = [[http.get(f"/world/changes/{n}").json() for n in step["data"]["changes"]] for step in steps]
 
     assert [step["skill"] for step in steps] == ["drive", "pick", "drive", "place"]
     for step in steps:
         assert step["data"]["inputs"] == step["arguments"]
+        assert step["data"]["implementation"] in ways[step["skill"]]
         assert {row["kind"] for row in step["data"]["conditions"]} >= {"pre", "post"}
         assert all(row["holds"] and row["why"] for row in step["data"]["conditions"])
     assert [{change["author"] for change in of_one} for of_one in changes] == [

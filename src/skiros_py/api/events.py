@@ -25,7 +25,8 @@ class EventInfo(Answer):
     time: float = Field(description="When, in run time [s].", examples=[45.8])
     kind: EventKind = Field(description="What it is about.", examples=["job"])
     type: str = Field(
-        description="What happened: `scene` or `learned` of the world; the status of a module; what happened in a task;"
+        description="What happened: `scene` or `learned` of the world; the status of a module, and `paused` or"
+        " `resumed` of one that was started by itself; what happened in a task;"
         " the state of a job, as jobs name it (`Running`); `raised`, `changed`, `acknowledged`, `answered`, `cleared`"
         " of an alarm; `opened`, `closed`, `halted`, `reset` of the station.",
         examples=["Running"],

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["command"]
 
-_SWITCH = 0.001
-"""How long a thread keeps the interpreter when others want it [s]: see :func:`command`."""
 _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
 _OVERRUN_SIMULATED = 2.0
@@ -109,7 +107,7 @@ def command(
     was under way waits for a person at the next start.
     """
     from skiros_py.runtime import Options
-    from skiros_py.server.serving import bind
+    from skiros_py.server.serving import bind, switching_quickly
     from skiros_py.server.settings import ServerSettings
 
     settings = ServerSettings(
@@ -134,10 +132,12 @@ def command(
         overrun=None if pace is None else _OVERRUN if driver else _OVERRUN_SIMULATED,
     )
     _check_first_content(scene, data)
-    # The control thread asks for the interpreter 200 times a second and would wait for 5 ms each time that a request
-    # is being answered: a whole cycle.
-    sys.setswitchinterval(_SWITCH)
-    with closing(bind(settings)) as listening, _Stops(as_json=as_json).heard() as stops, _folder(data) as folder:
+    with (
+        switching_quickly(),
+        closing(bind(settings)) as listening,
+        _Stops(as_json=as_json).heard() as stops,
+        _folder(data) as folder,
+    ):
         _log_to_stderr(log)
         try:
             _serve(scene, replace(options, data=folder), settings, listening, stops, as_json=as_json)

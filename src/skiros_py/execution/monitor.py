@@ -43,6 +43,9 @@ class ModuleEvent:
         target: Id of the element that a skill is done to; empty for primitives.
         agent: Id of the subsystem whose skill manager runs it.
         caller: Name of the module that it is part of; empty for a module that was started by itself.
+        task: Name of the task that it is done for; empty for none.
+        implementation: Label of the way in which a skill is done, may be empty; None for a primitive, and where that
+            is not known.
     """
 
     time: float
@@ -54,6 +57,8 @@ class ModuleEvent:
     target: str = ""
     agent: str = ""
     caller: str = ""
+    task: str = ""
+    implementation: str | None = None
 
 
 class Monitor:

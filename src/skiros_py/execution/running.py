@@ -32,7 +32,8 @@ class Running(Protocol):
         """What it was run with, what was found of its conditions, and what it changed, as plain data.
 
         ``inputs``: values by parameter key; ``conditions``: what was found last of each one that was looked at;
-        ``changes``: numbers of its changes of the world.
+        ``implementation``: of a skill, the label of the way that was tried last; ``changes``: numbers of its changes
+        of the world.
         """
         ...
 

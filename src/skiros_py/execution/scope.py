@@ -65,6 +65,7 @@ class Scope:
         arguments: The skill's parameters.
         unfinished: What was broken off here.
         callers: The modules around this, outermost first.
+        task: Name of the task that it is done for; empty for none.
     """
 
     context: RunContext
@@ -76,6 +77,7 @@ class Scope:
     arguments: Mapping[str, Any] = field(default_factory=dict)
     unfinished: list[Unfinished] = field(default_factory=list)
     callers: tuple[str, ...] = ()
+    task: str = ""
 
     def check_depth(self, module: str) -> None:
         """Looks whether modules seem to call each other without end, where one more is about to run.

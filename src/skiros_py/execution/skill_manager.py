@@ -66,8 +66,13 @@ class Transport(Protocol):
         """What runs now, by name."""
         ...
 
-    def start(self, module: str, arguments: Mapping[str, Any]) -> Running:
+    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "") -> Running:
         """Starts a module.
+
+        Args:
+            module: Its name.
+            arguments: Its parameters.
+            task: Name of the task that it is done for; empty for none.
 
         Raises:
             UsageError: It cannot be started now.
@@ -238,10 +243,15 @@ class SkillManager:
         """Tells whether a task is of one of its modules, or of what it runs in the background."""
         return task in self._watchers or any(running.task is task for running in self.running.values())
 
-    def start(self, module: str, arguments: Mapping[str, Any]) -> RunningModule:
+    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "") -> RunningModule:
         """Starts a module.
 
         Parameters that are left out are inferred in the first cycle; what is wrong with them is the run's failure.
+
+        Args:
+            module: Its name.
+            arguments: Its parameters.
+            task: Name of the task that it is done for; empty for none.
 
         Raises:
             UnknownName: It does not offer that module.
@@ -254,15 +264,15 @@ class SkillManager:
         kind = self._modules.kind(module)
         self._modules.prepare(module, self._context)
         clock = RunClock(self._cycle.board.snapshot.time)
-        scope = replace(self._scope(module), context=replace(self._context, clock=clock))
+        scope = replace(self._scope(module), context=replace(self._context, clock=clock), task=task)
         name = f"{module} of {self.agent}"
         if kind == "skill":
             run = self._modules.skill_run(module, arguments, scope)
-            task = self._cycle.start(run.execute(), name=name, clock=clock)
-            started = RunningModule(module, task, scope, run.break_off, arguments=run.arguments, account=run.account)
+            ticked = self._cycle.start(run.execute(), name=name, clock=clock)
+            started = RunningModule(module, ticked, scope, run.break_off, arguments=run.arguments, account=run.account)
         else:
-            task = self._cycle.start(self._modules.run(module, arguments, scope), name=name, clock=clock)
-            started = RunningModule(module, task, scope, arguments=arguments)
+            ticked = self._cycle.start(self._modules.run(module, arguments, scope), name=name, clock=clock)
+            started = RunningModule(module, ticked, scope, arguments=arguments)
         self._running[module] = started
         return started
 
@@ -331,7 +341,8 @@ class SkillManager:
         result = running.result
         text = result.reason if isinstance(result, Failure) else result.message
         time = self._context.board.snapshot.time
-        self._monitor.publish(ModuleEvent(time, kind, running.name, status, code, text, agent=self.agent))
+        name, agent, task = running.name, self.agent, running.scope.task
+        self._monitor.publish(ModuleEvent(time, kind, name, status, code, text, agent=agent, task=task))
 
     def _reporter(self, name: str) -> Callable[[str, int, str], None]:
         def report(_module: str, code: int, text: str) -> None:

@@ -56,7 +56,8 @@ class SkillRun:
         self._claim: Claim | None = None
         self._finish: Node | None = None
         self._found: dict[tuple[str, str], ConditionRow] = {}
-        self._tell = teller("skill", self.description.name, scope, self._target)
+        self._way: Skill | None = None
+        self._tell = teller("skill", self.description.name, scope, self._target, self._implementation)
         effects = Effects(scope.context.world, self.description.post, self.arguments)
         self._scope = replace(
             scope,
@@ -71,11 +72,12 @@ class SkillRun:
         self._broken_off = reason
 
     def account(self) -> dict[str, Any]:
-        """Returns what it was run with, and what was found last of the conditions it has looked at, as plain data."""
+        """Returns how it was done, with what, and what was found last of its conditions, as plain data."""
         params = self.description.params
         return {
             "inputs": {p.key: as_shown(p, self.arguments.get(p.key)) for p in params},
             "conditions": [row.as_json() for row in self._found.values()],
+            "implementation": self._implementation(),
         }
 
     def recover(self) -> Execution[None]:
@@ -92,6 +94,7 @@ class SkillRun:
         """Infers what is left out, then does it."""
         found = contained(self.description.name, self._specify)
         self.started = True
+        self._way = None if isinstance(found, Failure) else self._implementations[0]
         self._tell(Status.STARTED, 0, ", ".join(f"{k}={v}" for k, v in self.arguments.items() if v is not None))
         for line in found.lines() if isinstance(found, Inferred) else ():
             self._tell(Status.RUNNING, 0, line)
@@ -154,6 +157,7 @@ class SkillRun:
                 yield
                 if self._check("precondition", self.description.needs) is not None:
                     break
+                self._way = skill
                 self._tell(Status.RUNNING, 0, f"{failures[-1].reason}; trying {_label(skill)}")
             outcome = yield from self._with_devices(skill)
             if isinstance(outcome, Success) or outcome.code == BROKEN_OFF:
@@ -221,6 +225,9 @@ class SkillRun:
 
     def _target(self) -> str:
         return str(self.arguments.get(self.description.target) or "")
+
+    def _implementation(self) -> str | None:
+        return None if self._way is None else self._way.label
 
 
 def _label(skill: Skill) -> str:

@@ -39,7 +39,13 @@ class ModuleRun(Protocol):
         ...
 
 
-def teller(kind: str, name: str, scope: Scope, target: Callable[[], str] = lambda: "") -> Tell:
+def teller(
+    kind: str,
+    name: str,
+    scope: Scope,
+    target: Callable[[], str] = lambda: "",
+    implementation: Callable[[], str | None] = lambda: None,
+) -> Tell:
     """Returns how a run in a scope reports to the monitor.
 
     Args:
@@ -47,12 +53,14 @@ def teller(kind: str, name: str, scope: Scope, target: Callable[[], str] = lambd
         name: The module.
         scope: What it runs in.
         target: Gives the id of the element that it is done to, as far as that is known.
+        implementation: Gives the label of the way in which it is done, as far as that is known.
     """
     caller = scope.callers[-1] if scope.callers else ""
 
     def tell(status: Status, code: int, text: str) -> None:
-        time = scope.context.board.snapshot.time
-        scope.monitor.publish(ModuleEvent(time, kind, name, status, code, text, target(), scope.agent, caller))
+        time, way = scope.context.board.snapshot.time, implementation()
+        event = ModuleEvent(time, kind, name, status, code, text, target(), scope.agent, caller, scope.task, way)
+        scope.monitor.publish(event)
 
     return tell
 

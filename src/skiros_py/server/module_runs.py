@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import OrderedDict, deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
 from typing import Any, Literal
@@ -20,8 +20,10 @@ from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Param
 from skiros_py.world.change import Change
 
-__all__ = ["ModuleRun", "ModuleRuns", "Round", "Wish"]
+__all__ = ["ModuleRun", "ModuleRuns", "Round", "Turn", "Wish"]
 
+Turn = Literal["paused", "resumed"]
+"""What becomes of a run that goes on all the same."""
 _KEPT = 200
 """Runs that are over and still known; the oldest go first."""
 _ROUNDS, _PROGRESS, _CHANGES = 100, 500, 100
@@ -71,6 +73,7 @@ class ModuleRun:
     Attributes:
         id: Its id.
         wish: What was wanted.
+        kind: "skill" or "primitive".
         params: The parameters of its module.
         wall: When it was started [s since 1970].
         values: Its arguments as far as they are known, with what was inferred.
@@ -84,9 +87,10 @@ class ModuleRun:
         begun: True when it has its devices, in this round.
     """
 
-    def __init__(self, id_: str, wish: Wish, params: tuple[Param, ...], values: Mapping[str, Any]) -> None:
+    def __init__(self, id_: str, wish: Wish, kind: str, params: tuple[Param, ...], values: Mapping[str, Any]) -> None:
         self.id = id_
         self.wish = wish
+        self.kind = kind
         self.params = params
         self.wall = time.time()
         self.values = dict(values)
@@ -102,6 +106,7 @@ class ModuleRun:
         self.since = 0.0
         self.cycles = 0
         self.refusal = ""
+        self._stood = False
 
     @property
     def over(self) -> bool:
@@ -130,6 +135,13 @@ class ModuleRun:
         self.stop_wanted = self.stop_wanted or verb == "stop"
         assert self.running is not None
         getattr(self.running, verb)()
+
+    def turn(self) -> Turn | None:
+        """Returns what has become of it since this was asked last: it came to a standstill, or goes on again."""
+        before, self._stood = self._stood, self.status == "paused"
+        if self._stood:
+            return None if before else "paused"
+        return "resumed" if before and self.status == "running" else None  # else it was stopped meanwhile
 
     def is_about(self, event: ModuleEvent) -> bool:
         """Tells whether a message is of the module itself, whoever's turn it is."""
@@ -177,6 +189,7 @@ class ModuleRuns:
         self._runs: OrderedDict[str, ModuleRun] = OrderedDict()
         self._active: tuple[ModuleRun, ...] = ()
         self._session: Session | None = None
+        self._listeners: list[Callable[[ModuleRun, Turn], None]] = []
         self._guard = threading.Lock()
 
     # ------------------------------------------------------------------ asking
@@ -214,8 +227,8 @@ class ModuleRuns:
         """
         manager = session.managers[wish.agent]
         _require_startable(session, manager, wish.module)
-        panel = manager.panel(wish.module, wish.given)
-        run = ModuleRun(f"{self._name}-{next(self._numbers)}", wish, panel.params, panel.values)
+        panel, kind = manager.panel(wish.module, wish.given), manager.info(wish.module).kind
+        run = ModuleRun(f"{self._name}-{next(self._numbers)}", wish, kind, panel.params, panel.values)
         run.begin(manager.start(wish.module, wish.given), session.cycle.board.now)
         with self._guard:
             self._runs[run.id] = run
@@ -227,6 +240,11 @@ class ModuleRuns:
         over = [id_ for id_, run in self._runs.items() if run.over]
         for id_ in over[: max(0, len(over) - _KEPT)]:
             del self._runs[id_]
+
+    def on_turn(self, listener: Callable[[ModuleRun, Turn], None]) -> Callable[[], None]:
+        """Calls the listener when a run has come to a standstill, and when it goes on; returns how to end that."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)
 
     def open(self, session: Session) -> None:
         """Follows what runs in a session, from its first cycle on."""
@@ -248,7 +266,13 @@ class ModuleRuns:
             return
         for run in self._active:
             self._follow(run, self._session)
+            if turn := run.turn():
+                self._tell(run, turn)
         self._active = tuple(run for run in self._active if not run.over)
+
+    def _tell(self, run: ModuleRun, turn: Turn) -> None:
+        for listener in tuple(self._listeners):
+            listener(run, turn)
 
     def _follow(self, run: ModuleRun, session: Session) -> None:
         running = run.running

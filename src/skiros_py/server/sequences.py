@@ -14,6 +14,7 @@ from skiros_py.api.tasks import WantedStep
 from skiros_py.errors import Busy, SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.planning.plan import NoPlan, Plan, Step
 from skiros_py.runtime import Session
+from skiros_py.server.job_accounts import plan_of
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services
 from skiros_py.server.store import Document
@@ -142,10 +143,29 @@ def _beginning(services: Services, wanted: NewSequence) -> Sequence[Step]:
         return _planned(services, tuple(wanted.goal))
     if wanted.preview is not None:
         return _of_plan(services.previews.find(wanted.preview).plan, f"preview {wanted.preview}")
-    name = wanted.job or wanted.task
-    if name is not None:
-        return _of_plan(services.tasks.find(name).plan, f"'{name}'")
+    if wanted.task is not None:
+        return _of_plan(services.tasks.find(wanted.task).plan, f"'{wanted.task}'")
+    if wanted.job is not None:
+        return _of_job(services, wanted.job)
     return steps_of(services.session, wanted.steps or [])
+
+
+def _of_job(services: Services, id_: str) -> Sequence[Step]:
+    """Returns the steps of the last plan of a job: as its task has it, else as it is kept of the job.
+
+    Raises:
+        UnknownName: There is no such job.
+        WrongState: It has no plan, or not all of it is kept.
+    """
+    if services.tasks.job_of(id_) == id_ and (plan := services.tasks.find(id_).plan) is not None:
+        return plan.steps
+    jobs = services.session.jobs
+    kept = plan_of(jobs.job(id_), jobs.trace(id_)).steps
+    if not all(one.arguments for one in kept):  # a power cut may take the trace, then there are the names alone
+        raise WrongState(f"of the plan of job '{id_}' only the names of the steps are kept: plan its goal anew")
+    if not kept:
+        raise WrongState(f"job '{id_}' has no plan")
+    return [Step(one.skill, MappingProxyType(dict(one.arguments))) for one in kept]
 
 
 def _of_plan(plan: Plan | None, what: str) -> Sequence[Step]:

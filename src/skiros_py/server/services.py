@@ -113,7 +113,7 @@ class Services:
             self.live,
             self.modules,
             self.tasks,
-            EventSources(self.events),
+            EventSources(self.events, self.tasks, self.modules),
             AlarmSources(self.alarms, self.control),
         ):
             self.control.on_open(part.open)

@@ -134,6 +134,12 @@ class TaskBook:
                 raise UnknownName("task", name, tuple(self._tasks))
             return self._tasks[name]
 
+    def job_of(self, name: str) -> str:
+        """Returns the id of the job that a task is of; empty for none, and for a task that nobody knows any more."""
+        with self._guard:
+            known = self._tasks.get(name)
+        return "" if known is None else known.job
+
     # ------------------------------------------------------------------ in the control thread
 
     def open(self, session: Session) -> None:

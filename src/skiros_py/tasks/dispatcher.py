@@ -50,7 +50,7 @@ class Dispatcher:
         self._setting = setting
         self._history = history
         self._skills = skills
-        self.telling = Telling(undertaking.trace, setting, skills)
+        self.telling = Telling(undertaking.name, undertaking.trace, setting, skills)
         self._share = Share(undertaking.name, setting, skills)
         self._active: list[Active] = []
         self._started = 0
@@ -243,7 +243,7 @@ class Dispatcher:
         managers = self._setting.managers
         if run.agent not in managers:
             raise UsageError(f"the skill manager of {run.agent} is gone")
-        return managers[run.agent].start(run.step.skill, run.step.arguments)
+        return managers[run.agent].start(run.step.skill, run.step.arguments, task=self._undertaking.name)
 
     def _end(self, one: Active) -> Outcome:
         outcome = one.running.result

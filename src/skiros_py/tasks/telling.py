@@ -20,12 +20,14 @@ class Telling:
     """The voice of one task.
 
     Args:
+        task: Its name.
         trace: Takes everything.
         setting: Its time, and who else listens.
         skills: The skills there are, by name.
     """
 
-    def __init__(self, trace: Trace, setting: Setting, skills: Mapping[str, SkillDescription]) -> None:
+    def __init__(self, task: str, trace: Trace, setting: Setting, skills: Mapping[str, SkillDescription]) -> None:
+        self._task = task
         self._trace = trace
         self._setting = setting
         self._skills = skills
@@ -51,7 +53,8 @@ class Telling:
         self.tell_of(Happening.WAITS, said, run)
         if self._setting.monitor is not None:
             text = f"waits: {why}"
-            event = ModuleEvent(run.start, "skill", step.skill, Status.RUNNING, 0, text, agent=run.agent)
+            status, agent = Status.RUNNING, run.agent
+            event = ModuleEvent(run.start, "skill", step.skill, status, 0, text, agent=agent, task=self._task)
             self._setting.monitor.publish(event)
 
     def forget_waits(self) -> None:

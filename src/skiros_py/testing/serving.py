@@ -11,7 +11,7 @@ from pathlib import Path
 from skiros_py.errors import DeviceError
 from skiros_py.runtime import Options, Session
 from skiros_py.server.services import Services
-from skiros_py.server.serving import Serving, bind, url_of
+from skiros_py.server.serving import Serving, bind, switching_quickly, url_of
 from skiros_py.server.settings import ServerSettings
 
 __all__ = ["Served", "serving"]
@@ -52,6 +52,7 @@ def serving(
     """
     chosen = replace(options, data=data)
     with (
+        switching_quickly(),
         closing(bind(replace(settings, port=0))) as listening,
         Services(lambda: Session(scene, chosen), data, settings) as services,
     ):

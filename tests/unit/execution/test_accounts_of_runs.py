@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from skiros_py.execution.monitor import Status
 from skiros_py.execution.running import RunningModule
 from skiros_py.skills.composition import Do, P
 from skiros_py.skills.outcome import Outcome, Success
@@ -67,6 +68,35 @@ def test_a_postcondition_that_does_not_hold_is_in_the_account_with_its_reason() 
     row = running.account["conditions"][-1]
     assert (row["kind"], row["holds"]) == ("post", False)
     assert "robot_1" in " ".join(row["why"])
+
+
+def test_an_account_and_what_is_told_say_which_implementation_was_tried_last() -> None:
+    free = replace(DRIVE, pre=())
+    ways = (
+        Skill(free, Do.of("wander", goes="box_b"), driver="fake", label="astray", order=1),
+        Skill(free, Do.of("wander", goes=P("Location")), driver="fake", label="there", order=2),
+    )
+    with Bench(tiny_world(), ways, (Wander,)) as bench:
+        running = ended(bench, Location="box_a")
+        told = [event.implementation for event in bench.events if event.module == "drive"]
+        parts = {event.implementation for event in bench.events if event.module == "wander"}
+    assert running.account["implementation"] == "there"
+    assert (told[0], told[-1], parts) == ("astray", "there", {None})
+
+
+def test_a_run_for_which_no_value_was_found_was_done_in_no_way() -> None:
+    with Bench(tiny_world(), SKILLS) as bench:
+        running = ended(bench, Robot="robot_1", Location="nowhere")
+    assert running.account["implementation"] is None
+
+
+def test_what_a_module_and_its_parts_tell_names_the_task_for_which_they_run() -> None:
+    with Bench(tiny_world(), (wandering(replace(DRIVE, pre=())),), (Wander,)) as bench:
+        running = bench.managers["base_1"].start("drive", {"Location": "box_a"}, task="kit-17")
+        bench.until(lambda: running.done)
+        ended(bench, Location="box_b")
+    named = [(event.module, event.task) for event in bench.events if event.status is Status.TERMINATED]
+    assert named == [("wander", "kit-17"), ("drive", "kit-17"), ("wander", ""), ("drive", "")]
 
 
 def test_an_account_has_the_numbers_of_the_changes_that_the_run_made_and_no_others() -> None:

@@ -14,6 +14,7 @@ import { Sentences } from "./Sentences";
 import { TemplateChoice } from "./TemplateChoice";
 import { TemplateForm } from "./TemplateForm";
 import { type Template, templateOrder, useTemplates } from "./templates";
+import { useFreshWords } from "./words";
 
 /** What shall be so: stated, looked at, planned, ordered, followed. */
 export default function GoalTab() {
@@ -31,6 +32,7 @@ function Goal() {
   const preview = usePreview(order);
   const conditions = verdicts.flatMap((verdict) => verdict.conditions);
   useShownGhosts(verdicts);
+  useFreshWords();
   return (
     <Stack gap="md">
       <VisuallyHidden>

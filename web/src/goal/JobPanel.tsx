@@ -1,4 +1,4 @@
-import { ActionIcon, Alert, Button, Group, List, Progress, Stack, Text, Title, Tooltip } from "@mantine/core";
+import { ActionIcon, Alert, Button, Group, List, Stack, Text, Title, Tooltip } from "@mantine/core";
 import { IconCheck, IconListCheck, IconPlayerStop, IconX } from "@tabler/icons-react";
 import { useMutation, useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
@@ -7,11 +7,13 @@ import { keys } from "../api/keys";
 import { useTab } from "../app/useTab";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
-import { type Mood, Status } from "../widgets/Status";
+import { Status } from "../widgets/Status";
+import { jobState } from "../task/jobWords";
+import { Question } from "../task/Question";
+import { jobMood } from "../task/words";
 import classes from "./goal.module.css";
 import { intoView } from "./intoView";
-import { doneOf, type RunStep } from "./steps";
-import { StepText } from "./StepText";
+import { Progress } from "./Progress";
 
 type Job = Schema<"Job">;
 
@@ -63,20 +65,21 @@ export function JobPanel({ id, onClose }: Props) {
   );
 }
 
+/** Details that the state says already; others are told beside it. */
+const SAID = new Set(["", "queued", "planning", "running", "paused", "waits for leave to start"]);
+
 function Course({ job }: { job: Job }) {
   const { t } = useTranslation("goal");
+  const { t: words } = useTranslation("task");
   const stop = useMutation({
     mutationFn: () => answer(api.POST("/api/v1/jobs/{id}/stop", { params: { path: { id: job.id } } })),
     onError: notifyProblem,
   });
-  const said: Record<string, string> = t("job.states", { returnObjects: true });
-  const states = ({ outcome, state }: Job) =>
-    (outcome === null ? [state.text, ...state.substates] : [outcome]).map((one) => said[one] ?? one).join(" · ");
   return (
     <>
       <Group gap="xs">
-        <Status mood={moodOf(job)} text={states(job)} />
-        {job.detail && <Text size="sm">{job.detail}</Text>}
+        <Status mood={jobMood(job)} text={jobState(words, job)} />
+        {job.choices.length === 0 && !SAID.has(job.detail) && <Text size="sm">{job.detail}</Text>}
         {job.commands.includes("stop") && (
           <MayButton
             operation="stop_job"
@@ -90,10 +93,10 @@ function Course({ job }: { job: Job }) {
           </MayButton>
         )}
       </Group>
-      {job.outcome === null && job.plan.length > 0 && <Progressing id={job.id} />}
-      <Answers job={job} />
+      {job.outcome === null && job.plan.length > 0 && <Progress job={job.id} />}
+      <Question job={job} />
       {job.reasons.length > 0 && (
-        <Alert color={moodOf(job) === "good" ? "blue" : "red"}>
+        <Alert color={jobMood(job) === "good" ? "blue" : "red"}>
           <List size="sm">
             {job.reasons.map((reason) => (
               <List.Item key={reason}>{reason}</List.Item>
@@ -103,72 +106,6 @@ function Course({ job }: { job: Job }) {
       )}
       {job.conditions.length > 0 && <Ends conditions={job.conditions} />}
     </>
-  );
-}
-
-function Progressing({ id }: { id: string }) {
-  const { t } = useTranslation("goal");
-  const path = { params: { path: { id } } };
-  const { data } = useQuery({
-    queryKey: keys.tasks("progress", id),
-    queryFn: async () => {
-      const [plan, report] = await Promise.all([
-        answer(api.GET("/api/v1/jobs/{id}/plan", path)),
-        answer(api.GET("/api/v1/jobs/{id}/report", path)),
-      ]);
-      return { plan: plan.steps, run: report.steps as unknown as RunStep[] };
-    },
-  });
-  if (data === undefined || data.plan.length === 0) return null;
-  const done = doneOf(data.plan, data.run);
-  const running = data.run.filter(({ end }) => end === null);
-  const text = t("job.progress", { done, all: data.plan.length });
-  return (
-    <Stack gap={2}>
-      <Progress.Root size="lg">
-        <Progress.Section value={(100 * done) / data.plan.length} aria-label={text} />
-      </Progress.Root>
-      <Text size="xs" c="dimmed">
-        {text}
-      </Text>
-      {running.map((step, index) => (
-        <Text key={index} size="sm">
-          {t("job.now")} <StepText step={step} />
-        </Text>
-      ))}
-    </Stack>
-  );
-}
-
-/** What a held job waits for from a person. */
-function Answers({ job }: { job: Job }) {
-  const { t } = useTranslation("goal");
-  const reply = useMutation({
-    mutationFn: (choice: string) =>
-      answer(
-        api.POST("/api/v1/jobs/{id}/answer", {
-          params: { path: { id: job.id } },
-          body: { answer: choice, question: job.question },
-        }),
-      ),
-    onError: notifyProblem,
-  });
-  if (job.choices.length === 0) return null;
-  return (
-    <Group gap="xs" role="group" aria-label={t("job.waits")}>
-      <Text size="sm">{t("job.waits")}</Text>
-      {job.choices.map((choice) => (
-        <MayButton
-          key={choice}
-          operation="answer_job"
-          variant="default"
-          loading={reply.isPending}
-          onClick={() => reply.mutate(choice)}
-        >
-          {choice}
-        </MayButton>
-      ))}
-    </Group>
   );
 }
 
@@ -193,13 +130,4 @@ function Ends({ conditions }: { conditions: Job["conditions"] }) {
       ))}
     </List>
   );
-}
-
-const GOOD = new Set(["succeeded", "goal already satisfied"]);
-
-function moodOf({ outcome, state, choices }: Job): Mood {
-  if (outcome !== null) return GOOD.has(outcome) ? "good" : outcome === "partially succeeded" ? "warning" : "bad";
-  if (choices.length > 0) return "asking";
-  if (state.text === "Interrupted") return "paused";
-  return state.text === "Running" ? "running" : "waiting";
 }

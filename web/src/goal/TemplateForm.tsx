@@ -1,10 +1,12 @@
 import { ActionIcon, Alert, Button, Group, Stack, Text, TextInput, Title, Tooltip } from "@mantine/core";
 import { IconArrowBackUp, IconTrash } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
+import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { queryClient } from "../api/queries";
 import { useMay } from "../api/session";
+import { ConfirmDialog } from "../widgets/ConfirmDialog";
 import { ElementPicker } from "../widgets/ElementPicker";
 import { localName, useClassLabels } from "../widgets/names";
 import { notifyProblem } from "../widgets/problems";
@@ -110,9 +112,10 @@ export function TemplateForm({ template, filled, verdict }: Props) {
 }
 
 function RemoveTemplate({ template: { name, version } }: { template: Template }) {
-  const { t } = useTranslation("goal");
+  const { t } = useTranslation(["goal", "common"]);
   const { change } = useDraft();
   const may = useMay("remove_goal_template");
+  const [asking, setAsking] = useState(false);
   const remove = useMutation({
     mutationFn: () =>
       answer(
@@ -125,14 +128,27 @@ function RemoveTemplate({ template: { name, version } }: { template: Template })
     onSettled: () => queryClient.invalidateQueries({ queryKey: TEMPLATES }),
   });
   if (!may) return null;
-  const ask = () => {
-    if (window.confirm(t("template.removeSure", { name }))) remove.mutate();
-  };
   return (
-    <Tooltip label={t("template.remove")}>
-      <ActionIcon color="red" aria-label={t("template.remove")} loading={remove.isPending} onClick={ask}>
-        <IconTrash size={16} aria-hidden />
-      </ActionIcon>
-    </Tooltip>
+    <>
+      <Tooltip label={t("template.remove")}>
+        <ActionIcon
+          color="red"
+          aria-label={t("template.remove")}
+          loading={remove.isPending}
+          onClick={() => setAsking(true)}
+        >
+          <IconTrash size={16} aria-hidden />
+        </ActionIcon>
+      </Tooltip>
+      {asking && (
+        <ConfirmDialog
+          title={t("template.removeTitle", { name })}
+          text={t("template.removeText")}
+          action={t("common:remove")}
+          onConfirm={() => remove.mutate()}
+          onClose={() => setAsking(false)}
+        />
+      )}
+    </>
   );
 }

@@ -3,7 +3,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { create } from "zustand";
 import { createJSONStorage, persist } from "zustand/middleware";
-import { answerWithTag, api, type Schema } from "../api/client";
+import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { type NewRow, type Row, keyed } from "./goals";
 
@@ -82,11 +82,10 @@ export const useDrafts = create<Drafts>()(
 /** The name of the present scene; undefined until it is known. */
 export function useSceneName(): string | undefined {
   const { data } = useQuery({
-    queryKey: keys.scenes("present"),
-    queryFn: () => answerWithTag(api.GET("/api/v1/scene")),
-    select: ({ data: scene }) => scene.name,
+    queryKey: keys.station("scene"), // not of the scenes: each change of the world makes those old
+    queryFn: () => answer(api.GET("/api/v1/scene")),
   });
-  return data;
+  return data?.name;
 }
 
 /** The draft of the present scene, and how to change it. */

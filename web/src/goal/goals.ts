@@ -1,7 +1,6 @@
 /** A goal as a list of conditions that must hold together: what the operator builds, and what the server is sent. */
 
 import type { Schema } from "../api/client";
-import { localName } from "../widgets/names";
 
 /** A structured condition, as the server reads and writes it. */
 export type GoalData = Record<string, unknown>;
@@ -103,6 +102,3 @@ export function isSame(text: string, other: string): boolean {
 export function without(conditions: readonly CheckedCondition[], givenUp: readonly string[]): NewRow[] {
   return conditions.filter(({ text }) => !givenUp.some((one) => isSame(one, text))).map(rowOf);
 }
-
-/** The short name of what an argument names. */
-export const shortName = localName;

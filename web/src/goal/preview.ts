@@ -30,7 +30,6 @@ export function usePreview(order: GoalOrder | null) {
   return {
     /** Asks for a plan, of what is wanted now where nothing else is said. */
     ask: (wanted: GoalOrder | null = order) => wanted !== null && ask.mutate(wanted),
-    forget: () => change({ preview: null }),
     preview: data,
     /** It is kept no longer. */
     lost: error instanceof ApiProblem,

@@ -31,7 +31,7 @@ function plainly({ skill, arguments: given }: Step): StepPiece[] {
 
 /** Counts how many steps of a plan have been done; each step that was run counts for one of the plan. */
 export function doneOf(plan: readonly Step[], run: readonly RunStep[]): number {
-  const left = run.filter(({ end, reason }) => end !== null && !reason).map(asKey);
+  const left = run.filter(({ ended }) => ended === "ended").map(asKey);
   return plan.filter((step) => {
     const at = left.lastIndexOf(asKey(step));
     if (at >= 0) left.splice(at, 1);
@@ -39,13 +39,8 @@ export function doneOf(plan: readonly Step[], run: readonly RunStep[]): number {
   }).length;
 }
 
-/** A step that was run, as a job's report tells of it. */
-export interface RunStep extends Step {
-  agent: string;
-  start: number;
-  end: number | null;
-  reason: string;
-}
+/** A step that was run, as a task tells of it: ended, failed, broken off, or null while it runs. */
+type RunStep = Step & Pick<Schema<"TaskStep">, "ended">;
 
 function asKey({ skill, arguments: given }: Step): string {
   return JSON.stringify([skill, Object.entries(given).sort()]);

@@ -12,18 +12,22 @@ import { type ConditionWord, plainSentence, type Piece, piecesOf, sentenceOfHelp
 const KEY = keys.modules("goal-words");
 const NONE: readonly ConditionWord[] = [];
 
-/** The condition words, which come and go with the skill managers; and how to ask for them again. */
+/** The condition words, and how to ask for them again. */
 export function useWords() {
   const { data, refetch, isFetching } = useQuery({
     queryKey: KEY,
     queryFn: () => answer(api.GET("/api/v1/goals/conditions")),
     select: ({ conditions }) => conditions,
   });
+  return { words: data ?? NONE, refetch, isFetching, known: data !== undefined };
+}
+
+/** Has the words read again when skill managers may have come or gone; once for all who use them. */
+export function useFreshWords(): void {
   useEffect(
     () => onEvent((event) => void (mayChangeSkills(event) && queryClient.invalidateQueries({ queryKey: KEY }))),
     [],
   );
-  return { words: data ?? NONE, refetch, isFetching, known: data !== undefined };
 }
 
 /** Whether an event may mean that a skill manager came or went: its skills are elements, which no job adds or removes. */

@@ -48,7 +48,6 @@ export function usePanel(agent: string, module: string, values: Arguments) {
 }
 
 export function useRuns() {
-  useFreshRuns();
   return useQuery({
     queryKey: keys.moduleRuns("all"),
     queryFn: async () => (await answer(api.GET("/api/v1/module-runs", { params: { query: { limit: 200 } } }))).items,
@@ -56,7 +55,6 @@ export function useRuns() {
 }
 
 export function useRun(id: string | null) {
-  useFreshRuns();
   return useQuery({
     queryKey: keys.moduleRuns("one", id),
     queryFn: () => answer(api.GET("/api/v1/module-runs/{id}", { params: { path: { id: id ?? "" } } })),
@@ -64,8 +62,8 @@ export function useRun(id: string | null) {
   });
 }
 
-/** That somebody pauses a run makes no event: the state of the robots tells it. */
-function useFreshRuns(): void {
+/** Has runs read again when somebody pauses one, which makes no event: the state of the robots tells it. */
+export function useFreshRuns(): void {
   const atWork = useStation((station) => modulesAtWork(station.state));
   useEffect(() => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }), [atWork]);
 }

@@ -6,6 +6,7 @@ import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { ElementName } from "../widgets/ElementName";
 import { Moment } from "../widgets/Moment";
+import { notifyProblem } from "../widgets/problems";
 import { Status } from "../widgets/Status";
 import { download } from "./exports";
 import { jobState } from "./jobWords";
@@ -78,7 +79,7 @@ function Exports({ job, run, skills }: Props) {
       >
         Markdown
       </Button>
-      <Button variant="default" leftSection={icon} onClick={() => void json()}>
+      <Button variant="default" leftSection={icon} onClick={() => void json().catch(notifyProblem)}>
         JSON
       </Button>
       <Button

@@ -3,8 +3,6 @@ import { IconHistory, IconListNumbers } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { Answers } from "../always/Answers";
-import { useAlarms } from "../always/useAlarms";
 import { answer, api, type Schema } from "../api/client";
 import { useTab } from "../app/useTab";
 import { useReplay } from "../scene3d/replay";
@@ -15,6 +13,7 @@ import { JobCommands } from "./JobCommands";
 import { JobReport } from "./JobReport";
 import { NewSequenceButton } from "./NewSequenceButton";
 import { Problem } from "./Problem";
+import { Question } from "./Question";
 import { ReplayBar } from "./ReplayBar";
 import { RunPanes } from "./RunPanes";
 import type { Run } from "./trace";
@@ -110,19 +109,6 @@ function Reasons({ job }: { job: Schema<"Job"> }) {
         </Text>
       ))}
       {job.outcome === "no plan" && <Anchor href="#/goal">{t("job.toGoal")}</Anchor>}
-    </Alert>
-  );
-}
-
-function Question({ job }: { job: Schema<"Job"> }) {
-  const alarm = useAlarms(true).find((one) => one.job === job.id && one.choices.length > 0);
-  if (alarm === undefined || job.choices.length === 0) return null;
-  return (
-    <Alert color="orange" p="xs">
-      <Group gap="xs" justify="space-between">
-        <Text size="sm">{alarm.text}</Text>
-        <Answers alarm={alarm} />
-      </Group>
     </Alert>
   );
 }

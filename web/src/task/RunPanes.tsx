@@ -3,7 +3,6 @@ import { IconBinaryTree, IconFileText, IconTerminal2, IconTimeline } from "@tabl
 import { lazy, type ReactNode, useEffect, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { Part } from "../app/Part";
-import { useReplay } from "../scene3d/replay";
 import type { GraphNode } from "../widgets/Graph";
 import { followOutput } from "./output";
 import { OutputPane } from "./OutputPane";
@@ -39,11 +38,10 @@ const PANES = Object.keys(ICONS) as Pane[];
 export function RunPanes({ name, run, skills, title, state, paused, from, to, report, chosen, choose }: Props) {
   const { t } = useTranslation("task");
   const [pane, setPane] = useState<Pane>("timeline");
-  const cursor = useReplay((replay) => (replay.replay?.job === name ? replay.time : null));
   useEffect(followOutput, []);
   const step = run.steps.find(({ key }) => key === chosen);
   const contents: Record<Pane, ReactNode> = {
-    timeline: <Timeline run={run} skills={skills} paused={paused} cursor={cursor} chosen={chosen} choose={choose} />,
+    timeline: <Timeline run={run} skills={skills} paused={paused} name={name} chosen={chosen} choose={choose} />,
     tree: <TreePane run={run} skills={skills} title={title} state={state} chosen={chosen} choose={choose} />,
     output: <OutputPane name={name} from={from} to={to} />,
     report,

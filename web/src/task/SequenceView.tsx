@@ -13,7 +13,7 @@ import { ConflictAlert } from "./ConflictAlert";
 import { Problem } from "./Problem";
 import { RunSequence } from "./RunSequence";
 import type { Skills } from "./schedule";
-import { type Sequence, useEdits, useSequence } from "./sequences";
+import { isConflict, type Sequence, useEdits, useSequence, type WantedStep } from "./sequences";
 import { SequenceSteps } from "./SequenceSteps";
 import { StepForm } from "./StepForm";
 import { useSkills } from "./useRun";
@@ -46,7 +46,7 @@ function Known({ sequence, skills }: { sequence: Sequence; skills: Skills }) {
       <NewStep
         skills={skills}
         pending={isPending}
-        save={(step) => edit({ kind: "insert", at: sequence.count, step })}
+        insert={(step, onSettled) => edit({ kind: "insert", at: sequence.count, step }, { onSettled })}
       />
       <RunSequence sequence={sequence} />
     </Stack>
@@ -61,7 +61,13 @@ function Works({ sequence }: { sequence: Sequence }) {
   return <Status mood="warning" text={t("sequence.worksNot", { count: wrong })} />;
 }
 
-function NewStep({ skills, pending, save }: Pick<Parameters<typeof StepForm>[0], "skills" | "pending" | "save">) {
+interface NewStepProps {
+  skills: Skills;
+  pending: boolean;
+  insert: (step: WantedStep, settled: (step: unknown, refusal: Error | null) => void) => void;
+}
+
+function NewStep({ skills, pending, insert }: NewStepProps) {
   const { t } = useTranslation("task");
   const [opened, setOpened] = useState(false);
   if (!opened) {
@@ -78,13 +84,13 @@ function NewStep({ skills, pending, save }: Pick<Parameters<typeof StepForm>[0],
       </Group>
     );
   }
-  const take: typeof save = (step) => {
-    save(step);
-    setOpened(false);
-  };
-  return (
-    <StepForm skills={skills} label={t("step.add")} pending={pending} save={take} cancel={() => setOpened(false)} />
-  );
+  const close = () => setOpened(false);
+  // What was filled in stays where it was refused; of a conflict the alert has it.
+  const save = (step: WantedStep) =>
+    insert(step, (_, refusal) => {
+      if (refusal === null || isConflict(refusal)) close();
+    });
+  return <StepForm skills={skills} label={t("step.add")} pending={pending} save={save} cancel={close} />;
 }
 
 function Remove({ sequence: { id, version } }: { sequence: Sequence }) {

@@ -4,6 +4,7 @@ import { IconArrowAutofitWidth, IconTable, IconZoomIn, IconZoomOut } from "@tabl
 import { scaleLinear, type ScaleLinear } from "d3-scale";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { useReplay } from "../scene3d/replay";
 import type { Skills } from "./schedule";
 import classes from "./Timeline.module.css";
 import { Hatches, ROW, TimelineBar } from "./TimelineBar";
@@ -15,11 +16,11 @@ import { useWheelZoom, useZoom, type Zoom, zoomByKey } from "./useZoom";
 import { span } from "./words";
 
 interface Props {
+  /** Id of the job, or name of the task. */
+  name: string;
   run: Run;
   skills: Skills;
   paused: boolean;
-  /** The moment of a replay that is shown [s, run time]; null while there is none. */
-  cursor: number | null;
   chosen: string | null;
   choose: (step: string) => void;
 }
@@ -38,7 +39,7 @@ function LiveTimeline(props: Props) {
   return <DrawnTimeline {...props} now={Math.max(useNow() + props.run.shift, props.run.begun)} />;
 }
 
-function DrawnTimeline({ run, skills, paused, now, cursor, chosen, choose }: Props & { now: number }) {
+function DrawnTimeline({ name, run, skills, paused, now, chosen, choose }: Props & { now: number }) {
   const { t } = useTranslation("task");
   const layout = layOut(run, skills, now, paused);
   const zoom = useZoom(layout, now);
@@ -60,7 +61,7 @@ function DrawnTimeline({ run, skills, paused, now, cursor, chosen, choose }: Pro
           zoom={zoom}
           origin={run.begun}
           now={run.end === null ? now : null}
-          cursor={cursor}
+          name={name}
           chosen={chosen}
           choose={choose}
         />
@@ -128,7 +129,7 @@ function Tools({ zoom, live, table, showTable }: ToolsProps) {
   );
 }
 
-interface PictureProps extends Pick<Props, "cursor" | "chosen" | "choose"> {
+interface PictureProps extends Pick<Props, "name" | "chosen" | "choose"> {
   layout: TimelineLayout;
   zoom: Zoom;
   origin: number;
@@ -136,7 +137,7 @@ interface PictureProps extends Pick<Props, "cursor" | "chosen" | "choose"> {
   now: number | null;
 }
 
-function Picture({ layout, zoom, origin, now, cursor, chosen, choose }: PictureProps) {
+function Picture({ name, layout, zoom, origin, now, chosen, choose }: PictureProps) {
   const { t } = useTranslation("task");
   const { ref: sized, width } = useElementSize<HTMLDivElement>();
   const scale = scaleLinear([zoom.start, zoom.end], [0, Math.max(width, 1)]);
@@ -180,7 +181,7 @@ function Picture({ layout, zoom, origin, now, cursor, chosen, choose }: PictureP
         ))}
         <Mark at={layout.eta} scale={scale} height={height} className={classes.eta} title={t("timeline.end")} />
         <Mark at={now} scale={scale} height={height} className={classes.now} title={t("timeline.now")} />
-        <Mark at={cursor} scale={scale} height={height} className={classes.cursor} title={t("timeline.replayed")} />
+        <Cursor name={name} scale={scale} height={height} />
       </svg>
     </div>
   );
@@ -247,6 +248,13 @@ function Axis({ scale, height, origin }: { scale: ScaleLinear<number, number>; h
       ))}
     </g>
   );
+}
+
+/** The moment of a replay of this job; it alone is drawn anew while that goes on. */
+function Cursor({ name, ...drawn }: Pick<Props, "name"> & Pick<MarkProps, "scale" | "height">) {
+  const { t } = useTranslation("task");
+  const at = useReplay(({ replay, time }) => (replay?.job === name ? time : null));
+  return <Mark {...drawn} at={at} className={classes.cursor} title={t("timeline.replayed")} />;
 }
 
 interface MarkProps {

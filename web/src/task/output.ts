@@ -83,7 +83,7 @@ function begin(): () => void {
     timer = undefined;
     const more = waiting;
     waiting = [];
-    useOutput.setState(({ rows }) => ({ rows: added(rows, more) }));
+    useOutput.setState(({ rows }) => ({ rows: added(rows, more), failed: null }));
   };
   const take = (more: readonly OutputRow[]) => {
     waiting.push(...more);

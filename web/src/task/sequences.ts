@@ -50,13 +50,18 @@ export function useEdits(sequence: Sequence) {
       setConflict(null);
     },
     onError: async (error, edit) => {
-      if (!(error instanceof ApiProblem && error.status === 412)) return notifyProblem(error);
+      if (!isConflict(error)) return notifyProblem(error);
       const there = await read(sequence.id);
       take(there);
       setConflict({ edit, seen: sequence, there });
     },
   });
   return { edit: mutate, isPending, conflict, drop: () => setConflict(null) };
+}
+
+/** Whether somebody else has changed it meanwhile. */
+export function isConflict(error: unknown): boolean {
+  return error instanceof ApiProblem && error.status === 412;
 }
 
 function send({ id, version }: Sequence, edit: Edit): Promise<Sequence> {

@@ -11,7 +11,7 @@ import {
 } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconClick } from "@tabler/icons-react";
-import { useEffect, useState } from "react";
+import { useEffect, useRef, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { type Pick, useSelection } from "../selection/selection";
 import { type Candidate, type Candidates, idsOf, useCandidates } from "./candidates";
@@ -175,10 +175,12 @@ function PickButton({ label, class_, take, disabled }: PickButtonProps) {
   const { t } = useTranslation();
   const [mine, setMine] = useState<Pick | null>(null);
   const waiting = useSelection(({ pick }) => pick !== null && pick === mine);
+  const latest = useLatest(take);
   useEffect(() => () => endPick(mine), [mine]);
   const begin = async () => {
     const ids = await idsOf(class_);
-    const pick = { purpose: label, fits: (id: string) => ids.has(id), take };
+    if (latest.current === null) return; // the form is gone
+    const pick = { purpose: label, fits: (id: string) => ids.has(id), take: (id: string) => latest.current?.(id) };
     setMine(pick);
     useSelection.getState().awaitPick(pick);
   };
@@ -196,6 +198,16 @@ function PickButton({ label, class_, take, disabled }: PickButtonProps) {
       </ActionIcon>
     </Tooltip>
   );
+}
+
+/** Keeps what is to be called in the end: what else was filled in while somebody looks for the place to click stays. */
+function useLatest<Action>(action: Action) {
+  const latest = useRef<Action | null>(null);
+  useEffect(() => {
+    latest.current = action;
+  });
+  useEffect(() => () => void (latest.current = null), []);
+  return latest;
 }
 
 function endPick(pick: Pick | null): void {

@@ -108,6 +108,7 @@ def list_jobs(
     since: datetime | None = None,
     limit: int = 100,
     cursor: str | None = None,
+    newest_first: bool = False,
 ) -> Call[JobPage]:
     """Lists jobs, open or over, in the order in which they were ordered.
 
@@ -116,8 +117,9 @@ def list_jobs(
         since: Those only that changed since then.
         limit: How many at most.
         cursor: The ``next`` of the page before.
+        newest_first: True to go back from the one that was ordered last.
     """
-    return Call("GET", "/jobs", _read(JobPage), query=_chosen(states, since, limit, cursor))
+    return Call("GET", "/jobs", _read(JobPage), query=_chosen(states, since, limit, cursor, newest_first))
 
 
 def get_job(job: str) -> Call[Job]:
@@ -136,6 +138,7 @@ def list_job_responses(
     since: datetime | None = None,
     limit: int = 100,
     cursor: str | None = None,
+    newest_first: bool = False,
 ) -> Call[JobResponses]:
     """Says what jobs have come to, in the order in which they were ordered.
 
@@ -144,8 +147,9 @@ def list_job_responses(
         since: Those only that changed since then.
         limit: How many at most, up to 100.
         cursor: The ``next`` of the page before.
+        newest_first: True to go back from the one that was ordered last.
     """
-    query = _chosen(states, since, limit, cursor)
+    query = _chosen(states, since, limit, cursor, newest_first)
     return Call("GET", "/job-responses", _read(JobResponses), query=query)
 
 
@@ -266,13 +270,14 @@ def _start(start: bool, again: bool) -> dict[str, str | None]:
 
 
 def _chosen(
-    states: Sequence[StateName | str], since: datetime | None, limit: int, cursor: str | None
+    states: Sequence[StateName | str], since: datetime | None, limit: int, cursor: str | None, newest_first: bool
 ) -> dict[str, list[str] | str | int | None]:
     return {
         "state": [str(state) for state in states] or None,
         "since": None if since is None else since.isoformat(),
         "limit": limit,
         "cursor": cursor,
+        "newest_first": "true" if newest_first else None,
     }
 
 

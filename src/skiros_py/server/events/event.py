@@ -26,7 +26,7 @@ class Kind(enum.StrEnum):
     WORLD = "world"
     """A change of what is believed."""
     MODULE = "module"
-    """A skill or primitive started, got on, or ended."""
+    """A skill or primitive started, got on, was paused, or ended."""
     TASK = "task"
     """Something happened in a task: a plan, a step, a question."""
     JOB = "job"

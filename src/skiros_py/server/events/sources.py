@@ -10,6 +10,8 @@ from skiros_py.runtime import Session
 from skiros_py.server.events.event import Kind
 from skiros_py.server.events.log import EventLog
 from skiros_py.server.job_views import state_name
+from skiros_py.server.module_runs import ModuleRun, ModuleRuns, Turn
+from skiros_py.server.task_book import TaskBook
 from skiros_py.skills.questions import Question
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import TraceEntry
@@ -28,21 +30,24 @@ class EventSources:
 
     Args:
         events: Takes it.
+        tasks: Knows which task is of which job; hears of a task before this does.
+        modules: Tells when a run stands, and when it goes on.
     """
 
-    def __init__(self, events: EventLog) -> None:
+    def __init__(self, events: EventLog, tasks: TaskBook, modules: ModuleRuns) -> None:
         self._events = events
-        self._jobs: frozenset[str] = frozenset()
+        self._tasks = tasks
+        self._modules = modules
         self._ends: list[Callable[[], None]] = []
 
     def open(self, session: Session) -> None:
         """Listens to a session."""
         board = session.cycle.board
         self._events.clock = lambda: board.snapshot.time
-        self._job_of = _job_finder(session)
         self._ends = [
             session.world.subscribe(self._change),
             session.monitor.subscribe(self._module),
+            self._modules.on_turn(self._turn),
             session.questions.subscribe(self._question),
             session.tasks.on_begin(self._task),
             session.jobs.subscribe(self._job),
@@ -67,16 +72,15 @@ class EventSources:
         self._events.append(Kind.WORLD, type_, elements=about, data=change_data(change))
 
     def _module(self, event: ModuleEvent) -> None:
-        data = {
-            "kind": event.kind,
-            "agent": event.agent,
-            "code": event.code,
-            "text": event.text,
-            "target": event.target,
-            "caller": event.caller,
-        }
         elements = [name for name in (event.agent, event.target) if name]
-        self._events.append(Kind.MODULE, event.status.value, event.module, elements=elements, data=data)
+        job, data = self._tasks.job_of(event.task), _module_data(event)
+        self._events.append(Kind.MODULE, event.status.value, event.module, job=job, elements=elements, data=data)
+
+    def _turn(self, run: ModuleRun, turn: Turn) -> None:
+        text = {"paused": "stands where it is", "resumed": "goes on"}[turn]
+        told = {"kind": run.kind, "agent": run.wish.agent, "code": 0, "text": text, "run": run.id}
+        blank = {"target": "", "caller": "", "task": "", "implementation": None}
+        self._events.append(Kind.MODULE, turn, run.wish.module, elements=[run.wish.agent], data=told | blank)
 
     def _question(self, question: Question) -> None:
         data = {
@@ -89,7 +93,7 @@ class EventSources:
         self._events.append(Kind.TASK, "question", question.asker, data=data)
 
     def _task(self, undertaking: Undertaking) -> None:
-        name, job = undertaking.name, self._job_of(undertaking.name)
+        name, job = undertaking.name, self._tasks.job_of(undertaking.name)
 
         def tell(entry: TraceEntry) -> None:
             data = {key: value for key, value in entry.as_json().items() if key not in ("time", "what")}
@@ -105,14 +109,17 @@ class EventSources:
         self._events.append(Kind.JOB, "Removed", job.id, job=job.id, data=job_data(job))
 
 
-def _job_finder(session: Session) -> Callable[[str], str]:
-    """Returns what tells which job a task is done for: jobs give their tasks their own ids."""
-    jobs = session.jobs
-
-    def find(task: str) -> str:
-        return task if task in jobs.open else ""
-
-    return find
+def _module_data(event: ModuleEvent) -> dict[str, Any]:
+    return {
+        "kind": event.kind,
+        "agent": event.agent,
+        "code": event.code,
+        "text": event.text,
+        "target": event.target,
+        "caller": event.caller,
+        "task": event.task,
+        "implementation": event.implementation,
+    }
 
 
 def change_data(change: Change) -> dict[str, Any]:

@@ -11,8 +11,7 @@ from skiros_py.api.jobs import JobCapabilities, JobResponses, StateName, WorkMas
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.job_accounts import response_of
-from skiros_py.server.job_views import STATES
-from skiros_py.server.routes.job_access import JobsDep, TemplatesDep
+from skiros_py.server.routes.job_access import CursorQuery, JobsDep, NewestFirstQuery, TemplatesDep, job_page
 from skiros_py.server.services import ServicesDep
 from skiros_py.world.vocabulary import MANIPULATABLE
 
@@ -50,12 +49,11 @@ def list_job_responses(
     state: Annotated[list[StateName] | None, Query(max_length=6, description="Of jobs in these states only.")] = None,
     since: Annotated[WantedMoment | None, Query(description="Of those only that changed since then.")] = None,
     limit: Annotated[int, Query(ge=1, le=100, description="How many at most.")] = 100,
-    cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
+    cursor: CursorQuery = None,
+    newest_first: NewestFirstQuery = False,
 ) -> JobResponses:
     """Lists the job responses of the jobs that were not removed, in the order in which they were ordered."""
-    states = None if not state else [STATES[name] for name in state]
-    wall = None if since is None else since.timestamp()
-    page, now = jobs.page(states=states, since=wall, after=int(cursor), limit=limit), time.time()
+    page, now = job_page(jobs, state, since, limit, cursor, newest_first=newest_first), time.time()
     return JobResponses(
         items=tuple(response_of(jobs, job, now) for job in page.jobs),
         next=None if page.next is None else str(page.next),

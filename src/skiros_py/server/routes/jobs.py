@@ -17,17 +17,20 @@ from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.etags import tagged
 from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.job_faults import UNABLE_TO_ACCEPT, job_faults
-from skiros_py.server.job_views import STATES, job_view
+from skiros_py.server.job_views import job_view
 from skiros_py.server.ordering.orders import digest_of, is_same, job_order, new_id, texts_of
 from skiros_py.server.problems import Problem
 from skiros_py.server.routes import job_commands, job_lists, job_results
 from skiros_py.server.routes.job_access import (
+    CursorQuery,
     ExpectedDep,
     JobId,
     JobsDep,
+    NewestFirstQuery,
     TemplatesDep,
     accepted,
     job_location,
+    job_page,
     said_by,
     shown,
 )
@@ -157,13 +160,11 @@ def list_jobs(
     state: Annotated[list[StateName] | None, Query(max_length=6, description="In these states only.")] = None,
     since: Annotated[WantedMoment | None, Query(description="Those only that changed since then.")] = None,
     limit: Annotated[int, Query(ge=1, le=1000, description="How many at most.")] = 100,
-    cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
+    cursor: CursorQuery = None,
+    newest_first: NewestFirstQuery = False,
 ) -> JobPage:
     """Lists the jobs that were not removed, open or over, in the order in which they were ordered."""
-    states = None if not state else [STATES[name] for name in state]
-    wall = None if since is None else since.timestamp()
-    page = jobs.page(states=states, since=wall, after=int(cursor), limit=limit)
-    now = time.time()
+    page, now = job_page(jobs, state, since, limit, cursor, newest_first=newest_first), time.time()
     return JobPage(
         items=tuple(job_view(job, now) for job in page.jobs), next=None if page.next is None else str(page.next)
     )

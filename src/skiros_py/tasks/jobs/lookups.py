@@ -64,18 +64,20 @@ class JobLookups:
         *,
         states: Collection[JobState] | None = None,
         since: float | None = None,
-        after: int = 0,
+        after: int | None = None,
         limit: int = 100,
+        newest_first: bool = False,
     ) -> Page:
-        """Returns some of the jobs, open or over, in the order in which they were ordered.
+        """Returns some of the jobs, open or over, in the order in which they were ordered, or back from the last one.
 
         Args:
             states: Those in these states only; None for all.
             since: Those only that changed at that time or later [s since 1970]; None for all.
-            after: Those only whose number is greater: the :attr:`Page.next` of the page before.
+            after: The :attr:`Page.next` of the page before, read in the same order; None for the first page.
             limit: How many at most.
+            newest_first: True to go back from the last one.
         """
-        return self.store.page(states=states, since=since, after=after, limit=limit)
+        return self.store.page(states=states, since=since, after=after, limit=limit, newest_first=newest_first)
 
     def known(self, receipt: Receipt) -> Job | None:
         """Returns the job that the same request led to before, removed or not; None where there was none.

@@ -38,7 +38,7 @@ class Page:
     """Some of the jobs.
 
     Attributes:
-        jobs: By number.
+        jobs: By number, or back from the greatest one.
         next: Where the next page begins: its ``after``; None where this is the last one.
     """
 
@@ -94,27 +94,31 @@ class JobStore:
         *,
         states: Collection[JobState] | None = None,
         since: float | None = None,
-        after: int = 0,
+        after: int | None = None,
         limit: int = 100,
+        newest_first: bool = False,
     ) -> Page:
-        """Returns some of the jobs, in the order in which they were ordered.
+        """Returns some of the jobs, in the order in which they were ordered, or back from the last one.
 
         Args:
             states: Those in these states only; None for all.
             since: Those only that changed at that time or later [s since 1970]; None for all.
-            after: Those only whose number is greater.
+            after: Those only that come after the one of this number; None for all.
             limit: How many at most; fewer where they are very large.
+            newest_first: True to go back from the last one.
         """
         wanted = tuple(JobState) if states is None else tuple(states)
         # Numbers of our own, and no text of anybody's: they need not be bound.
         among = "1" if states is None else f"state IN ({', '.join(str(state.value) for state in wanted)})"
-        where = f"number > ? AND {among}"
-        values: tuple[float, ...] = (min(after, _LAST),)
+        beyond, order = ("<", "number DESC") if newest_first else (">", "number")
+        where = f"number {beyond} ? AND {among}"
+        start = (_LAST if newest_first else 0) if after is None else min(after, _LAST)
+        values: tuple[float, ...] = (start,)
         if since is not None:  # found in the index alone, however many there are
-            changed = f"FROM jobs INDEXED BY jobs_by_change WHERE changed >= ? AND {where} ORDER BY number"
+            changed = f"FROM jobs INDEXED BY jobs_by_change WHERE changed >= ? AND {where} ORDER BY {order}"
             where = f"id IN (SELECT id {changed} LIMIT {limit + 1})"
             values = (since, *values)
-        sql = f"SELECT data, number FROM jobs WHERE {where} ORDER BY number LIMIT ?"  # noqa: S608
+        sql = f"SELECT data, number FROM jobs WHERE {where} ORDER BY {order} LIMIT ?"  # noqa: S608
         rows = self._database.looked_up(sql, (*values, limit + 1), room=_ROOM)
         return self._paged(rows[:limit], whole=len(rows) <= limit and _size(rows) < _ROOM)
 

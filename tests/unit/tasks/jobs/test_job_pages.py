@@ -34,6 +34,35 @@ def test_pages_follow_each_other_without_gap_or_repeat(store):
     assert seen == [f"j{number}" for number in range(25)]
 
 
+@pytest.mark.parametrize("since", [None, 5.0])
+def test_pages_go_back_from_the_last_job_without_gap_or_repeat_while_others_come(store, since):
+    for number in range(25):
+        add(store, f"j{number}", S.ENDED, changed=10.0)
+    seen, after, first = [], None, True
+    while first or after is not None:
+        page = store.page(after=after, limit=10, newest_first=True, since=since)
+        add(store, f"late{len(seen)}", S.ENDED, changed=10.0)
+        seen += [job.id for job in page.jobs]
+        after, first = page.next, False
+    assert seen == [f"j{number}" for number in reversed(range(25))]
+
+
+def test_the_place_of_a_page_is_the_same_in_both_directions(store):
+    for name in "abcde":
+        add(store, name, S.ENDED)
+    middle = store.page(limit=3).next
+    assert [job.id for job in store.page(after=middle).jobs] == ["d", "e"]
+    assert [job.id for job in store.page(after=middle, newest_first=True).jobs] == ["b", "a"]
+
+
+def test_of_what_has_changed_since_then_the_newest_are_on_the_first_page(store):
+    for number in range(6):
+        add(store, f"j{number}", S.ENDED if number % 2 else S.RUNNING, changed=float(number))
+    page = store.page(since=2.0, states={S.ENDED}, limit=1, newest_first=True)
+    assert ([job.id for job in page.jobs], page.next) == (["j5"], 6)
+    assert [job.id for job in store.page(since=2.0, after=6, limit=9, newest_first=True).jobs] == ["j4", "j3", "j2"]
+
+
 def test_a_page_that_is_just_full_and_the_last_one_has_no_next(store):
     for name in "abc":
         add(store, name, S.ENDED)
@@ -101,6 +130,7 @@ def test_a_trace_is_read_piece_by_piece(store):
 def test_a_page_after_a_number_that_no_job_can_have_is_empty(store, after):
     add(store, "a", S.ENDED)
     assert store.page(after=after).jobs == ()
+    assert [job.id for job in store.page(after=after, newest_first=True).jobs] == ["a"]
 
 
 def test_what_is_over_is_not_among_the_open_ones(store):

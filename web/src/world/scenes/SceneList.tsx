@@ -7,7 +7,7 @@ import { useMay } from "../../api/session";
 import { MayButton } from "../../widgets/MayButton";
 import { Moment } from "../../widgets/Moment";
 import { useWrite } from "../edit/useWrite";
-import { ConfirmDialog } from "./ConfirmDialog";
+import { ConfirmDialog } from "../../widgets/ConfirmDialog";
 import { LoadDialog, type SceneToLoad } from "./LoadDialog";
 import { usePresent, useScenes } from "./queries";
 

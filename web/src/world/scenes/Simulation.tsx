@@ -8,7 +8,7 @@ import { useMay } from "../../api/session";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
-import { ConfirmDialog } from "./ConfirmDialog";
+import { ConfirmDialog } from "../../widgets/ConfirmDialog";
 import { useSimulation } from "./queries";
 
 type State = Schema<"SimulationState">;

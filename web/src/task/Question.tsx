@@ -1,0 +1,18 @@
+import { Alert, Group, Text } from "@mantine/core";
+import { Answers } from "../always/Answers";
+import { useAlarms } from "../always/useAlarms";
+import type { Schema } from "../api/client";
+
+/** What a job waits for a person to answer; nothing while it waits for nobody. */
+export function Question({ job }: { job: Schema<"Job"> }) {
+  const alarm = useAlarms(true).find((one) => one.job === job.id && one.choices.length > 0);
+  if (alarm === undefined || job.choices.length === 0) return null;
+  return (
+    <Alert color="orange" p="xs">
+      <Group gap="xs" justify="space-between">
+        <Text size="sm">{alarm.text}</Text>
+        <Answers alarm={alarm} />
+      </Group>
+    </Alert>
+  );
+}
