@@ -76,10 +76,19 @@ def test_a_goal_that_cannot_be_understood_says_what_would_be_right(api, goal, co
     assert {"code": code, "return_status": 1 << 32, **more}.items() <= refused.items()
 
 
+def test_a_word_says_what_the_robots_can_bring_about_where_that_is_narrower_than_what_it_may_speak_of(
+    api: httpx2.Client,
+) -> None:
+    words = {word["name"]: word for word in api.get("/goals/conditions").json()["conditions"]}
+    _, location = words["ObjectAtLocation"]["roles"]
+    assert location == {"name": "location", "class": "sk:Container", "reached": "kitting:Compartment"}
+    assert all(role["reached"] == role["class"] for role in words["InKit"]["roles"])
+
+
 def test_the_words_are_those_that_present_robots_can_fulfil(api):
     words = {word["name"]: word for word in api.get("/goals/conditions").json()["conditions"]}
     assert words["InKit"]["skills"] == ["place"]
-    assert words["InKit"]["roles"][1] == {"name": "kit", "class": "kitting:Kit"}
+    assert words["InKit"]["roles"][1] == {"name": "kit", "class": "kitting:Kit", "reached": "kitting:Kit"}
     assert (words["InKit"]["abstract"], words["EmptyHanded"]["abstract"]) == (True, False)
     assert words["RobotAtLocation"]["skills"] == ["drive"]
     assert "FitsIn" not in words

@@ -151,6 +151,10 @@ class Role(Answer):
 
     name: str = Field(examples=["kit"], description="What it is called.")
     class_: str = Field(alias="class", description="Class of what may stand there.", examples=["kitting:Kit"])
+    reached: str = Field(
+        description="Class of what the present robots can bring about there: the same, or a narrower one.",
+        examples=["kitting:Compartment"],
+    )
 
 
 class ConditionWord(Answer):

@@ -70,10 +70,34 @@ def condition_words(
     for name, type_ in sorted(conditions.items()):
         wanted = tuple(_wanted(type_.pattern, ontology))
         skills = [skill for skill, changes in brought.items() if any(one(c) for one in wanted for c in changes)]
-        roles = tuple(Role.model_validate({"name": role.name, "class": role.class_}) for role in type_.roles)
         yield ConditionWord(
-            name=name, help=type_.help, roles=roles, abstract=type_.abstract, skills=tuple(sorted(skills))
+            name=name,
+            help=type_.help,
+            roles=tuple(_roles(type_, [c.skill for c in capabilities if c.skill.name in skills], ontology)),
+            abstract=type_.abstract,
+            skills=tuple(sorted(skills)),
         )
+
+
+def _roles(type_: ConditionType, skills: Sequence[SkillDescription], ontology: Ontology) -> Iterator[Role]:
+    """Yields the arguments of a condition, each with what those skills make it true for."""
+    made = [
+        [skill.param(argument).element_class for argument in post.arguments]
+        for skill in skills
+        for post in skill.post
+        if post.type.name == type_.name and not post.negated
+    ]
+    for number, role in enumerate(type_.roles):
+        reached = _widest([classes[number] for classes in made], ontology)
+        narrower = reached is not None and ontology.is_a(reached, role.class_)
+        yield Role.model_validate(
+            {"name": role.name, "class": role.class_, "reached": reached if narrower else role.class_}
+        )
+
+
+def _widest(classes: Sequence[str], ontology: Ontology) -> str | None:
+    """Returns the class that all of these are; None where none of them is that."""
+    return next((wide for wide in classes if all(ontology.is_a(one, wide) for one in classes)), None)
 
 
 def _brought(skill: SkillDescription, ontology: Ontology) -> Iterator[_Change]:

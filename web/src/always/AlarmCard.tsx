@@ -1,5 +1,6 @@
 import { Anchor, Group, Paper, Stack, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
+import { detailOf } from "../task/address";
 import { MayButton } from "../widgets/MayButton";
 import { Moment } from "../widgets/Moment";
 import { Status } from "../widgets/Status";
@@ -62,7 +63,7 @@ function Where({ alarm }: { alarm: Alarm }) {
   }
   if (alarm.kind === "task") {
     return (
-      <Anchor size="sm" href={`#/task/${encodeURIComponent(alarm.source)}`}>
+      <Anchor size="sm" href={`#/task/${encodeURIComponent(detailOf({ kind: "task", id: alarm.source }))}`}>
         {t("alarms.task", { task: alarm.source })}
       </Anchor>
     );

@@ -1,5 +1,6 @@
 import { Button, Tooltip } from "@mantine/core";
 import { IconHandStop } from "@tabler/icons-react";
+import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { useMay } from "../api/session";
 import classes from "./always.module.css";
@@ -10,8 +11,18 @@ export function StopButton() {
   const { t } = useTranslation("always");
   const { t: common } = useTranslation();
   const may = useMay("stop");
+  const [hinted, setHinted] = useState(false);
+  const show = () => setHinted(true);
+  const hide = () => setHinted(false);
   return (
-    <Tooltip label={may ? t("stop.hint") : common("mayNot")} multiline maw={280} position="right" zIndex={10_001}>
+    <Tooltip
+      opened={hinted}
+      label={may ? t("stop.hint") : common("mayNot")}
+      multiline
+      maw={280}
+      position="right"
+      zIndex={10_001}
+    >
       <Button
         className={classes.stop}
         color="red"
@@ -22,7 +33,14 @@ export function StopButton() {
         // Who may not sees it and hears why; it is tried all the same, the server decides.
         data-disabled={!may || undefined}
         aria-disabled={!may}
-        onClick={() => void stopAll(t("stop.reason"))}
+        onMouseEnter={show}
+        onMouseLeave={hide}
+        onFocus={({ currentTarget }) => currentTarget.matches(":focus-visible") && show()}
+        onBlur={hide}
+        onClick={() => {
+          hide(); // else it covers what became of the stop
+          void stopAll(t("stop.reason"));
+        }}
       >
         {t("stop.label")}
       </Button>

@@ -2,6 +2,7 @@
 
 export const keys = {
   me: ["me"] as const,
+  names: (...rest: unknown[]) => ["names", ...rest] as const,
   world: (...rest: unknown[]) => ["world", ...rest] as const,
   ontology: (...rest: unknown[]) => ["ontology", ...rest] as const,
   scenes: (...rest: unknown[]) => ["scenes", ...rest] as const,

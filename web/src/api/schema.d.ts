@@ -3240,6 +3240,7 @@ export interface components {
         Role: {
             name: string;
             class: string;
+            reached: string;
         };
         RunModule: {
             arguments?: {
@@ -3660,7 +3661,8 @@ export interface operations {
                 state?: components["schemas"]["StateName"][] | null;
                 since?: string | null;
                 limit?: number;
-                cursor?: string;
+                cursor?: string | null;
+                newest_first?: boolean;
             };
             header?: never;
             path?: never;
@@ -4407,7 +4409,8 @@ export interface operations {
                 state?: components["schemas"]["StateName"][] | null;
                 since?: string | null;
                 limit?: number;
-                cursor?: string;
+                cursor?: string | null;
+                newest_first?: boolean;
             };
             header?: never;
             path?: never;
@@ -7238,6 +7241,12 @@ export interface operations {
                 content: {
                     "application/xml": unknown;
                 };
+            };
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             default: {
                 headers: {

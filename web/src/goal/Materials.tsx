@@ -2,7 +2,6 @@ import {
   ActionIcon,
   Button,
   Group,
-  NumberInput,
   Stack,
   Table,
   TextInput,
@@ -12,6 +11,7 @@ import {
 import { IconPlus, IconTable, IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
+import { CountField } from "../widgets/arguments/CountField";
 import { ElementPicker } from "../widgets/ElementPicker";
 import { ClassPicker } from "./ClassPicker";
 import type { Filled, Piece } from "./draft";
@@ -72,13 +72,12 @@ export function Materials({ content, filled, words, onChange }: Props) {
               ))}
               {counted && (
                 <Table.Td>
-                  <NumberInput
+                  <CountField
                     aria-label={t("materials.cell", { field: t("materials.quantity"), row: index + 1 })}
                     min={1}
                     max={1000}
-                    allowDecimal={false}
                     value={piece.quantity}
-                    onChange={(value) => set(index, { quantity: Number(value) || 1 })}
+                    onChange={(quantity) => set(index, { quantity })}
                   />
                 </Table.Td>
               )}

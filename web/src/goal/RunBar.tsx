@@ -3,7 +3,6 @@ import {
   Checkbox,
   CopyButton,
   Group,
-  NumberInput,
   Popover,
   Stack,
   TextInput,
@@ -12,8 +11,10 @@ import {
 import { IconCheck, IconCopy, IconEye, IconPlayerPlay, IconSettings } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import { BASE } from "../api/client";
+import { useMe } from "../api/session";
+import { CountField } from "../widgets/arguments/CountField";
 import { MayButton } from "../widgets/MayButton";
-import { curl } from "./curl";
+import { curl } from "../widgets/shell";
 import { type Options, useDraft } from "./draft";
 import classes from "./goal.module.css";
 import type { GoalOrder } from "./goals";
@@ -31,6 +32,7 @@ export function RunBar({ order, planning, onPreview }: Props) {
   const { t } = useTranslation("goal");
   const { draft } = useDraft();
   const run = useOrder();
+  const { data: me } = useMe();
   const ordered = order && jobOrder(order, draft.options);
   return (
     <Group gap="xs" className={classes.actions} role="group" aria-label={t("run.group")}>
@@ -55,7 +57,7 @@ export function RunBar({ order, planning, onPreview }: Props) {
         {t("run.run")}
       </MayButton>
       <RunOptions />
-      <CopyButton value={ordered ? curl(`${BASE}/api/v1/jobs`, ordered) : ""}>
+      <CopyButton value={ordered ? curl(`${BASE}/api/v1/jobs`, ordered, me?.keys_needed ?? false) : ""}>
         {({ copied, copy }) => (
           <Tooltip label={copied ? t("run.copied") : t("run.curl")}>
             <ActionIcon aria-label={t("run.curl")} disabled={ordered === null} onClick={copy}>
@@ -91,22 +93,20 @@ function RunOptions() {
             value={options.description}
             onChange={(event) => set({ description: event.currentTarget.value })}
           />
-          <NumberInput
+          <CountField
             label={t("options.priority")}
             description={t("options.priorityHelp")}
             min={-32768}
             max={32767}
-            allowDecimal={false}
             value={options.priority}
-            onChange={(value) => set({ priority: Number(value) || 0 })}
+            onChange={(priority) => set({ priority })}
           />
-          <NumberInput
+          <CountField
             label={t("options.attempts")}
             min={1}
             max={1000}
-            allowDecimal={false}
             value={options.policy.attempts}
-            onChange={(value) => setPolicy({ attempts: Math.max(1, Number(value) || 1) })}
+            onChange={(attempts) => setPolicy({ attempts })}
           />
           {(["rest", "ask", "partial"] as const).map((name) => (
             <Checkbox

@@ -1,8 +1,9 @@
 import { Alert, Button, Group, List, Modal, Stack, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useMutation, useQuery } from "@tanstack/react-query";
+import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, answerWithTag, api, ApiProblem } from "../api/client";
+import { answerWithTag, api, ApiProblem } from "../api/client";
 import { keys } from "../api/keys";
 import { queryClient } from "../api/queries";
 import { MayButton } from "../widgets/MayButton";
@@ -23,15 +24,23 @@ export function SceneGoals() {
   const { t } = useTranslation("goal");
   const { draft, setRows } = useDraft();
   const { data } = useQuery({ queryKey: KEY, queryFn: () => answerWithTag(api.GET("/api/v1/goals")) });
+  const [seen, setSeen] = useState<string>(); // the version that somebody has looked at, whatever came after it
+  if (seen === undefined && data !== undefined) setSeen(data.tag);
   const take = useMutation({
-    mutationFn: (goals: readonly string[]) => understood(goals.join("\n")),
-    onSuccess: setRows,
+    mutationFn: ({ goals }: { goals: readonly string[]; tag: string }) => understood(goals.join("\n")),
+    onSuccess: (rows, { tag }) => {
+      setRows(rows);
+      setSeen(tag);
+    },
     onError: notifyProblem,
   });
   const write = useMutation({
     mutationFn: ({ goals, tag }: Write) =>
-      answer(api.PUT("/api/v1/goals", { body: { goals }, params: { header: { "if-match": tag } } })),
-    onSuccess: () => notifications.show({ message: t("scene.saved") }),
+      answerWithTag(api.PUT("/api/v1/goals", { body: { goals }, params: { header: { "if-match": tag } } })),
+    onSuccess: ({ tag }) => {
+      setSeen(tag);
+      notifications.show({ message: t("scene.saved") });
+    },
     onError: (error) => (isStale(error) ? undefined : notifyProblem(error)),
     onSettled: () => queryClient.invalidateQueries({ queryKey: KEY }),
   });
@@ -39,7 +48,7 @@ export function SceneGoals() {
   const ours = draft.rows.map(goalOf);
   const complete = ours.filter((goal) => goal !== null);
   const ready = complete.length > 0 && complete.length === ours.length;
-  const save = () => write.mutate({ goals: complete, tag: data?.tag ?? "" });
+  const save = (tag: string | undefined) => write.mutate({ goals: complete, tag: tag ?? "" });
   return (
     <Stack gap={4}>
       <Group gap="xs">
@@ -47,11 +56,17 @@ export function SceneGoals() {
           variant="default"
           disabled={theirs.length === 0}
           loading={take.isPending}
-          onClick={() => take.mutate(theirs)}
+          onClick={() => take.mutate({ goals: theirs, tag: data?.tag ?? "" })}
         >
           {t("scene.take", { count: theirs.length })}
         </Button>
-        <MayButton operation="put_goals" variant="default" disabled={!ready} loading={write.isPending} onClick={save}>
+        <MayButton
+          operation="put_goals"
+          variant="default"
+          disabled={!ready}
+          loading={write.isPending}
+          onClick={() => save(seen)}
+        >
           {t("scene.save")}
         </MayButton>
       </Group>
@@ -65,7 +80,7 @@ export function SceneGoals() {
             ))}
           </List>
           <Group>
-            <Button onClick={save}>{t("scene.replace")}</Button>
+            <Button onClick={() => save(data?.tag)}>{t("scene.replace")}</Button>
             <Button variant="default" onClick={write.reset}>
               {t("scene.leave")}
             </Button>

@@ -6,6 +6,7 @@ import { answer, api } from "../api/client";
 import { ElementName } from "../widgets/ElementName";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
+import { notifyChange } from "../widgets/undo";
 import { useDraft } from "./draft";
 import { type CheckedCondition, type GoalOrder, goalOrder, isSame, keyed, without } from "./goals";
 import type { Preview } from "./preview";
@@ -90,7 +91,10 @@ function RepairCard({ preview, repair, conditions, again }: CardProps) {
           params: { path: { id: preview, number: repair.id } },
         }),
       ),
-    onSuccess: () => again(),
+    onSuccess: ({ text, world }) => {
+      notifyChange(t("repair.done", { text }), world);
+      again();
+    },
     onError: notifyProblem,
   });
   const rest = without(conditions, repair.without);

@@ -31,20 +31,22 @@ function plainly({ skill, arguments: given }: Step): StepPiece[] {
 
 /** Counts how many steps of a plan have been done; each step that was run counts for one of the plan. */
 export function doneOf(plan: readonly Step[], run: readonly RunStep[]): number {
-  const left = run.filter(({ ended }) => ended === "ended").map(asKey);
+  const left = run.filter(({ ended }) => ended === "ended");
   return plan.filter((step) => {
-    const at = left.lastIndexOf(asKey(step));
+    const at = left.findLastIndex((one) => isDone(step, one));
     if (at >= 0) left.splice(at, 1);
     return at >= 0;
   }).length;
 }
 
+/** What the plan left open is filled in when a step starts. */
+function isDone(planned: Step, ran: Step): boolean {
+  const given = Object.entries(planned.arguments);
+  return planned.skill === ran.skill && given.every(([name, value]) => ran.arguments[name] === value);
+}
+
 /** A step that was run, as a task tells of it: ended, failed, broken off, or null while it runs. */
 type RunStep = Step & Pick<Schema<"TaskStep">, "ended">;
-
-function asKey({ skill, arguments: given }: Step): string {
-  return JSON.stringify([skill, Object.entries(given).sort()]);
-}
 
 /** Minutes and seconds: "1:05". */
 export function clock(seconds: number): string {

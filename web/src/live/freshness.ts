@@ -10,8 +10,24 @@ const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
   task: ["tasks"],
   job: ["jobs", "tasks"],
   alarm: ["alarms", "jobs"],
-  system: ["station", "modules", "robots", "goals", "alarms", "tasks", "jobs", "scenes", "ontology", "world", "me"],
+  system: [
+    "names",
+    "station",
+    "modules",
+    "robots",
+    "goals",
+    "alarms",
+    "tasks",
+    "jobs",
+    "scenes",
+    "ontology",
+    "world",
+    "me",
+  ],
 };
+/** What people call things: asked for one by one, therefore only after a change that may have renamed some. */
+const NAMES = "names";
+const LABEL = "rdfs:label";
 const PAUSE = 80; // ms: more often nobody sees it, and two cores have other work
 
 /** Begins; returns how to end it. */
@@ -28,9 +44,20 @@ export function keepFresh(): () => void {
     for (const word of words) old.add(word);
     timer ??= setTimeout(refresh, PAUSE);
   };
-  const endings = [onEvent((event) => age(OLD_BY[event.kind])), onReset(() => void queryClient.invalidateQueries())];
+  const endings = [onEvent((event) => age(oldBy(event))), onReset(() => void queryClient.invalidateQueries())];
   return () => {
     clearTimeout(timer);
     for (const end of endings) end();
   };
+}
+
+function oldBy(event: EventInfo): readonly string[] {
+  return mayRename(event) ? [...OLD_BY[event.kind], NAMES] : OLD_BY[event.kind];
+}
+
+function mayRename({ kind, data }: EventInfo): boolean {
+  if (kind !== "world" || !Array.isArray(data.edits)) return false;
+  const edits = data.edits as { edit?: unknown; property?: unknown }[];
+  const isCut = data.all_edits !== undefined; // of a long change only a part is told
+  return isCut || edits.some(({ edit, property }) => edit === "element" || property === LABEL);
 }

@@ -1,6 +1,7 @@
 import { EVERYTHING, fitting } from "./filter";
 import { detailOf, placeOf } from "./places";
-import { cliCommand, curlCommand, quoted } from "./shellWords";
+import { quoted } from "../widgets/shell";
+import { cliCommand, curlCommand } from "./shellWords";
 import type { Summary } from "./queries";
 
 const place = (agent: string) => ({ agent, robot: agent.replace(/^\D+/, "robot_") });

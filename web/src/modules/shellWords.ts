@@ -1,6 +1,7 @@
 /** The same run from a command line. */
 
 import type { Arguments } from "../widgets/ArgumentsForm";
+import { curl, quoted } from "../widgets/shell";
 
 export interface Wanted {
   agent: string;
@@ -19,16 +20,9 @@ export function cliCommand({ agent, module, values, repeat }: Wanted): string {
 /** Returns the request that asks the same server for the same. */
 export function curlCommand({ agent, module, values, repeat }: Wanted, base: string, keysNeeded: boolean): string {
   const url = `${base}/api/v1/modules/${encodeURIComponent(agent)}/${encodeURIComponent(module)}/runs`;
-  const key = keysNeeded ? [`-H "Authorization: Bearer $SKIROS_KEY"`] : [];
-  const body = JSON.stringify({ arguments: values, repeat });
-  return ["curl", quoted(url), ...key, "-H 'Content-Type: application/json'", "-d", quoted(body)].join(" ");
+  return curl(url, { arguments: values, repeat }, keysNeeded);
 }
 
 function asText(value: unknown): string {
   return typeof value === "object" ? JSON.stringify(value) : String(value);
-}
-
-/** Returns a text as one word of a POSIX shell. */
-export function quoted(text: string): string {
-  return /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`;
 }

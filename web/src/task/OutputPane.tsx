@@ -2,8 +2,9 @@ import { Button, Checkbox, Group, Select, Stack, Text, TextInput } from "@mantin
 import { IconDownload } from "@tabler/icons-react";
 import { useDeferredValue, useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
+import { download } from "../widgets/download";
 import { problemText } from "../widgets/problems";
-import { asCsv, download } from "./exports";
+import { asCsv } from "./exports";
 import { type OutputRow, useOutput } from "./output";
 import { OutputTable } from "./OutputTable";
 

@@ -1,4 +1,4 @@
-import { Checkbox, Group, NumberInput } from "@mantine/core";
+import { Checkbox, Group } from "@mantine/core";
 import { IconPlayerPlay } from "@tabler/icons-react";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
@@ -6,6 +6,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
 import { useTab } from "../app/useTab";
+import { CountField } from "../widgets/arguments/CountField";
 import { MayButton } from "../widgets/MayButton";
 import { detailOf } from "./address";
 import { Problem } from "./Problem";
@@ -35,15 +36,14 @@ export function RunSequence({ sequence: { id, count, works } }: { sequence: Sequ
   return (
     <Section title={t("run.title")}>
       <Group gap="md" align="end">
-        <NumberInput
+        <CountField
           label={t("run.times")}
           value={times}
           min={1}
           max={MOST}
           w={90}
-          allowDecimal={false}
           disabled={endless}
-          onChange={(value) => setTimes(Math.max(1, Number(value) || 1))}
+          onChange={setTimes}
         />
         <Checkbox size="xs" label={t("run.endless")} checked={endless} onChange={() => setEndless(!endless)} mb={6} />
         {!works && count > 0 && (

@@ -43,7 +43,7 @@ export function StepDetails({ name, step, run, skills, close }: Props) {
       </Group>
       <Text size="sm">{step.text}</Text>
       <Section title={t("details.inputs")}>
-        <Inputs values={step.inputs} />
+        <Inputs values={step.inputs} parameters={skills.get(step.skill)?.parameters ?? []} />
       </Section>
       <Section title={t("details.conditions")}>
         <Conditions rows={step.conditions} running={step.end === null} />
@@ -70,7 +70,13 @@ function ReplayFrom({ name, step }: { name: string; step: Step }) {
   );
 }
 
-function Inputs({ values }: { values: Record<string, unknown> }) {
+interface InputsProps {
+  values: Record<string, unknown>;
+  parameters: readonly Schema<"ModuleParameter">[];
+}
+
+function Inputs({ values, parameters }: InputsProps) {
+  const elements = new Set(parameters.filter(({ json_schema }) => "class" in json_schema).map(({ key }) => key));
   return (
     <Table verticalSpacing={1} withRowBorders={false} w="auto">
       <Table.Tbody>
@@ -80,13 +86,24 @@ function Inputs({ values }: { values: Record<string, unknown> }) {
               {key}
             </Table.Th>
             <Table.Td>
-              {typeof value === "string" ? <ElementName id={value} /> : value == null ? "–" : JSON.stringify(value)}
+              {typeof value === "string" && elements.has(key) ? <ElementName id={value} /> : plain(value)}
             </Table.Td>
           </Table.Tr>
         ))}
       </Table.Tbody>
     </Table>
   );
+}
+
+function plain(value: unknown): string {
+  if (value === null || value === undefined) return "–";
+  return typeof value === "string" ? value : JSON.stringify(value);
+}
+
+const KINDS: readonly string[] = ["pre", "hold", "post"];
+
+function isKind(kind: string): kind is "pre" | "hold" | "post" {
+  return KINDS.includes(kind);
 }
 
 function Conditions({ rows, running }: { rows: readonly ConditionRow[]; running: boolean }) {
@@ -98,9 +115,9 @@ function Conditions({ rows, running }: { rows: readonly ConditionRow[]; running:
         {rows.map((row, index) => (
           // Their order never changes, and none of them has a name.
           <Table.Tr key={`${row.kind} ${row.condition} ${index}`}>
-            <Table.Td w={64}>
+            <Table.Td w={80}>
               <Badge variant="default" tt="none">
-                {row.kind}
+                {isKind(row.kind) ? t(`details.kinds.${row.kind}`) : row.kind}
               </Badge>
             </Table.Td>
             <Table.Td>{row.condition}</Table.Td>

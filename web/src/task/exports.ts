@@ -1,4 +1,4 @@
-/** Files that the page hands out. */
+/** Tables that the page hands out. */
 
 /** Writes a table as CSV (RFC 4180); cells that a spreadsheet would take for formulas are made text. */
 export function asCsv(heads: readonly string[], rows: readonly (readonly (string | number)[])[]): string {
@@ -9,13 +9,4 @@ function cell(value: string | number): string {
   if (typeof value === "number") return String(value);
   const safe = /^[=+\-@\t\r]/.test(value) ? `'${value}` : value;
   return /[",\r\n]/.test(safe) ? `"${safe.replaceAll('"', '""')}"` : safe;
-}
-
-export function download(name: string, type: string, text: string): void {
-  const address = URL.createObjectURL(new Blob([text], { type }));
-  const link = document.createElement("a");
-  link.href = address;
-  link.download = name.replaceAll(/[^\w.-]+/g, "_");
-  link.click();
-  URL.revokeObjectURL(address);
 }

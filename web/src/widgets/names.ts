@@ -4,8 +4,6 @@ import { useQuery } from "@tanstack/react-query";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 
-const FRESH = 60_000; // ms: labels hardly ever change, and each change of the world would ask for all of them again
-
 export type ClassNode = Schema<"ClassNode">;
 
 /** Returns a name without the prefix of its ontology: "Starter" of "kitting:Starter". */
@@ -63,10 +61,9 @@ export function useElementName(id: string | null): string | null {
   const labels = useClassLabels();
   const wanted = id !== null && id !== "" && !labels.has(id);
   const { data } = useQuery({
-    queryKey: ["names", id],
+    queryKey: keys.names(id),
     queryFn: () => answer(api.GET("/api/v1/elements/{element}", { params: { path: { element: id ?? "" } } })),
     enabled: wanted && labels.size > 0,
-    staleTime: FRESH,
     retry: false,
     select: ({ label }) => label,
   });

@@ -6,7 +6,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { keys } from "../../api/keys";
 import { queryClient } from "../../api/queries";
-import { NumberField } from "../../widgets/arguments/NumberField";
+import { CountField } from "../../widgets/arguments/CountField";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
 import type { Draft } from "../drafts";
@@ -47,14 +47,13 @@ export function RunBar({ agent, module, draft, change, sound }: Props) {
     <Paper withBorder p="sm" component="section" aria-label={t("run.label")}>
       <Stack gap={4}>
         <Group align="end" gap="xs">
-          <NumberField
+          <CountField
             label={t("run.repeat")}
             w="6rem"
             min={1}
             max={MOST}
-            allowDecimal={false}
             value={draft.repeat}
-            onChange={(repeat) => change({ repeat: Math.min(MOST, Math.max(1, repeat ?? 1)) })}
+            onChange={(repeat) => change({ repeat })}
           />
           <MayButton
             operation="run_module"

@@ -1,6 +1,7 @@
 import { Button, NavLink, Text } from "@mantine/core";
 import { IconArrowLeft } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
+import { Moment } from "../../widgets/Moment";
 import { Status } from "../../widgets/Status";
 import classes from "../modules.module.css";
 import type { View } from "../places";
@@ -54,7 +55,11 @@ function Entry({ run, active, choose }: { run: Run; active: boolean; choose: () 
       aria-current={active ? "true" : undefined}
       onClick={choose}
       label={run.module}
-      description={`${run.agent} · ${new Date(run.started).toLocaleTimeString()} · ${run.by}`}
+      description={
+        <>
+          {run.agent} · <Moment at={run.started} /> · {run.by}
+        </>
+      }
       rightSection={<Status mood={MOODS[run.status]} text={t(`run.status.${run.status}`)} />}
     />
   );

@@ -1,6 +1,10 @@
 import { Anchor, Group, Progress, Stack, Table, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
+import { ApiProblem } from "../../api/client";
 import { useSelection } from "../../selection/selection";
+import { moduleStatus } from "../../task/moduleWords";
+import { Moment } from "../../widgets/Moment";
+import { problemText } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
 import { type Run, useRun } from "../queries";
 import { changeLines, shown } from "./changes";
@@ -11,8 +15,8 @@ import { isOver, MOODS, successRate } from "./states";
 export function RunView({ id }: { id: string }) {
   const { t } = useTranslation("modules");
   const { data: run, error } = useRun(id);
-  if (error) return <Text size="sm">{t("run.gone", { id })}</Text>;
-  if (run === undefined) return null;
+  if (error instanceof ApiProblem && error.status === 404) return <Text size="sm">{t("run.gone", { id })}</Text>;
+  if (run === undefined) return error && <Text size="sm">{problemText(error)}</Text>;
   return (
     <Stack gap="xs" role="region" aria-label={t("run.of", { module: run.module, id })}>
       <RunHeading run={run} />
@@ -35,7 +39,7 @@ export function RunHeading({ run }: { run: Run }) {
           {run.module}
         </Text>
         <Text size="sm" c="dimmed">
-          {run.agent} · {new Date(run.started).toLocaleTimeString()} · {run.by}
+          {run.agent} · <Moment at={run.started} /> · {run.by}
         </Text>
         <Status mood={MOODS[run.status]} text={t(`run.status.${run.status}`)} />
         {run.repeat > 1 && <Rate run={run} />}
@@ -108,6 +112,7 @@ const LATEST = 60;
 
 function Reports({ run }: { run: Run }) {
   const { t } = useTranslation("modules");
+  const { t: task } = useTranslation("task");
   if (run.progress.length === 0) return null;
   return (
     <Table.ScrollContainer minWidth={380} maxHeight={260}>
@@ -126,7 +131,7 @@ function Reports({ run }: { run: Run }) {
             <Table.Tr key={`${one.time} ${index}`}>
               <Table.Td style={{ whiteSpace: "nowrap" }}>{`${one.time.toFixed(1)} s`}</Table.Td>
               <Table.Td pl={one.caller ? "md" : undefined}>{one.module}</Table.Td>
-              <Table.Td>{one.status}</Table.Td>
+              <Table.Td>{moduleStatus(task, one.status)}</Table.Td>
               <Table.Td>{one.code}</Table.Td>
               <Table.Td>{one.text}</Table.Td>
             </Table.Tr>

@@ -4,10 +4,10 @@ import { useMutation } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
+import { download } from "../../widgets/download";
 import { notifyProblem } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
 import { Cell, useKnown } from "./Cell";
-import { download } from "./console";
 
 type SelectAnswer = Schema<"SelectAnswer">;
 export type Answer = SelectAnswer | Schema<"AskAnswer"> | Schema<"ConstructAnswer">;

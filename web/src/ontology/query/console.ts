@@ -25,13 +25,3 @@ export function remember(query: string): string[] {
   localStorage.setItem(REMEMBERED, JSON.stringify(kept));
   return kept;
 }
-
-/** Hands a text to the browser as a file. */
-export function download(name: string, type: string, text: string): void {
-  const address = URL.createObjectURL(new Blob([text], { type }));
-  const link = document.createElement("a");
-  link.href = address;
-  link.download = name;
-  link.click();
-  URL.revokeObjectURL(address);
-}

@@ -4,6 +4,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { MayButton } from "../../widgets/MayButton";
+import { notifyChange } from "../../widgets/undo";
 import { useRelations, type RelationInfo, type Tagged } from "../queries";
 import { useWrite } from "../edit/useWrite";
 
@@ -24,7 +25,10 @@ export function RemoveElement({ tagged: { data, tag }, onClose }: Props) {
           params: { path: { element: data.id }, header: { "if-match": tag } },
         }),
       ),
-    onClose,
+    ({ change }) => {
+      notifyChange(t("remove.done", { label: data.label }), change?.number);
+      onClose();
+    },
   );
   return (
     <Modal opened onClose={onClose} title={t("remove.title", { label: data.label })}>

@@ -1,8 +1,10 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
+import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { useSelection } from "../../selection/selection";
 import { notifyProblem, problemText } from "../../widgets/problems";
+import { notifyChange } from "../../widgets/undo";
 import { ApiProblem } from "../../api/client";
 import { useClasses } from "../classes";
 import { type Draft, given, LABEL, PLACEMENT, reasons } from "../edit/draft";
@@ -30,6 +32,7 @@ export interface Adding {
 }
 
 export function useAdding(parent: Details | null, like: Details | undefined, onDone: () => void): Adding {
+  const { t } = useTranslation("world");
   const client = useQueryClient();
   const classes = useClasses();
   const { data: relations } = useRelations();
@@ -40,8 +43,9 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
   const [refusal, setRefusal] = useState("");
   const write = useMutation({
     mutationFn: (body: Schema<"NewElement">) => answer(api.POST("/api/v1/elements", { body })),
-    onSuccess: ({ id }) => {
+    onSuccess: ({ id, label, version }) => {
       void client.invalidateQueries({ queryKey: ["world"] });
+      notifyChange(t("add.done", { label, id }), version);
       useSelection.getState().choose(id);
       onDone();
     },

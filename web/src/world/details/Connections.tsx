@@ -4,6 +4,7 @@ import { useTranslation } from "react-i18next";
 import { ElementName } from "../../widgets/ElementName";
 import type { Schema } from "../../api/client";
 import { useMay } from "../../api/session";
+import { notifyChange } from "../../widgets/undo";
 import { AddRelation } from "../edit/AddRelation";
 import { transact } from "../edit/transact";
 import { useWrite } from "../edit/useWrite";
@@ -59,7 +60,10 @@ function TakeBack({ relation, tagged }: { relation: Relation; tagged: Tagged }) 
   const { t } = useTranslation("world");
   const { subject, relation: name, object } = relation;
   const label = t("relations.takeBackOne", { relation: keyOf(relation) });
-  const write = useWrite(() => transact(tagged.data, label, { op: "unrelate", subject, relation: name, object }));
+  const write = useWrite(
+    () => transact(tagged.data, label, { op: "unrelate", subject, relation: name, object }),
+    ({ change }) => notifyChange(t("relations.takenBack", { relation: keyOf(relation) }), change?.number),
+  );
   return (
     <Group justify="end">
       <Tooltip label={label}>

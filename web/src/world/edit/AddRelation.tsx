@@ -3,6 +3,7 @@ import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { ElementPicker } from "../../widgets/ElementPicker";
 import { MayButton } from "../../widgets/MayButton";
+import { notifyChange } from "../../widgets/undo";
 import { useClasses } from "../classes";
 import { type RelationInfo, type Tagged, useRelations } from "../queries";
 import { fitsEnd } from "./placements";
@@ -34,7 +35,13 @@ function NewRelation({ tagged, onDone }: { tagged: Tagged; onDone: () => void })
   const [other, setOther] = useState<string | null>(null);
   const options = useAllowed(tagged.data.class, direction);
   const relation = options.find((one) => one.name === name);
-  const write = useWrite(() => state(tagged, direction, name ?? "", other ?? ""), onDone);
+  const write = useWrite(
+    () => state(tagged, direction, name ?? "", other ?? ""),
+    ({ change }) => {
+      notifyChange(t("relations.added", { relation: change?.reason ?? relation?.label }), change?.number);
+      onDone();
+    },
+  );
   return (
     <Fieldset legend={t("relations.add")} p="xs">
       <Stack gap={6}>

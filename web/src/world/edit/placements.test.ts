@@ -29,6 +29,14 @@ test("a part may be put by relations of placement that take its class, whichever
   expect(found.map(({ name }) => name)).toEqual(["sk:in", "sk:holds"]);
 });
 
+test("the most usual relation comes first, and to be held by a gripper last", () => {
+  const relations = ["sk:heldBy", "sk:beside", "sk:at", "sk:on", "sk:in"].map((name) =>
+    relation(name, "object", [["sk:Part"]], [["sk:Location"]]),
+  );
+  const found = placementsFor(classes, relations, "sk:Part").map(({ name }) => name);
+  expect(found).toEqual(["sk:in", "sk:on", "sk:at", "sk:beside", "sk:heldBy"]);
+});
+
 test("a class counts as what any of its parents is, not the primary one alone", () => {
   expect(placementsFor(classes, [isIn], "sk:Box", "sk:Box")).toEqual([isIn]);
 });

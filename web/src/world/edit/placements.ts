@@ -23,20 +23,35 @@ export function placeEnd(relation: RelationInfo): Ends {
   return relation.place_end === "subject" ? relation.subjects : relation.objects;
 }
 
-/** Returns the relations by which things of a class may be placed; at places of a class, where one is named. */
+/** How things are put somewhere usually, the most usual first; to be held is what a robot brings about. */
+const USUAL = ["sk:in", "sk:on", "sk:at"];
+const UNUSUAL = "sk:heldBy";
+
+/**
+ * Returns the relations by which things of a class may be placed; at places of a class, where one is named.
+ *
+ * The first is what everybody means who says no more.
+ */
 export function placementsFor(
   classes: Classes,
   relations: readonly RelationInfo[],
   guest: string,
   place?: string,
 ): RelationInfo[] {
-  return relations.filter(
+  const found = relations.filter(
     (relation) =>
       relation.place_end !== null &&
       relation.name !== "sk:placement" &&
       fitsEnd(classes, guest, guestEnd(relation)) &&
       (place === undefined || fitsEnd(classes, place, placeEnd(relation))),
   );
+  return found.sort((one, other) => unusualness(one) - unusualness(other));
+}
+
+function unusualness({ name }: RelationInfo): number {
+  if (name === UNUSUAL) return USUAL.length + 1;
+  const rank = USUAL.indexOf(name);
+  return rank < 0 ? USUAL.length : rank;
 }
 
 /** How a place takes a guest by one relation. */

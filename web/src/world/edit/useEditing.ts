@@ -1,8 +1,11 @@
 import { useState } from "react";
+import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { ApiProblem } from "../../api/client";
 import { notifyProblem, problemText } from "../../widgets/problems";
+import { notifyChange } from "../../widgets/undo";
 import { readElement, type Tagged } from "../queries";
+import { changeSince } from "./changeSince";
 import { changedFields, type Draft, draftOf, onTop, patchOf, reasons } from "./draft";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
@@ -36,6 +39,7 @@ interface Order {
 }
 
 export function useEditing(tagged: Tagged, onDone: () => void): Editing {
+  const { t } = useTranslation("world");
   const id = tagged.data.id;
   const client = useQueryClient();
   const [base, setBase] = useState(tagged); // what was seen when it began, whatever comes meanwhile
@@ -46,8 +50,9 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
   const [refusal, setRefusal] = useState("");
   const write = useMutation({
     mutationFn: (order: Order) => patch(id, order, reason),
-    onSuccess: () => {
+    onSuccess: (now) => {
       void client.invalidateQueries({ queryKey: ["world"] });
+      notifyChange(t("edit.done", { label: now.label }), changeSince(base.data, now));
       onDone();
     },
     onError: (error) => void refused(error),

@@ -1,9 +1,12 @@
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
+import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { notifyProblem } from "../../widgets/problems";
+import { notifyChange } from "../../widgets/undo";
 import { useClasses } from "../classes";
 import { readElement, type Tagged, useRelations } from "../queries";
+import { changeSince } from "./changeSince";
 import { askFits, type Fit, placementsFor } from "./placements";
 
 /** How an element shall be put at a place. */
@@ -23,13 +26,19 @@ export interface Move {
 }
 
 export function useMove(): Move {
+  const { t } = useTranslation("world");
   const client = useQueryClient();
   const classes = useClasses();
   const { data: relations } = useRelations();
   const [question, setQuestion] = useState<Question | null>(null);
   const put = (asked: Question, relation: string) => {
     setQuestion(null);
-    place(asked, relation).then(() => void client.invalidateQueries({ queryKey: ["world"] }), notifyProblem);
+    place(asked, relation).then((moved) => {
+      void client.invalidateQueries({ queryKey: ["world"] });
+      const said = relations?.find(({ name }) => name === relation)?.label ?? relation;
+      const message = t("move.done", { label: moved.label, relation: said, place: asked.place });
+      notifyChange(message, changeSince(asked.element.data, moved));
+    }, notifyProblem);
   };
   const ask = async (id: string, where: string) => {
     const element = await readElement(id);

@@ -5,6 +5,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api, BASE, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useMay } from "../../api/session";
+import { notifyChange } from "../../widgets/undo";
 import { ClassLink } from "../ClassLink";
 import { useWrite } from "../edit/useWrite";
 import { useWords } from "../useWords";
@@ -81,12 +82,14 @@ function Row({ learned }: { learned: Learned }) {
 function Forget({ learned: { id, label, version } }: { learned: Learned }) {
   const { t } = useTranslation("world");
   const may = useMay("forget_learned");
-  const forget = useWrite(() =>
-    answer(
-      api.DELETE("/api/v1/learned/{element}", {
-        params: { path: { element: id }, header: { "if-match": `"${version}"` } },
-      }),
-    ),
+  const forget = useWrite(
+    () =>
+      answer(
+        api.DELETE("/api/v1/learned/{element}", {
+          params: { path: { element: id }, header: { "if-match": `"${version}"` } },
+        }),
+      ),
+    ({ change }) => notifyChange(t("learned.forgotten", { label }), change?.number),
   );
   const what = t("learned.forget", { label });
   if (!may) return null;

@@ -2,6 +2,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, answerWithTag, api } from "../../api/client";
+import { keys } from "../../api/keys";
 import { problemText } from "../../widgets/problems";
 import { notifyDone } from "../../widgets/toasts";
 import { useScenes } from "./queries";
@@ -26,7 +27,7 @@ export function useSave(): Saving {
   const write = useMutation({
     mutationFn: ({ name, tag }: { name: string; tag?: string }) => post(name, tag),
     onSuccess: ({ name }) => {
-      void client.invalidateQueries({ queryKey: ["scenes"] });
+      for (const queryKey of [keys.scenes(), keys.station("scene")]) void client.invalidateQueries({ queryKey });
       notifyDone(t("scenes.saved", { name }));
     },
   });

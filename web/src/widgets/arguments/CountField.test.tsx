@@ -1,0 +1,44 @@
+import { MantineProvider } from "@mantine/core";
+import { render, screen } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { useState } from "react";
+import { CountField } from "./CountField";
+
+function Rounds({ first }: { first: number }) {
+  const [rounds, setRounds] = useState(first);
+  return (
+    <MantineProvider>
+      <CountField label="Rounds" min={-20} max={100} value={rounds} onChange={setRounds} />
+      <output>{rounds}</output>
+    </MantineProvider>
+  );
+}
+
+test("who clears the field and types a number gets that number", async () => {
+  const user = userEvent.setup();
+  render(<Rounds first={1} />);
+  const field = screen.getByLabelText("Rounds");
+  await user.clear(field);
+  expect(screen.getByRole("status")).toHaveTextContent("1");
+  await user.type(field, "5");
+  expect(screen.getByRole("status")).toHaveTextContent(/^5$/);
+  await user.clear(field);
+  await user.type(field, "-12");
+  expect(screen.getByRole("status")).toHaveTextContent(/^-12$/);
+});
+
+test("a field that was left empty shows what holds", async () => {
+  const user = userEvent.setup();
+  render(<Rounds first={7} />);
+  const field = screen.getByLabelText("Rounds");
+  await user.clear(field);
+  await user.tab();
+  expect(field).toHaveValue("7");
+});
+
+test("what is beyond the limits becomes the limit", async () => {
+  const user = userEvent.setup();
+  render(<Rounds first={1} />);
+  await user.type(screen.getByLabelText("Rounds"), "234");
+  expect(screen.getByRole("status")).toHaveTextContent(/^100$/);
+});
