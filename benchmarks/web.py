@@ -23,7 +23,7 @@ from playwright.sync_api import Browser, Page
 from rest_server import Server, running
 from rest_settings import JOB, SCENE
 from table import Figure, finish
-from web_browser import browsing, cost_of, heap, new_page, ready, transferred
+from web_browser import browsing, heap, new_page, ready, transferred
 from web_large import large_scene
 
 _TRIES = 5

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -11,8 +11,12 @@ from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
 
 __all__ = ["browsing", "cost_of", "heap", "new_page", "ready", "transferred"]
 
-_ARGUMENTS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--enable-precise-memory-info"]
-"""Software rendering, as on a machine without a graphics card."""
+_ARGUMENTS = ["--enable-unsafe-swiftshader", "--enable-precise-memory-info"]
+"""Software rendering, as on a machine without a graphics card.
+
+There, the browser lets the processor draw WebGL only, and puts the page together without it. ``--use-angle=swiftshader``
+would have it pretend to have a card for the page, too, which takes twice as long for each frame and nobody has.
+"""
 _PATIENCE = 60_000.0
 
 
@@ -80,28 +84,33 @@ def heap(page: Page) -> float:
     return used / 2**20
 
 
-_COST = """
-async () => {
-  const frame = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
-  const start = performance.now();
-  %(act)s;
-  while (!(%(done)s)) {
-    if (performance.now() - start > 10000) throw new Error("that was not seen within ten seconds");
-    await frame();
-  }
-  await frame();  // until it is painted
-  return performance.now() - start;
+_WATCH = """
+([event, done]) => {
+  let begun = null;
+  window.addEventListener(event, ({ timeStamp }) => (begun = timeStamp), { capture: true, once: true });
+  const there = new Function(`return ${done}`);
+  window.cost = new Promise((resolve, reject) => {
+    const look = (now) => {
+      if (begun !== null && there()) setTimeout(() => resolve(performance.now() - begun)); // when it is painted
+      else if (begun !== null && now - begun > 10000) reject(new Error(`not seen within ten seconds: ${done}`));
+      else requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  });
 }
 """
 
 
-def cost_of(page: Page, act: str, done: str) -> float:
+def cost_of(page: Page, event: str, act: Callable[[], None], done: str) -> float:
     """Returns how long something takes from the input to the painted result [ms], by the page's own clock.
 
     Args:
         page: The page.
-        act: JavaScript that does it, as a click does.
-        done: JavaScript expression that is true when the result is there.
+        event: What the browser calls the input: ``keydown``.
+        act: Makes the input, as a person does.
+        done: JavaScript expression that is true when the result is there; it is asked once a frame.
     """
-    cost: float = page.evaluate(_COST % {"act": act, "done": done})
+    page.evaluate(_WATCH, [event, done])
+    act()
+    cost: float = page.evaluate("window.cost")
     return cost

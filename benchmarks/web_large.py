@@ -5,15 +5,20 @@ from __future__ import annotations
 import math
 
 import httpx2
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Locator, Page
 from rest_server import Server
 from web_browser import cost_of, new_page, ready
 
 __all__ = ["large_scene"]
 
-_AT_ONCE = 100
-_TRIES = 5
-_ROW = "[role=treeitem]"
+_AT_ONCE = 500
+_TRIES = 7
+_CLASSES = ("Starter", "Alternator", "Compressor", "RelayBox")
+_PLACE = "pallet_a"
+_TREE = "document.querySelector('[role=tree]')"
+_SEARCH = "Search by name, id or class"
+_SETTLED = 400.0
+"""How long the pages are left alone between two tries [ms]."""
 
 
 def large_scene(browser: Browser, server: Server, pages: str, objects: int) -> dict[str, list[float]]:
@@ -30,13 +35,16 @@ def large_scene(browser: Browser, server: Server, pages: str, objects: int) -> d
     page.goto(f"{pages}#/world")
     ready(page)
     page.wait_for_function(f"() => window.skiros3d.shown().length >= {objects}")
-    page.get_by_role("tree").get_by_role("treeitem").first.wait_for()
+    _row(page, _PLACE).wait_for()
+    page.wait_for_timeout(5 * _SETTLED)
     costs = {
-        "opening a branch of the tree": [_branch(page) for _ in range(_TRIES)],
-        "selecting in the tree": [_select(page, f"starter_{number}") for number in range(11, 11 + _TRIES)],
-        "selecting in 3D": [_click(page, f"starter_{number}") for number in range(41, 41 + _TRIES)],
+        "opening a branch": [_branch(page) for _ in range(_TRIES)],
+        "arrow key in the tree": [_arrow(page) for _ in range(_TRIES)],
+        "selecting in the tree, until its details": [_select(page, 2 * number + 3) for number in range(_TRIES)],
+        "selecting in 3D, until tree and details": [_click(page, f"starter_{41 + 7 * n}") for n in range(_TRIES)],
+        "pointing at a thing in 3D": [_point(page, f"starter_{44 + 7 * n}") for n in range(_TRIES)],
         "turning the 3D view": [_turn(page) for _ in range(_TRIES)],
-        "searching": [_search(page, f"starter_{number}") for number in (1234, 987, 1501, 432, 777)],
+        "searching": [_search(page, f"starter_{123 + 31 * number}") for number in range(_TRIES)],
     }
     page.context.close()
     return costs
@@ -48,101 +56,107 @@ def _fill(server: Server, objects: int) -> None:
     operations = [
         {
             "op": "add",
-            "class": "kitting:Starter",
-            "placement": {"relation": "sk:on", "place": "floor"},
+            "class": f"kitting:{_CLASSES[number % len(_CLASSES)]}",
+            "placement": {"relation": "sk:in", "place": _PLACE},
             "properties": {
                 "sk:pose": {
-                    "position": [-1.5 + 6.0 * (number % side) / side, -2.5 + 5.0 * (number // side) / side, 0.0],
+                    "position": [-3.0 + 6.0 * (number % side) / side, -3.0 + 6.0 * (number // side) / side, 0.0],
                     "orientation": [0.0, 0.0, 0.0, 1.0],
+                    "frame": None,
                 }
             },
         }
         for number in range(objects)
     ]
-    with httpx2.Client(base_url=server.url, timeout=60.0) as client:
+    with httpx2.Client(base_url=server.url, timeout=120.0) as client:
         for first in range(0, objects, _AT_ONCE):
-            body = {"operations": operations[first : first + _AT_ONCE]}
+            body = {"reason": "many", "operations": operations[first : first + _AT_ONCE]}
             client.post("/world/transactions", json=body).raise_for_status()
 
 
-def _row(name: str) -> str:
-    return f"[...document.querySelectorAll('{_ROW}')].find((row) => row.textContent.includes('{name}'))"
+def _row(page: Page, name: str) -> Locator:
+    return page.get_by_role("treeitem").filter(has_text=name).first
 
 
 def _branch(page: Page) -> float:
-    """Closes and opens the branch that has all of them."""
-    rows = f"document.querySelectorAll('{_ROW}').length"
-    floor = _row("floor")
-    key = "new KeyboardEvent('keydown', {{ key: '{0}', code: '{0}', bubbles: true }})"
-    page.evaluate(f"{floor}.focus()")
-    page.evaluate(f"document.activeElement.dispatchEvent({key.format('ArrowLeft')})")
-    page.wait_for_function(f"() => {floor}.getAttribute('aria-expanded') === 'false'")
-    cost = cost_of(
-        page,
-        f"document.activeElement.dispatchEvent({key.format('ArrowRight')})",
-        f"{floor}.getAttribute('aria-expanded') === 'true' && {rows} > 10",
-    )
-    page.wait_for_timeout(200.0)
-    return cost
-
-
-def _select(page: Page, name: str) -> float:
-    """Clicks on a row of the tree, until its details are there and it is selected."""
+    """Opens the branch that has all of them."""
     page.get_by_role("tree").evaluate("(tree) => tree.parentElement.scrollTo(0, 0)")
-    page.wait_for_timeout(200.0)
-    rows = page.get_by_role("treeitem").filter(has_text="starter")
-    row = rows.nth(int(name.rsplit("_", 1)[-1]) % rows.count())
-    row.evaluate("(row) => row.setAttribute('data-asked', '')")
-    cost = cost_of(
-        page,
-        "document.querySelector('[data-asked]').click()",
-        "document.querySelector('[data-asked]').getAttribute('aria-selected') === 'true'",
-    )
-    row.evaluate("(row) => row.removeAttribute('data-asked')")
-    page.wait_for_timeout(200.0)
-    return cost
+    _row(page, _PLACE).click()
+    page.wait_for_timeout(_SETTLED)
+    if _row(page, _PLACE).get_attribute("aria-expanded") == "true":
+        page.keyboard.press("ArrowLeft")
+    page.wait_for_timeout(_SETTLED)
+    page.evaluate("() => void (window.heightBefore = document.querySelector('[role=tree]').clientHeight)")
+    done = f"{_TREE}.clientHeight > window.heightBefore && document.querySelectorAll('[role=treeitem]').length > 20"
+    return cost_of(page, "keydown", lambda: page.keyboard.press("ArrowRight"), done)
+
+
+def _arrow(page: Page) -> float:
+    """Goes to the next row."""
+    page.wait_for_timeout(_SETTLED)
+    page.evaluate("() => void (window.rowBefore = document.activeElement)")
+    done = "document.activeElement !== window.rowBefore && document.activeElement.role === 'treeitem'"
+    return cost_of(page, "keydown", lambda: page.keyboard.press("ArrowDown"), done)
+
+
+def _marked(name: str) -> str:
+    """It is marked in the tree, its details are there, and the 3D view was drawn anew."""
+    return f"""
+      [...document.querySelectorAll("[role=treeitem][aria-selected=true]")].some((row) => row.ariaLabel === "{name}") &&
+      document.querySelector("section[aria-label] table")?.closest("section").textContent.includes("{name}") &&
+      window.skiros3d.frames > window.framesBefore
+    """
+
+
+def _select(page: Page, number: int) -> float:
+    """Clicks on a row of the tree."""
+    row = page.get_by_role("treeitem", name="starter").nth(number)
+    name = row.get_attribute("aria-label") or ""
+    spot = row.bounding_box()
+    assert spot is not None
+    page.mouse.move(spot["x"] + 60.0, spot["y"] + 8.0)
+    page.wait_for_timeout(_SETTLED)
+    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
+    return cost_of(page, "mousedown", lambda: page.mouse.click(spot["x"] + 60.0, spot["y"] + 8.0), _marked(name))
+
+
+def _spot(page: Page, name: str) -> tuple[float, float]:
+    spot = page.evaluate(f"window.skiros3d.screen('{name}')")
+    return spot["x"], spot["y"]
 
 
 def _click(page: Page, name: str) -> float:
-    """Clicks on a thing in 3D, until the tree shows it selected."""
-    spot = f"window.skiros3d.screen('{name}')"
-    act = f"""
-      const spot = {spot}, canvas = document.querySelector("canvas");
-      for (const type of ["pointermove", "pointerdown", "pointerup", "click"])
-        canvas.dispatchEvent(new PointerEvent(type, {{
-          clientX: spot.x, clientY: spot.y, bubbles: true, button: 0, pointerId: 1, isPrimary: true, pointerType: "mouse",
-        }}))
-    """
-    selected = f"document.querySelector('{_ROW}[aria-selected=true]')"
-    page.evaluate(f"() => {{ window.before = {selected}?.textContent ?? '' }}")
-    cost = cost_of(page, act, f"({selected}?.textContent ?? window.before) !== window.before")
-    page.wait_for_timeout(200.0)
-    return cost
+    """Clicks on a thing in 3D."""
+    x, y = _spot(page, name)
+    page.mouse.move(x, y)
+    page.wait_for_timeout(_SETTLED)
+    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
+    return cost_of(page, "pointerdown", lambda: page.mouse.click(x, y), _marked(name))
+
+
+def _point(page: Page, name: str) -> float:
+    """Moves the pointer to a thing, until its name is there."""
+    x, y = _spot(page, name)
+    page.mouse.move(x + 60.0, y + 40.0)
+    page.wait_for_timeout(_SETTLED)
+    done = f"document.querySelector('[data-picture]').parentElement.innerText.includes('{name}')"
+    return cost_of(page, "pointermove", lambda: page.mouse.move(x, y), done)
 
 
 def _turn(page: Page) -> float:
-    """Turns the view by a key, until the next picture is there."""
-    page.locator("canvas").evaluate("(canvas) => canvas.closest('[tabindex]').focus()")
-    page.evaluate("() => { window.framesBefore = window.skiros3d.frames }")
-    key = "new KeyboardEvent('keydown', { key: 'ArrowLeft', code: 'ArrowLeft', bubbles: true })"
-    cost = cost_of(
-        page, f"document.activeElement.dispatchEvent({key})", "window.skiros3d.frames > window.framesBefore"
-    )
-    page.wait_for_timeout(300.0)
-    return cost
+    """Turns the view by a key."""
+    page.get_by_role("application").focus()
+    page.wait_for_timeout(_SETTLED)
+    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
+    done = "window.skiros3d.frames > window.framesBefore"
+    return cost_of(page, "keydown", lambda: page.keyboard.press("ArrowLeft"), done)
 
 
 def _search(page: Page, name: str) -> float:
-    """Searches for a thing by its id, until it is listed."""
-    box = page.get_by_label("Search by name, id or class").first
+    """Puts in the id of a thing, until that alone is listed."""
+    box = page.get_by_label(_SEARCH).first
     box.fill("")
-    page.wait_for_timeout(400.0)
-    box.evaluate("(box) => box.setAttribute('data-asked', '')")
-    act = f"""
-      const box = document.querySelector("input[data-asked]");
-      Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(box, "{name}");
-      box.dispatchEvent(new Event("input", {{ bubbles: true }}))
-    """
-    cost = cost_of(page, act, f"document.body.innerText.includes('{name}')")
-    box.fill("")
-    return cost
+    page.wait_for_timeout(2 * _SETTLED)
+    box.focus()
+    done = f"{_TREE}?.textContent.includes('{name}') && document.querySelectorAll('[role=treeitem]').length === 1"
+    return cost_of(page, "input", lambda: page.keyboard.insert_text(name), done)

@@ -120,29 +120,20 @@ def test_a_job_is_told_from_its_order_to_its_end_with_all_its_steps(served, http
     assert happenings.count("started") == happenings.count("ended") == 4
 
 
-def test_what_modules_tell_belongs_to_the_job_for_which_they_run(served, http):
+def test_what_modules_tell_belongs_to_the_job_for_which_they_run_and_says_how_a_skill_is_done(served, http):
     after = now(http)
     run = http.post("/modules/arm_1/confirm/runs", json={"arguments": {"question": "Is it so?"}}).json()
-    run_job(served, "moved")
+    run_job(served, "moved", "RobotAtLocation(robot_1, pallet_a)")
     http.post(f"/module-runs/{run['id']}/stop").raise_for_status()
     told = http.get("/events/recent", params={"kind": "module", "after": after, "limit": 1000}).json()["items"]
-    ended = [(e["subject"], e["data"]["task"]) for e in told if e["job"] == "moved" and e["type"] == "terminated"]
-    assert [one for one in ended if one[0] in ("drive", "pick", "place")] == [
-        ("drive", "moved"),
-        ("pick", "moved"),
-        ("drive", "moved"),
-        ("place", "moved"),
-    ]
-    assert {event["subject"] for event in told if event["job"] == ""} >= {"confirm"}
-    assert "confirm" not in {event["subject"] for event in told if event["job"]}
-
-
-def test_what_a_skill_tells_says_how_it_is_done(served, http):
-    run_job(served, "how")
-    told = list(islice(follow(http, calls.stream_job_events("how")), 12))
-    skills = [event for event in told if event.kind == "module" and event.data["kind"] == "skill"]
+    own = [event for event in told if event["job"] == "moved"]
     labels = {way["label"] for way in http.get("/modules/base_1/drive").json()["implementations"]}
-    assert {event.data["implementation"] for event in skills if event.subject == "drive"} <= labels
+
+    assert [event["subject"] for event in own if event["data"]["caller"] == ""][:1] == ["drive"]
+    assert {event["data"]["task"] for event in own} == {"moved"}
+    assert {event["data"]["implementation"] for event in own if event["data"]["kind"] == "skill"} <= labels
+    assert {event["data"]["task"] for event in told if event["subject"] == "confirm"} == {""}
+    assert not any(event["job"] for event in told if event["subject"] == "confirm")
 
 
 def test_the_events_of_a_job_that_is_not_there_are_not_found(http):

@@ -13,7 +13,8 @@ export default function Palette() {
   const asked = usePalette((palette) => palette.asked);
   const [query, setQuery] = useState("");
   const [searched] = useDebouncedValue(query.trim(), 150);
-  const actions = useActions(searched);
+  const [opened, setOpened] = useState(false);
+  const actions = useActions(searched, opened);
   useEffect(() => {
     if (asked > 0) spotlight.open();
   }, [asked]);
@@ -23,6 +24,8 @@ export default function Palette() {
       actions={actions}
       query={query}
       onQueryChange={setQuery}
+      onSpotlightOpen={() => setOpened(true)}
+      onSpotlightClose={() => setOpened(false)}
       highlightQuery
       attributes={{ content: { "aria-label": t("palette.open") } }}
       scrollable

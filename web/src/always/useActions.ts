@@ -14,9 +14,9 @@ import { stopAll } from "./stopping";
 const FOUND = 12;
 const JOBS = 200;
 
-/** What the command palette offers for what was typed: groups of actions. */
-export function useActions(searched: string): SpotlightActionGroupData[] {
-  return [useTabs(), useCommands(), useElements(searched), useJobs(), useScenes()];
+/** What the command palette offers for what was typed: groups of actions. While it is closed nothing is read for it. */
+export function useActions(searched: string, opened: boolean): SpotlightActionGroupData[] {
+  return [useTabs(), useCommands(), useElements(searched, opened), useJobs(opened), useScenes(opened)];
 }
 
 function useTabs(): SpotlightActionGroupData {
@@ -44,13 +44,13 @@ function useCommands(): SpotlightActionGroupData {
   return { group: t("palette.commands"), actions };
 }
 
-function useElements(searched: string): SpotlightActionGroupData {
+function useElements(searched: string, opened: boolean): SpotlightActionGroupData {
   const { t } = useTranslation("always");
   const [, openTab] = useTab();
   const { data } = useQuery({
     queryKey: keys.world("palette", searched),
     queryFn: () => answer(api.GET("/api/v1/elements", { params: { query: { text: searched, limit: FOUND } } })),
-    enabled: searched !== "",
+    enabled: opened && searched !== "",
     placeholderData: keepPreviousData,
   });
   const show = (id: string) => {
@@ -68,12 +68,13 @@ function useElements(searched: string): SpotlightActionGroupData {
   return { group: t("palette.elements"), actions };
 }
 
-function useJobs(): SpotlightActionGroupData {
+function useJobs(enabled: boolean): SpotlightActionGroupData {
   const { t } = useTranslation("always");
   const [, openTab] = useTab();
   const { data } = useQuery({
     queryKey: keys.jobs("palette"),
     queryFn: () => answer(api.GET("/api/v1/jobs", { params: { query: { limit: JOBS } } })),
+    enabled,
   });
   const actions = (data?.items ?? []).map(({ id, state }) => ({
     id: `job-${id}`,
@@ -84,12 +85,13 @@ function useJobs(): SpotlightActionGroupData {
   return { group: t("palette.jobs"), actions };
 }
 
-function useScenes(): SpotlightActionGroupData {
+function useScenes(enabled: boolean): SpotlightActionGroupData {
   const { t } = useTranslation("always");
   const open = useDialogs((dialogs) => dialogs.open);
   const { data } = useQuery({
     queryKey: keys.scenes("palette"),
     queryFn: () => answer(api.GET("/api/v1/scenes", { params: { query: { limit: 100 } } })),
+    enabled,
   });
   const actions = (data?.items ?? []).map(({ name }) => ({
     id: `scene-${name}`,

@@ -1,3 +1,4 @@
+import { QueryObserver } from "@tanstack/react-query";
 import { queryClient } from "../api/queries";
 import { tellEvent } from "./events";
 import { keepFresh } from "./freshness";
@@ -39,4 +40,42 @@ test("another label makes names old", async () => {
 test("a change of which only a part is told may have renamed anything", async () => {
   await change({ edits: [{ edit: "placement", element: "kit_1" }], all_edits: 200 });
   expect(isOld("names", "starter_1")).toBe(true);
+});
+
+/** Reads something that takes half a second; returns what was asked and what was shown so far, and how to end it. */
+function slowly(read: () => number) {
+  const asked: number[] = [];
+  const shown = new Set<number>();
+  const observer = new QueryObserver(queryClient, {
+    queryKey: ["world", "slow"],
+    queryFn: async () => {
+      const now = read();
+      asked.push(now);
+      await new Promise((resolve) => setTimeout(resolve, 500));
+      return now;
+    },
+  });
+  return { asked, shown, end: observer.subscribe(({ data }) => data !== undefined && shown.add(data)) };
+}
+
+test("a slow answer comes through while the world changes all the time, and is asked for once at a time", async () => {
+  let world = 0;
+  const { asked, shown, end } = slowly(() => world);
+  for (world = 1; world <= 50; world++) await change({});
+  expect(shown.size).toBeGreaterThan(5);
+  expect(asked.length).toBeLessThan(shown.size + 3);
+  await vi.advanceTimersByTimeAsync(2000);
+  expect(queryClient.getQueryData(["world", "slow"])).toBe(world);
+  end();
+});
+
+test("what changes while something is read for the first time is read again", async () => {
+  let world = "before";
+  const { end } = slowly(() => (world === "before" ? 0 : 1));
+  await vi.advanceTimersByTimeAsync(100);
+  world = "after";
+  await change({});
+  await vi.advanceTimersByTimeAsync(1500);
+  expect(queryClient.getQueryData(["world", "slow"])).toBe(1);
+  end();
 });

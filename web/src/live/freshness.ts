@@ -1,5 +1,6 @@
 /** Makes what was read old when an event says so; many events in a row do it once. */
 
+import type { Query } from "@tanstack/react-query";
 import { queryClient } from "../api/queries";
 import { type EventInfo, onEvent, onReset } from "./events";
 
@@ -32,13 +33,13 @@ const PAUSE = 80; // ms: more often nobody sees it, and two cores have other wor
 
 /** Begins; returns how to end it. */
 export function keepFresh(): () => void {
-  const old = new Set<string>();
+  let old = new Set<string>();
+  let late = new Set<string>();
   let timer: ReturnType<typeof setTimeout> | undefined;
   const refresh = () => {
-    timer = undefined;
-    const words = new Set(old);
-    old.clear();
-    void queryClient.invalidateQueries({ predicate: ({ queryKey }) => words.has(String(queryKey[0])) });
+    late = makeOld(old, late);
+    old = new Set();
+    timer = late.size > 0 ? setTimeout(refresh, PAUSE) : undefined;
   };
   const age = (words: readonly string[]) => {
     for (const word of words) old.add(word);
@@ -49,6 +50,20 @@ export function keepFresh(): () => void {
     clearTimeout(timer);
     for (const end of endings) end();
   };
+}
+
+/**
+ * Makes queries old by the first words of their keys, or by their hashes; returns the hashes of those that are being read.
+ *
+ * These have to wait until they were answered: what is under way may have been answered before the event, and if it
+ * was broken off at each event instead, a slow answer would never come through while robots work.
+ */
+function makeOld(words: ReadonlySet<string>, hashes: ReadonlySet<string>): Set<string> {
+  const isOld = ({ queryKey, queryHash }: Query) => words.has(String(queryKey[0])) || hashes.has(queryHash);
+  const busy = queryClient.getQueryCache().findAll({ predicate: isOld, fetchStatus: "fetching" });
+  const late = new Set(busy.map(({ queryHash }) => queryHash));
+  void queryClient.invalidateQueries({ predicate: (query) => isOld(query) && !late.has(query.queryHash) });
+  return late;
 }
 
 function oldBy(event: EventInfo): readonly string[] {
