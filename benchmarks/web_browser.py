@@ -88,7 +88,7 @@ _WATCH = """
 ([event, done]) => {
   let begun = null;
   window.addEventListener(event, ({ timeStamp }) => (begun = timeStamp), { capture: true, once: true });
-  const there = new Function(`return ${done}`);
+  const there = new Function(`return (${done})`);
   window.cost = new Promise((resolve, reject) => {
     const look = (now) => {
       if (begun !== null && there()) setTimeout(() => resolve(performance.now() - begun)); // when it is painted

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import httpx2
 from playwright.sync_api import Browser, Locator, Page
@@ -17,6 +18,8 @@ _CLASSES = ("Starter", "Alternator", "Compressor", "RelayBox")
 _PLACE = "pallet_a"
 _TREE = "document.querySelector('[role=tree]')"
 _SEARCH = "Search by name, id or class"
+_NOWHERE = (400.0, 80.0)
+"""Where the 3D view shows nothing [px]."""
 _SETTLED = 400.0
 """How long the pages are left alone between two tries [ms]."""
 
@@ -102,7 +105,7 @@ def _arrow(page: Page) -> float:
 def _marked(name: str) -> str:
     """It is marked in the tree, its details are there, and the 3D view was drawn anew."""
     return f"""
-      [...document.querySelectorAll("[role=treeitem][aria-selected=true]")].some((row) => row.ariaLabel === "{name}") &&
+      [...document.querySelectorAll("[role=treeitem][aria-selected=true]")].some((row) => /{name}(?!\\d)/.test(row.textContent)) &&
       document.querySelector("section[aria-label] table")?.closest("section").textContent.includes("{name}") &&
       window.skiros3d.frames > window.framesBefore
     """
@@ -110,14 +113,18 @@ def _marked(name: str) -> str:
 
 def _select(page: Page, number: int) -> float:
     """Clicks on a row of the tree."""
-    row = page.get_by_role("treeitem", name="starter").nth(number)
-    name = row.get_attribute("aria-label") or ""
+    page.get_by_role("tree").evaluate("(tree) => tree.parentElement.scrollTo(0, 2000)")
+    page.wait_for_timeout(_SETTLED)
+    row = page.get_by_role("treeitem", name=re.compile("alternator_")).nth(number)
+    name = re.search(r"alternator_\d+", row.text_content() or "")
     spot = row.bounding_box()
-    assert spot is not None
-    page.mouse.move(spot["x"] + 60.0, spot["y"] + 8.0)
+    if name is None or spot is None:
+        raise LookupError("the tree has no such row")
+    x, y = spot["x"] + 90.0, spot["y"] + 8.0
+    page.mouse.move(x, y)
     page.wait_for_timeout(_SETTLED)
     page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
-    return cost_of(page, "mousedown", lambda: page.mouse.click(spot["x"] + 60.0, spot["y"] + 8.0), _marked(name))
+    return cost_of(page, "mousedown", lambda: page.mouse.click(x, y), _marked(name[0]))
 
 
 def _spot(page: Page, name: str) -> tuple[float, float]:
@@ -135,11 +142,13 @@ def _click(page: Page, name: str) -> float:
 
 
 def _point(page: Page, name: str) -> float:
-    """Moves the pointer to a thing, until its name is there."""
+    """Moves the pointer to a thing, until it is drawn as pointed at, with its name."""
     x, y = _spot(page, name)
-    page.mouse.move(x + 60.0, y + 40.0)
+    page.mouse.click(*_NOWHERE)
     page.wait_for_timeout(_SETTLED)
-    done = f"document.querySelector('[data-picture]').parentElement.innerText.includes('{name}')"
+    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
+    label = "document.querySelector('[data-picture]').parentElement.innerText.includes('Starter')"
+    done = f"{label} && window.skiros3d.frames > window.framesBefore"
     return cost_of(page, "pointermove", lambda: page.mouse.move(x, y), done)
 
 

@@ -256,7 +256,7 @@ def test_a_factory_system_hears_of_jobs_and_alarms_and_of_the_rest_only_for_its_
             page = http.get("/events/recent", params={"limit": 1000}).json()
             assert {one["kind"] for one in page["items"]} == {"job", "system"}
             of_job = http.get("/events/recent", params={"limit": 1000, "job": "a"}).json()
-            assert {one["kind"] for one in of_job["items"]} == {"job", "task"}
+            assert {one["kind"] for one in of_job["items"]} == {"job", "task", "module"}
             assert http.get("/events/recent", params={"kind": "world"}).status_code == 403
 
 

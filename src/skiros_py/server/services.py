@@ -24,6 +24,7 @@ from skiros_py.server.events.live import LiveState
 from skiros_py.server.events.log import EventLog
 from skiros_py.server.events.sources import EventSources
 from skiros_py.server.events.streams import Streams
+from skiros_py.server.halt_mark import HaltMark
 from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.logs import job_events_logged
 from skiros_py.server.looks import Looks
@@ -100,7 +101,7 @@ class Services:
         job_events_logged(self.events)
         self.streams = Streams(self.events, settings.streams, lambda caller: self.doorkeeper.still(caller))
         self.alarms = Alarms(self.events)
-        self.stops = Stops(self.control, self.events)
+        self.stops = Stops(self.control, self.events, HaltMark(data / "halted.json"))
         self.looks = Looks()
         self.motions = Motions()
         self.live = LiveState(self.looks, self.motions, lambda: self.streams.ending)
@@ -160,6 +161,7 @@ class Services:
             self.replays.start()
             self._stack.callback(self.robot_models.close)
             self._stack.callback(self.control.close)
+            self.stops.restore()
             self.control.start()  # which takes the data directory, so that no other server has its files open
             self._stack.callback(self.desk.close)
             self._stack.callback(self.previews.close)

@@ -13,6 +13,7 @@ from skiros_py.runtime import Session
 from skiros_py.server.control import CLOSING, ControlThread
 from skiros_py.server.events.event import Kind
 from skiros_py.server.events.log import EventLog
+from skiros_py.server.halt_mark import Halt, HaltMark
 
 __all__ = ["Stopped", "Stops"]
 
@@ -49,17 +50,26 @@ class Stops:
     Args:
         control: Runs the session.
         events: Hears of stops and resets.
+        mark: Keeps a stop over the end of the server.
     """
 
-    def __init__(self, control: ControlThread, events: EventLog) -> None:
+    def __init__(self, control: ControlThread, events: EventLog, mark: HaltMark) -> None:
         self._control = control
         self._events = events
+        self._mark = mark
         self._guard = threading.Lock()
         self._session: Session | None = None
         self._wanted = ""
         self._seen = ""
         self._by = ""
         self._since: float | None = None
+
+    def restore(self) -> None:
+        """Takes over a stop that a former server left: the first session is opened halted."""
+        left = self._mark.read()
+        if left is not None:
+            self._wanted = left.why
+            self._note(left.why, left.by, left.since)
 
     # ------------------------------------------------------------------ as sessions come and go
 
@@ -91,6 +101,8 @@ class Stops:
             await asyncio.sleep(_LOOK)
             if self._session is not None and not self._session.cycle.halted:
                 brake = self._halt(reason, by)  # it came in the midst of a reset, which must not swallow it
+        if self._wanted:  # nobody has reset it meanwhile
+            self._mark.keep(Halt(reason, by, time.time()))
         return self.now(obeyed=obeyed)
 
     def _halt(self, reason: str, by: str) -> threading.Thread | None:
@@ -172,13 +184,14 @@ class Stops:
         """Notes that nothing is halted."""
         with self._guard:
             self._seen, self._wanted, self._by, self._since = "", "", "", None
+        self._mark.forget()
 
-    def _note(self, why: str, by: str) -> None:
-        """Keeps when everything was halted, and who did it first."""
+    def _note(self, why: str, by: str, since: float | None = None) -> None:
+        """Keeps when everything was halted (now where left out), and who did it first."""
         with self._guard:
             if self._since is not None:
                 return
-            self._by, self._since = by, time.time()
+            self._by, self._since = by, time.time() if since is None else since
         self._events.append(Kind.SYSTEM, "halted", data={"why": why, "by": by})
 
 

@@ -1,7 +1,8 @@
 import { Alert, Button, Group, Modal, Stack, Text } from "@mantine/core";
 import { useMutation } from "@tanstack/react-query";
+import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api } from "../api/client";
+import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { queryClient } from "../api/queries";
 import { MayButton } from "../widgets/MayButton";
@@ -14,22 +15,25 @@ import { useHalt } from "./useHalt";
 export function ResetDialog() {
   const { t } = useTranslation("always");
   const { opened, close } = useDialogs();
+  const halt = useHalt();
   return (
     <Modal opened={opened === "reset"} onClose={close} title={t("reset.title")} centered>
-      <Question done={close} />
+      {halt && <Question halt={halt} done={close} />}
     </Modal>
   );
 }
 
-function Question({ done }: { done: () => void }) {
+/** Is about the halt that was in force when it was opened: nobody has looked at a later one yet. */
+function Question({ halt, done }: { halt: Schema<"StopInfo">; done: () => void }) {
   const { t } = useTranslation("always");
   const { t: common } = useTranslation();
-  const halt = useHalt();
+  const [since] = useState(halt.since);
   const reset = useReset(done);
+  const another = halt.halted && halt.since !== since;
   return (
     <Stack>
-      <Text size="sm">{halt?.halted ? t("reset.why", { why: halt.why }) : t("reset.nothing")}</Text>
-      <Text size="sm">{t("reset.text")}</Text>
+      <Text size="sm">{halt.halted ? t("reset.why", { why: halt.why }) : t("reset.nothing")}</Text>
+      {another ? <Alert color="red">{t("reset.another")}</Alert> : <Text size="sm">{t("reset.text")}</Text>}
       {reset.error && (
         <Alert role="alert" color="red" title={t("reset.refused")}>
           {problemText(reset.error)}
@@ -39,7 +43,13 @@ function Question({ done }: { done: () => void }) {
         <Button variant="default" onClick={done} data-autofocus>
           {common("cancel")}
         </Button>
-        <MayButton operation="reset" color="red" loading={reset.isPending} onClick={() => reset.mutate()}>
+        <MayButton
+          operation="reset"
+          color="red"
+          disabled={!halt.halted || another}
+          loading={reset.isPending}
+          onClick={() => reset.mutate()}
+        >
           {t("reset.confirm")}
         </MayButton>
       </Group>

@@ -2,6 +2,7 @@ import { Button, Text } from "@mantine/core";
 import { IconAlertOctagon, IconCheck, IconHandStop, type TablerIcon } from "@tabler/icons-react";
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
+import { onEvent } from "../live/events";
 import classes from "./always.module.css";
 import { useStopping, type Verdict } from "./stopping";
 
@@ -21,7 +22,11 @@ export function StopVerdict() {
   useEffect(() => {
     if (verdict !== "obeyed") return;
     const timer = setTimeout(forget, SHOWN);
-    return () => clearTimeout(timer);
+    const endListening = onEvent(({ kind, type }) => void (kind === "system" && type === "reset" && forget()));
+    return () => {
+      clearTimeout(timer);
+      endListening();
+    };
   }, [verdict, forget]);
   return <div role="alert">{verdict && <Words verdict={verdict} />}</div>;
 }
@@ -44,7 +49,7 @@ function Words({ verdict }: { verdict: Verdict }) {
       </div>
       {verdict !== "asking" && (
         <Button variant="white" color="dark" onClick={forget}>
-          {t("verdict.giveUp")}
+          {verdict === "noAnswer" ? t("verdict.withdraw") : t("verdict.seen")}
         </Button>
       )}
     </div>

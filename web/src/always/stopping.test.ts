@@ -69,7 +69,7 @@ test("a stop that is refused says what the server says, and is not tried again",
   expect(fetch).toHaveBeenCalledTimes(1);
 });
 
-test("who has seen that nobody answers ends the trying", async () => {
+test("a stop that is withdrawn is tried no more", async () => {
   const fetch = answers(new TypeError("no network"));
   const stopping = stopAll("why");
   await vi.advanceTimersByTimeAsync(1);

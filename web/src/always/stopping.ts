@@ -8,10 +8,11 @@ import { reconnect } from "../live/connection";
 export type Verdict = "asking" | "noAnswer" | "notObeyed" | "refused" | "obeyed";
 
 interface Stopping {
-  /** Null while nobody has asked for a stop here, or has read what became of it. */
+  /** Null while nobody has asked for a stop here, or what became of it has been read. */
   verdict: Verdict | null;
   /** What the server said besides: why it was refused. */
   text: string;
+  /** Ends it: a stop that nobody has answered is withdrawn by that, one that was answered stands. */
   forget: () => void;
 }
 

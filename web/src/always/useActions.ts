@@ -73,7 +73,7 @@ function useJobs(enabled: boolean): SpotlightActionGroupData {
   const [, openTab] = useTab();
   const { data } = useQuery({
     queryKey: keys.jobs("palette"),
-    queryFn: () => answer(api.GET("/api/v1/jobs", { params: { query: { limit: JOBS } } })),
+    queryFn: () => answer(api.GET("/api/v1/jobs", { params: { query: { limit: JOBS, newest_first: true } } })),
     enabled,
   });
   const actions = (data?.items ?? []).map(({ id, state }) => ({

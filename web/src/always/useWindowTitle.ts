@@ -1,4 +1,4 @@
-import { useDocumentTitle } from "@mantine/hooks";
+import { useDocumentTitle, useDocumentVisibility } from "@mantine/hooks";
 import { useTranslation } from "react-i18next";
 import { useConnection } from "../live/connection";
 import { useStation } from "../live/station";
@@ -16,5 +16,8 @@ export function useWindowTitle(): void {
     halted: t("title.halted"),
     running: t("title.running"),
   };
-  useDocumentTitle(useStation(({ state }) => windowTitle(state, lost, questions, words)));
+  const hidden = useDocumentVisibility() === "hidden"; // nothing is followed then: what was so is not told as if it were
+  useDocumentTitle(
+    useStation(({ state }) => windowTitle(hidden ? null : state, lost && !hidden, hidden ? 0 : questions, words)),
+  );
 }

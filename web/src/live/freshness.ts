@@ -11,20 +11,7 @@ const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
   task: ["tasks"],
   job: ["jobs", "tasks"],
   alarm: ["alarms", "jobs"],
-  system: [
-    "names",
-    "station",
-    "modules",
-    "robots",
-    "goals",
-    "alarms",
-    "tasks",
-    "jobs",
-    "scenes",
-    "ontology",
-    "world",
-    "me",
-  ],
+  system: ["station", "modules", "robots", "goals", "alarms", "tasks", "jobs", "scenes", "ontology", "world", "me"],
 };
 /** What people call things: asked for one by one, therefore only after a change that may have renamed some. */
 const NAMES = "names";
@@ -45,7 +32,8 @@ export function keepFresh(): () => void {
     for (const word of words) old.add(word);
     timer ??= setTimeout(refresh, PAUSE);
   };
-  const endings = [onEvent((event) => age(oldBy(event))), onReset(() => void queryClient.invalidateQueries())];
+  const ageAll = () => void queryClient.invalidateQueries();
+  const endings = [onEvent((event) => (isOpened(event) ? ageAll() : age(oldBy(event)))), onReset(ageAll)];
   return () => {
     clearTimeout(timer);
     for (const end of endings) end();
@@ -64,6 +52,11 @@ function makeOld(words: ReadonlySet<string>, hashes: ReadonlySet<string>): Set<s
   const late = new Set(busy.map(({ queryHash }) => queryHash));
   void queryClient.invalidateQueries({ predicate: (query) => isOld(query) && !late.has(query.queryHash) });
   return late;
+}
+
+/** Another scene, or another run of the server: ids and numbers mean other things now. */
+function isOpened({ kind, type }: EventInfo): boolean {
+  return kind === "system" && type === "opened";
 }
 
 function oldBy(event: EventInfo): readonly string[] {

@@ -7,7 +7,6 @@ import classes from "./modules.module.css";
 import { TryModules } from "./module/TryModules";
 import { detailOf, placeOf, type View, VIEWS } from "./places";
 import { Plugins } from "./plugins/Plugins";
-import { useFreshRuns } from "./queries";
 import { RunHistory } from "./runs/RunHistory";
 
 /** Everything that robots can do, one thing at a time; moving them by hand; and what they were taught (Fig. 6). */
@@ -15,7 +14,6 @@ export default function ModulesTab() {
   const { t } = useTranslation("modules");
   const [, open, detail] = useTab();
   const place = placeOf(detail);
-  useFreshRuns();
   const mayPlugins = useMay("list_plugins");
   const show = (view: View, ...rest: string[]) => open("modules", detailOf(view, ...rest));
   const contents: Record<View, () => React.ReactNode> = {

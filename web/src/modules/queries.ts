@@ -1,12 +1,9 @@
 /** What the tab reads. */
 
 import { useQuery } from "@tanstack/react-query";
-import { useEffect } from "react";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
-import { queryClient } from "../api/queries";
 import { useMay } from "../api/session";
-import { useStation } from "../live/station";
 import type { Arguments } from "../widgets/ArgumentsForm";
 
 export type Run = Schema<"ModuleRunInfo">;
@@ -60,14 +57,4 @@ export function useRun(id: string | null) {
     queryFn: () => answer(api.GET("/api/v1/module-runs/{id}", { params: { path: { id: id ?? "" } } })),
     enabled: id !== null,
   });
-}
-
-/** Has runs read again when somebody pauses one, which makes no event: the state of the robots tells it. */
-export function useFreshRuns(): void {
-  const atWork = useStation((station) => modulesAtWork(station.state));
-  useEffect(() => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }), [atWork]);
-}
-
-function modulesAtWork(state: Schema<"StationState"> | null): string {
-  return (state?.modules ?? []).map(({ agent, module, status }) => `${agent} ${module} ${status}`).join("\n");
 }

@@ -2,14 +2,14 @@ import { Box, SegmentedControl, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api, type Schema } from "../api/client";
+import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
 import { Graph, type GraphNode } from "../widgets/Graph";
 import { moduleStatus } from "./moduleWords";
 import { useOutput } from "./output";
 import { schedule, type Skills, type Slot } from "./schedule";
 import type { Run, Step } from "./trace";
-import { bodyLines, messagesOf, type Said, skillTree, taskTree } from "./tree";
+import { bodyLines, messagesOf, type Said, skillTree, taskTree, wayOf } from "./tree";
 import { STEP_MOODS, stepState, stepTitle } from "./words";
 
 interface Props {
@@ -99,13 +99,9 @@ function SkillGraph({ step, run, skills, said }: { step: Step; run: Run; skills:
     title: stepTitle(step, skills),
     state: { mood: STEP_MOODS[state], text: said.step(state) },
   };
-  const messages = messagesOf(step, rows, run.shift);
-  const { nodes, edges } = skillTree(root, bodyLines(implementationOf(data)), messages, said);
+  const [way, messages] = wayOf(step, data?.implementations ?? [], messagesOf(step, rows, run.shift));
+  const { nodes, edges } = skillTree(root, bodyLines(way), messages, said);
   return <Graph label={t("tree.skillLabel", { skill: root.title })} nodes={nodes} edges={edges} />;
-}
-
-function implementationOf(module: Schema<"ModuleDetails"> | undefined) {
-  return module?.implementations[0]; // tried first
 }
 
 function useModule(agent: string, module: string) {

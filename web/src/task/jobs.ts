@@ -22,7 +22,7 @@ export function useJobs(period: Period) {
     queryKey,
     queryFn: async () => {
       const known = client.getQueryData<Job[]>(queryKey) ?? [];
-      return merged(known, await changedSince(lastMoment(known) ?? beginning(period)));
+      return merged(known, await newest(lastMoment(known) ?? beginning(period)));
     },
   });
 }
@@ -49,16 +49,16 @@ function beginning(period: Period): string | undefined {
   return seconds === null ? undefined : new Date(Date.now() - seconds * 1000).toISOString();
 }
 
-async function changedSince(since: string | undefined): Promise<Job[]> {
+/** Reads what changed since then, as many as are shown at most, the latest orders first. */
+async function newest(since: string | undefined): Promise<Job[]> {
   const jobs: Job[] = [];
-  let cursor: string | undefined = "0";
-  while (cursor !== undefined) {
-    const page: Schema<"JobPage"> = await answer(
-      api.GET("/api/v1/jobs", { params: { query: { since, limit: PAGE, cursor } } }),
-    );
+  let cursor: string | undefined;
+  do {
+    const query = { since, limit: PAGE, cursor, newest_first: true };
+    const page: Schema<"JobPage"> = await answer(api.GET("/api/v1/jobs", { params: { query } }));
     jobs.push(...page.items);
     cursor = page.next ?? undefined;
-  }
+  } while (cursor !== undefined && jobs.length < MOST);
   return jobs;
 }
 

@@ -14,13 +14,15 @@ export interface OutputRow {
   at: number;
   module: string;
   kind: string;
-  /** started, running, preempted, terminated or error. */
+  /** started, running, paused, resumed, preempted, terminated or error. */
   status: string;
   code: number;
   text: string;
   agent: string;
   /** The module that it is part of; empty for the one that was started. */
   caller: string;
+  /** Label of the way in which a skill is done; null for a primitive, and where that is not known. */
+  implementation: string | null;
 }
 
 interface Output {
@@ -36,7 +38,7 @@ const PAUSE = 200; // ms: oftener nobody reads it
 export const useOutput = create<Output>(() => ({ rows: [], failed: null }));
 
 export function rowOf(event: EventInfo): OutputRow {
-  const { kind, code, text, agent, caller } = event.data;
+  const { kind, code, text, agent, caller, implementation } = event.data;
   return {
     id: event.id,
     time: event.time,
@@ -48,6 +50,7 @@ export function rowOf(event: EventInfo): OutputRow {
     text: String(text ?? ""),
     agent: String(agent ?? ""),
     caller: String(caller ?? ""),
+    implementation: typeof implementation === "string" ? implementation : null,
   };
 }
 

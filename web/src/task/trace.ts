@@ -44,6 +44,8 @@ export interface Step {
   /** What came of it, or that it starts. */
   text: string;
   conditions: ConditionRow[];
+  /** Label of the implementation that ran, known at its end; null where that is not told. */
+  implementation: string | null;
   /** Numbers of the changes of the world that it made. */
   changes: number[];
 }
@@ -138,6 +140,7 @@ function started(entry: TraceEntry, attempt: number, number: number): Step {
     ended: null,
     text: entry.text,
     conditions: conditionRows(entry.data),
+    implementation: null,
     changes: numbers(entry.data.changes),
   };
 }
@@ -149,6 +152,7 @@ function end(steps: Step[], entry: TraceEntry): void {
   step.ended = entry.what as StepEnd;
   step.text = entry.text;
   if (isRecord(entry.data.inputs)) step.inputs = entry.data.inputs;
+  if (typeof entry.data.implementation === "string") step.implementation = entry.data.implementation;
   step.conditions = [...step.conditions, ...conditionRows(entry.data)];
   step.changes = [...step.changes, ...numbers(entry.data.changes)];
 }

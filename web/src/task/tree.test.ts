@@ -1,7 +1,7 @@
 import type { Schema } from "../api/client";
 import type { OutputRow } from "./output";
 import type { Slot } from "./schedule";
-import { bodyLines, messagesOf, skillTree, taskTree } from "./tree";
+import { bodyLines, messagesOf, skillTree, taskTree, wayOf } from "./tree";
 import { readEntry, readRun, type Step } from "./trace";
 
 const BODY = ["sequence", "  locate(part=Object)", "  move_arm(arm=Arm)", "move_arm(arm=Arm)"];
@@ -9,7 +9,8 @@ const SAID = { step: (state: string) => state, module: (status: string) => statu
 const ROOT = { id: "skill", title: "pick" };
 
 function message(time: number, module: string, status: string, caller = "pick"): OutputRow {
-  return { id: `x-${time}`, time, at: 0, module, kind: "", status, code: 0, text: "", agent: "arm_1", caller };
+  const rest = { at: 0, kind: "", code: 0, text: "", agent: "arm_1", implementation: null };
+  return { id: `x-${time}`, time, module, status, caller, ...rest };
 }
 
 function graph(messages: OutputRow[]) {
@@ -48,6 +49,43 @@ test("the messages of a step are those of its parts while it ran, in the time of
     message(25, "pick", "started", ""),
   ];
   expect(messagesOf(run.steps[0] as Step, rows, run.shift).map(({ time }) => time)).toEqual([12]);
+});
+
+const WAYS = [{ label: "by vision" }, { label: "by hand" }] as unknown as Schema<"Implementation">[];
+
+function picked(implementation?: string) {
+  const run = readRun([
+    readEntry({ time: 10, what: "started", step: 1, skill: "pick", agent: "arm_1" }),
+    ...(implementation === undefined
+      ? []
+      : [readEntry({ time: 20, what: "failed", step: 1, skill: "pick", agent: "arm_1", data: { implementation } })]),
+  ]);
+  return run.steps[0] as Step;
+}
+
+function own(time: number, implementation: string) {
+  return { ...message(time, "pick", "running", ""), implementation };
+}
+
+test("a step shows the way in which it is done now, with what that way said alone", () => {
+  const rows = [
+    own(10, "by vision"),
+    message(11, "locate", "error"),
+    own(12, "by hand"),
+    message(13, "grip", "started"),
+  ];
+  const [way, said] = wayOf(picked(), WAYS, rows);
+  expect(way?.label).toBe("by hand");
+  expect(said.map(({ time }) => time)).toEqual([12, 13]);
+});
+
+test("a step that is over shows the way that its trace names, also where its messages are gone", () => {
+  expect(wayOf(picked("by hand"), WAYS, [])[0]?.label).toBe("by hand");
+});
+
+test("a step of which nobody says how it is done shows the way that is tried first", () => {
+  const rows = [message(11, "locate", "started")];
+  expect(wayOf(picked(), WAYS, rows)).toEqual([WAYS[0], rows]);
 });
 
 test("steps hang on those that they wait for, without what those wait for themselves", () => {

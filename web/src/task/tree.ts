@@ -25,6 +25,8 @@ export interface BodyLine {
 const MODULE_MOODS: Record<string, Mood> = {
   started: "running",
   running: "running",
+  paused: "stopped",
+  resumed: "running",
   terminated: "good",
   preempted: "stopped",
   error: "bad",
@@ -53,6 +55,21 @@ const EDGE = 0.004; // s: a cycle is 5 ms, and what ends a step is said in the o
 function isOf(step: Step, row: OutputRow): boolean {
   return row.agent === step.agent && (row.module === step.skill || row.caller !== "");
 }
+
+/** Returns in which way a step is (or was) done, and what the parts of that way said. */
+export function wayOf(
+  step: Step,
+  ways: readonly Way[],
+  messages: readonly OutputRow[],
+): [Way | undefined, OutputRow[]] {
+  const own = messages.filter(({ module, caller }) => module === step.skill && caller === "");
+  const label = step.implementation ?? own.findLast(({ implementation }) => implementation !== null)?.implementation;
+  const way = ways.find((one) => one.label === label) ?? ways[0]; // which is tried first
+  const begun = own.find(({ implementation }) => implementation !== null && implementation === label);
+  return [way, begun === undefined ? [...messages] : messages.slice(messages.indexOf(begun))];
+}
+
+type Way = Schema<"Implementation">;
 
 export interface Task {
   title: string;

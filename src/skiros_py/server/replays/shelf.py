@@ -56,7 +56,7 @@ class ReplayShelf:
         Args:
             staying: Numbers of jobs whose replays are being written.
         """
-        files = [file for file in sorted(self._folder.glob(f"*{_SUFFIX}")) if file.stem.isdecimal()]  # others are not ours
+        files = sorted(file for file in self._folder.glob(f"*{_SUFFIX}") if file.stem.isdecimal())  # else not ours
         sizes = {int(file.stem): file.stat().st_size for file in files}
         for number in tuple(sizes):
             if len(sizes) <= self.most and sum(sizes.values()) <= self.room:

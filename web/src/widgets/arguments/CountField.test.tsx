@@ -4,6 +4,10 @@ import userEvent from "@testing-library/user-event";
 import { useState } from "react";
 import { CountField } from "./CountField";
 
+beforeEach(() => {
+  vi.stubGlobal("matchMedia", () => ({ matches: false, addEventListener() {}, removeEventListener() {} }));
+});
+
 function Rounds({ first }: { first: number }) {
   const [rounds, setRounds] = useState(first);
   return (
