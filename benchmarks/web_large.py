@@ -43,7 +43,7 @@ def large_scene(browser: Browser, server: Server, pages: str, objects: int) -> d
     costs = {
         "opening a branch": [_branch(page) for _ in range(_TRIES)],
         "arrow key in the tree": [_arrow(page) for _ in range(_TRIES)],
-        "selecting in the tree, until its details": [_select(page, 2 * number + 3) for number in range(_TRIES)],
+        "selecting in the tree, until its details": [_select(page, number + 14) for number in range(_TRIES)],
         "selecting in 3D, until tree and details": [_click(page, f"starter_{41 + 7 * n}") for n in range(_TRIES)],
         "pointing at a thing in 3D": [_point(page, f"starter_{44 + 7 * n}") for n in range(_TRIES)],
         "turning the 3D view": [_turn(page) for _ in range(_TRIES)],

@@ -110,6 +110,19 @@ def test_nothing_of_the_frame_is_cut_off_in_a_narrow_window(station, visit, expe
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
+def test_eight_windows_of_one_browser_all_follow_the_station(station, visit, expect):
+    served = station()
+    first = visit(served.url)
+    pages = [first, *(first.context.new_page() for _ in range(7))]
+    for page in pages[1:]:
+        page.goto(served.url)
+    for page in pages:
+        expect(page.get_by_text("connected", exact=True)).to_be_visible()
+    stop_button(pages[-1]).click()
+    for page in pages:
+        expect(page.get_by_text("Everything is halted")).to_be_visible()
+
+
 # ---------------------------------------------------------------------- stop and reset
 
 

@@ -26,8 +26,9 @@ export function KitTable({ words, verdicts }: Props) {
   const { t } = useTranslation("goal");
   const { draft, change } = useDraft();
   const put = words.find(({ name }) => name === PUT);
-  const kitClass = words.find(({ name }) => name === KIT)?.roles[1]?.class ?? put?.roles[1]?.class ?? "sk:Container";
-  const placeClass = put?.roles[1]?.class ?? "sk:Container";
+  const kitClass =
+    words.find(({ name }) => name === KIT)?.roles[1]?.reached ?? put?.roles[1]?.reached ?? "sk:Container";
+  const placeClass = put?.roles[1]?.reached ?? "sk:Container";
   useOnlyKit(kitClass);
   const places = usePlaces(draft.kit, placeClass).data ?? [];
   if (put === undefined) return <Alert color="yellow">{t("kit.cannot")}</Alert>;
@@ -61,7 +62,7 @@ export function KitTable({ words, verdicts }: Props) {
                     <ElementPicker
                       label={t("kit.partIn", { place: name })}
                       hideLabel
-                      class_={put.roles[0]?.class ?? "sk:Element"}
+                      class_={put.roles[0]?.reached ?? "sk:Element"}
                       abstract
                       value={row?.kind === "word" ? (row.arguments[0] ?? null) : null}
                       onChange={(part) => change((now) => ({ rows: withPart(now.rows, id, part) }))}

@@ -1,13 +1,4 @@
-import {
-  ActionIcon,
-  Button,
-  Group,
-  Stack,
-  Table,
-  TextInput,
-  Tooltip,
-  VisuallyHidden,
-} from "@mantine/core";
+import { ActionIcon, Button, Group, Stack, Table, TextInput, Tooltip, VisuallyHidden } from "@mantine/core";
 import { IconPlus, IconTable, IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";

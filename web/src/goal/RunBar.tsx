@@ -1,13 +1,4 @@
-import {
-  ActionIcon,
-  Checkbox,
-  CopyButton,
-  Group,
-  Popover,
-  Stack,
-  TextInput,
-  Tooltip,
-} from "@mantine/core";
+import { ActionIcon, Checkbox, CopyButton, Group, Popover, Stack, TextInput, Tooltip } from "@mantine/core";
 import { IconCheck, IconCopy, IconEye, IconPlayerPlay, IconSettings } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import { BASE } from "../api/client";

@@ -1,6 +1,7 @@
 import { ActionIcon, Button, Group, Stack, Text, Tooltip } from "@mantine/core";
 import { IconBan, IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
+import { useIsCarried } from "../widgets/carried";
 import { ElementPicker } from "../widgets/ElementPicker";
 import type { Verdict as Told } from "./checks";
 import classes from "./goal.module.css";
@@ -57,6 +58,7 @@ interface SentenceProps {
 function Sentence({ row, word, onChange }: SentenceProps) {
   const { t } = useTranslation("goal");
   const sentence = useSentence()(word);
+  const isCarried = useIsCarried();
   const fill = (slot: number, id: string | null) =>
     onChange({ ...row, arguments: row.arguments.map((old, index) => (index === slot ? id : old)) });
   return (
@@ -80,8 +82,8 @@ function Sentence({ row, word, onChange }: SentenceProps) {
             key={piece}
             inline
             label={t("slot", { role: word.roles[piece]?.name ?? "", word: word.name })}
-            class_={word.roles[piece]?.class ?? "sk:Element"}
-            abstract={word.abstract}
+            class_={classAt(word, piece, row.not)}
+            abstract={word.abstract && isCarried(classAt(word, piece, row.not))}
             value={row.arguments[piece] ?? null}
             onChange={(id) => fill(piece, id)}
             required
@@ -90,4 +92,10 @@ function Sentence({ row, word, onChange }: SentenceProps) {
       )}
     </div>
   );
+}
+
+/** What is wanted has to be what robots can bring about; what is not wanted may be anything. */
+function classAt({ roles }: ConditionWord, slot: number, not: boolean): string {
+  const role = roles[slot];
+  return (not ? role?.class : role?.reached) ?? "sk:Element";
 }

@@ -1,4 +1,4 @@
-import { type CheckedCondition, goalOf, goalOrder, isSame, keyed, rowOf, textOf, without } from "./goals";
+import { type CheckedCondition, goalOf, goalOrder, isSame, keyed, readRow, rowOf, textOf, without } from "./goals";
 
 const IN_KIT = { condition: "InKit", arguments: ["kitting:Starter", "kit_1"] };
 const FOR_ALL = { for_all: "c", class: "kitting:Compartment", holds: IN_KIT };
@@ -43,4 +43,11 @@ test("giving up a condition leaves the others", () => {
   expect(without(conditions, ["InKit(Starter, kit_1)"])).toEqual([
     { kind: "word", word: "A", arguments: ["x"], not: false },
   ]);
+});
+
+test("a condition as the server writes it is read as a sentence, and what is more than one word stays text", () => {
+  const word = { kind: "word", word: "ObjectAtLocation", arguments: ["kitting:Starter", "kit_1_a"], not: true };
+  expect(readRow("not ObjectAtLocation(kitting:Starter, kit_1_a)")).toEqual(word);
+  const all = "for all c: Compartment (not LocationEmpty(c))";
+  expect(readRow(all)).toEqual({ kind: "text", text: all });
 });

@@ -88,6 +88,14 @@ function quoted(name: string): string {
   return PLAIN.test(name) || name === "?" ? name : `"${name.replaceAll(/["\\]/g, "\\$&")}"`;
 }
 
+/** Reads a condition's text as a row, as far as that can be done here: one word with plain names, or else text. */
+export function readRow(text: string): NewRow {
+  const match = /^(not )?(\w+)\(([^()"]*)\)$/.exec(text.trim());
+  if (match === null) return { kind: "text", text };
+  const [, not, word = "", names = ""] = match;
+  return { kind: "word", word, arguments: names.split(",").map((name) => name.trim()), not: not !== undefined };
+}
+
 /** A condition's text without the prefixes of ontologies, as explanations write it. */
 export function shortText(text: string): string {
   return text.replaceAll(/(?<![\w"])[A-Za-z_][\w.-]*:(?=\w)/g, "");

@@ -4,7 +4,7 @@ import { create } from "zustand";
 import { BASE, type Schema } from "../api/client";
 import { tellEvent, tellReset } from "./events";
 import { useStation } from "./station";
-import { follow } from "./stream";
+import { type End, follow } from "./stream";
 
 export type ConnectionStatus = "connecting" | "open" | "lost";
 
@@ -22,7 +22,7 @@ const KINDS = ["world", "module", "task", "job", "alarm", "system"];
 const STATE_RATE = 20; // Hz, the most that there is
 const FORGOTTEN_AFTER = 60_000; // ms: after a longer gap all is read anew, which is less than all the events
 
-let endings: (() => void)[] = [];
+let endings: End[] = [];
 let lastSeen = ""; // id of the last event
 let gap = false; // something may have been missed of which the server does not know
 let leftAt = 0;
@@ -45,10 +45,12 @@ export function disconnect(): void {
 /** Opens the streams anew: whatever hangs in the connection hangs no longer. */
 export function reconnect(): void {
   noteLost();
-  if (endings.length > 0) connect();
+  if (endings.length === 0) return;
+  closeAll(true);
+  connect();
 }
 
-function followEvents(): () => void {
+function followEvents(): End {
   return follow({
     address: () => `${BASE}/api/v1/events${lastSeen ? `?after=${encodeURIComponent(lastSeen)}` : ""}`,
     messages: {
@@ -68,7 +70,7 @@ function takeEvent(message: MessageEvent<string>): void {
   tellEvent(JSON.parse(message.data) as Schema<"EventInfo">);
 }
 
-function followState(): () => void {
+function followState(): End {
   return follow({
     address: () => `${BASE}/api/v1/robots/state/stream?rate=${STATE_RATE}`,
     messages: { state: (message) => useStation.getState().take(JSON.parse(message.data)) },
@@ -88,7 +90,7 @@ function noteLost(): void {
   useConnection.setState(({ since }) => ({ status: "lost", since: since ?? Date.now() }));
 }
 
-function closeAll(): void {
-  for (const end of endings) end();
+function closeAll(anew = false): void {
+  for (const end of endings) end(anew);
   endings = [];
 }

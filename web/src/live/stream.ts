@@ -1,5 +1,7 @@
 /** A stream of server-sent events that opens itself again whenever it breaks. */
 
+import { openSource, type Source } from "./source";
+
 const AGAIN = 1000; // ms
 
 export interface Followed {
@@ -12,19 +14,22 @@ export interface Followed {
   onBreak: () => void;
 }
 
+/** Ends following; `anew` where the connection may hang. */
+export type End = (anew?: boolean) => void;
+
 /**
  * Follows a stream; returns how to end that.
  *
  * Browsers do open broken streams again, but each gives up in other cases (a server or proxy that refuses it): here
  * all breaks are healed in the same way.
  */
-export function follow({ address, messages, onOpen, onBreak }: Followed): () => void {
+export function follow({ address, messages, onOpen, onBreak }: Followed): End {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let broken = false;
   let source = open();
 
-  function open(): EventSource {
-    const opened = new EventSource(address());
+  function open(): Source {
+    const opened = openSource(address());
     opened.onopen = () => {
       broken = false;
       onOpen();
@@ -39,8 +44,8 @@ export function follow({ address, messages, onOpen, onBreak }: Followed): () => 
     return opened;
   }
 
-  return () => {
+  return (anew) => {
     clearTimeout(timer);
-    source.close();
+    source.close(anew);
   };
 }

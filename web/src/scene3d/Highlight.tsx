@@ -1,5 +1,5 @@
 import { useFrame } from "@react-three/fiber";
-import { useRef, useMemo, useEffect } from "react";
+import { useEffect, useMemo, useRef } from "react";
 import type { Color, Group } from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
@@ -8,6 +8,7 @@ import { useSelection } from "../selection/selection";
 import { crowd } from "./elements/crowd";
 import type { Palette } from "./palette";
 import { type Shape, shapeIn } from "./shapes";
+import { wake } from "./ticker";
 import { useShownView } from "./useShownView";
 
 /** Outlines of what is selected, and of what the pointer is on. */
@@ -16,21 +17,25 @@ export function Highlight({ palette }: { palette: Palette }) {
   const hovered = useSelection((state) => state.hovered);
   return (
     <>
-      {selected !== null && <Outline key={selected} id={selected} colour={palette.selected} width={2.5} />}
+      {selected !== null && <Outline key={selected} id={selected} lines={STRONG} colour={palette.selected} />}
       {hovered !== null && hovered !== selected && (
-        <Outline key={hovered} id={hovered} colour={palette.hovered} width={1.5} />
+        <Outline key={hovered} id={hovered} lines={FINE} colour={palette.hovered} />
       )}
     </>
   );
 }
 
+// Kept for good: a new one would have its program built anew, at each thing that is pointed at.
+const STRONG = new LineMaterial({ linewidth: 2.5 });
+const FINE = new LineMaterial({ linewidth: 1.5 });
+
 interface Props {
   id: string;
+  lines: LineMaterial;
   colour: Color;
-  width: number;
 }
 
-function Outline({ id, colour, width }: Props) {
+function Outline({ id, lines, colour }: Props) {
   const view = useShownView();
   const group = useRef<Group>(null);
   const element = view?.elements.get(id);
@@ -40,22 +45,20 @@ function Outline({ id, colour, width }: Props) {
   });
   return (
     <group ref={group} matrixAutoUpdate={false}>
-      {shape !== null && <Edges shape={shape} colour={colour} width={width} />}
+      {shape !== null && <Edges shape={shape} lines={lines} colour={colour} />}
     </group>
   );
 }
 
-function Edges({ shape, colour, width }: { shape: Shape; colour: Color; width: number }) {
-  const lines = useMemo(() => {
-    const material = new LineMaterial({ color: colour, linewidth: width });
-    return new LineSegments2(new LineSegmentsGeometry().fromEdgesGeometry(shape.edges), material);
-  }, [shape, colour, width]);
-  useEffect(
-    () => () => {
-      lines.geometry.dispose();
-      lines.material.dispose();
-    },
-    [lines],
+function Edges({ shape, lines, colour }: { shape: Shape; lines: LineMaterial; colour: Color }) {
+  const edges = useMemo(
+    () => new LineSegments2(new LineSegmentsGeometry().fromEdgesGeometry(shape.edges), lines),
+    [shape, lines],
   );
-  return <primitive object={lines} />;
+  useEffect(() => {
+    edges.material.color.copy(colour);
+    wake();
+  }, [edges, colour]);
+  useEffect(() => () => edges.geometry.dispose(), [edges]);
+  return <primitive object={edges} />;
 }

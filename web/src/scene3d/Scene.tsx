@@ -1,5 +1,5 @@
 import { Alert, useComputedColorScheme } from "@mantine/core";
-import { Canvas } from "@react-three/fiber";
+import { Canvas, type RootState } from "@react-three/fiber";
 import { type KeyboardEvent, useId } from "react";
 import { useTranslation } from "react-i18next";
 import { useCamera, type Viewpoint } from "./camera/camera";
@@ -55,6 +55,7 @@ function Picture() {
         frameloop="demand"
         dpr={dpr}
         gl={{ antialias, powerPreference: "high-performance" }}
+        onCreated={trustShaders}
         camera={{ fov: 38, near: 0.1, far: 80, up: [0, 0, 1], position: [4, -7, 6] }}
       >
         <Stage palette={paletteOf(scheme)} />
@@ -62,6 +63,11 @@ function Picture() {
       <Summary id={words} />
     </div>
   );
+}
+
+/** Asking whether each program is good would have the page wait for the graphics card, or for who stands in for it. */
+function trustShaders({ gl }: RootState): void {
+  gl.debug.checkShaderErrors = import.meta.env.DEV;
 }
 
 function look({ key, ctrlKey, metaKey, altKey }: KeyboardEvent): void {

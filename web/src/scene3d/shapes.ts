@@ -1,12 +1,14 @@
 /** Shapes as geometries: the boxes and cylinders of one in a single piece, made once for each key. */
 
-import { Box3, BoxGeometry, BufferAttribute, type BufferGeometry, CylinderGeometry, EdgesGeometry } from "three";
+import { Box3, BoxGeometry, BufferAttribute, type BufferGeometry, CylinderGeometry, EdgesGeometry, Vector3 } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { matrixOf } from "./pose";
 import type { Block, View, ViewElement } from "./view";
 
 export interface Shape {
   geometry: BufferGeometry;
+  /** The box around it, for a crowd of them that the processor has to draw. */
+  coarse: BufferGeometry;
   edges: EdgesGeometry;
   bounds: Box3;
 }
@@ -60,7 +62,13 @@ function built(blocks: readonly Block[]): Shape {
   const geometry = mergeGeometries(pieces);
   for (const piece of pieces) piece.dispose();
   geometry.computeBoundingBox();
-  return { geometry, edges: new EdgesGeometry(geometry, EDGE), bounds: geometry.boundingBox ?? new Box3() };
+  const bounds = geometry.boundingBox ?? new Box3();
+  return { geometry, coarse: boxAround(bounds), edges: new EdgesGeometry(geometry, EDGE), bounds };
+}
+
+function boxAround(bounds: Box3): BufferGeometry {
+  const [size, middle] = [bounds.getSize(new Vector3()), bounds.getCenter(new Vector3())];
+  return tinted(new BoxGeometry(size.x, size.y, size.z).translate(middle.x, middle.y, middle.z), SHADES[0] ?? 1);
 }
 
 function geometryOf({ kind, size, pose }: Block): BufferGeometry {
@@ -76,7 +84,8 @@ function tinted(geometry: BufferGeometry, shade: number): BufferGeometry {
   return geometry.setAttribute("color", new BufferAttribute(new Float32Array(count * 3).fill(shade), 3));
 }
 
-function dispose({ geometry, edges }: Shape): void {
+function dispose({ geometry, coarse, edges }: Shape): void {
   geometry.dispose();
+  coarse.dispose();
   edges.dispose();
 }

@@ -3,7 +3,7 @@ import type { ReactNode } from "react";
 import classes from "./task.module.css";
 
 interface Props {
-  title: string;
+  title: ReactNode;
   note: ReactNode;
   state?: ReactNode;
   current: boolean;

@@ -3,6 +3,7 @@ import { useVirtualizer } from "@tanstack/react-virtual";
 import { useRef, useState } from "react";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
+import { GoalText } from "../goal/GoalText";
 import { Moment } from "../widgets/Moment";
 import { Status } from "../widgets/Status";
 import { Entry } from "./Entry";
@@ -86,7 +87,7 @@ function Jobs({ jobs, current, open }: JobsProps) {
               style={{ position: "absolute", top: start, insetInline: 0, height: HEIGHT, listStyle: "none" }}
             >
               <Entry
-                title={job.id}
+                title={job.order.description || <GoalText goal={job.order.goal} plain />}
                 note={<JobNote job={job} />}
                 state={<Status mood={jobMood(job)} text={jobState(t, job)} />}
                 current={current?.kind === "job" && current.id === job.id}
@@ -101,11 +102,18 @@ function Jobs({ jobs, current, open }: JobsProps) {
 }
 
 function JobNote({ job }: { job: Schema<"Job"> }) {
+  const { t } = useTranslation("task");
   return (
     <>
-      <Moment at={job.ended ?? job.started ?? job.ordered} /> · {job.order.description || job.order.goal.join(", ")}
+      {t(`job.${momentOf(job)}`)} <Moment at={job[momentOf(job)]} /> · {job.id}
     </>
   );
+}
+
+/** What became of it last. */
+function momentOf({ ended, started }: Schema<"Job">): "ended" | "started" | "ordered" {
+  if (ended !== null) return "ended";
+  return started !== null ? "started" : "ordered";
 }
 
 function isOf(job: Schema<"Job">, kind: Kind): boolean {

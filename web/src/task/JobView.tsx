@@ -5,6 +5,7 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { useTab } from "../app/useTab";
+import { GoalText } from "../goal/GoalText";
 import { useReplay } from "../scene3d/replay";
 import { Moment } from "../widgets/Moment";
 import { notifyProblem } from "../widgets/problems";
@@ -16,6 +17,7 @@ import { Problem } from "./Problem";
 import { Question } from "./Question";
 import { ReplayBar } from "./ReplayBar";
 import { RunPanes } from "./RunPanes";
+import { TakeUp } from "./TakeUp";
 import type { Run } from "./trace";
 import { useJob, useJobRun, useSkills } from "./useRun";
 import { jobMood } from "./words";
@@ -41,13 +43,15 @@ function Known({ job }: { job: Schema<"Job"> }) {
   return (
     <Stack gap="xs" component="article" aria-label={t("job.label", { id: job.id })}>
       <Group gap="xs">
-        <Title order={3} size="h4">
-          {job.id}
+        <Title order={3} size="h5" fw={600}>
+          <GoalText goal={job.order.goal} />
         </Title>
         <Status {...state} />
         {job.late && <Status mood="warning" text={t("job.late")} />}
       </Group>
-      <Text size="sm">{goal}</Text>
+      <Text size="xs" c="dimmed">
+        {job.id}
+      </Text>
       {job.order.description !== "" && <Text size="sm">{job.order.description}</Text>}
       <Times job={job} />
       <Reasons job={job} />
@@ -108,7 +112,7 @@ function Reasons({ job }: { job: Schema<"Job"> }) {
           {reason}
         </Text>
       ))}
-      {job.outcome === "no plan" && <Anchor href="#/goal">{t("job.toGoal")}</Anchor>}
+      {job.outcome === "no plan" && <TakeUp goal={job.order.goal} />}
     </Alert>
   );
 }

@@ -3,13 +3,30 @@ import { useTranslation } from "react-i18next";
 import { useSelection } from "../selection/selection";
 import { useClassLabels, useElementName } from "./names";
 
+interface Props {
+  id: string;
+  /** It cannot be clicked: it stands within something that can be. */
+  plain?: boolean;
+}
+
 /** An element by name, which a click selects in the 3D view and in the tree; a class as "any …". */
-export function ElementName({ id }: { id: string }) {
+export function ElementName({ id, plain = false }: Props) {
   const { t } = useTranslation();
   const name = useElementName(id);
   const class_ = useClassLabels().get(id);
   const { choose, hover } = useSelection.getState();
-  if (name === null) return <Text span>{t("pick.any", { class: class_ ?? id })}</Text>;
+  if (name === null)
+    return (
+      <Text span inherit>
+        {t("pick.any", { class: class_ ?? id })}
+      </Text>
+    );
+  if (plain)
+    return (
+      <Text span inherit>
+        {name}
+      </Text>
+    );
   return (
     <Anchor
       component="button"

@@ -16,7 +16,7 @@ import { type Search, TreeSearch } from "./tree/TreeSearch";
 import { Split } from "./Split";
 import classes from "./World.module.css";
 
-const SEARCH_PAUSE = 150; // ms
+const SEARCH_PAUSE = 60; // ms
 
 /** The scene as a tree, beside the details of what is selected. */
 export function SceneView() {

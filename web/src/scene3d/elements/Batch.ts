@@ -1,6 +1,7 @@
 /** All elements of one shape and look in a single draw. */
 
-import { type Color, DynamicDrawUsage, InstancedMesh, type Material, type Matrix4, MeshLambertMaterial } from "three";
+import { type BufferGeometry, type Color, DynamicDrawUsage, InstancedMesh, type Material, type Matrix4, MeshLambertMaterial } from "three";
+import { quality } from "../quality";
 import type { Shape } from "../shapes";
 
 /** How something is drawn: as matter, as room, as one of which nobody knows where it is. */
@@ -12,13 +13,14 @@ const MATERIALS: Record<Look, Material> = {
   unsure: new MeshLambertMaterial({ vertexColors: true, transparent: true, opacity: 0.45, depthWrite: false }),
 };
 const ROOM_TO_GROW = 1.5;
+const MANY = 36_000; // corners of triangles: what the processor draws in some 20 ms
 
 export class Batch {
   readonly mesh: InstancedMesh;
   readonly ids: string[] = [];
 
   constructor(shape: Shape, look: Look, count: number) {
-    this.mesh = new InstancedMesh(shape.geometry, MATERIALS[look], Math.ceil(count * ROOM_TO_GROW));
+    this.mesh = new InstancedMesh(geometryFor(shape, count), MATERIALS[look], Math.ceil(count * ROOM_TO_GROW));
     this.mesh.frustumCulled = false; // it is all over the place
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.userData["ids"] = this.ids;
@@ -27,7 +29,7 @@ export class Batch {
   }
 
   fits(shape: Shape, count: number): boolean {
-    return this.mesh.geometry === shape.geometry && this.mesh.instanceMatrix.count >= count;
+    return this.mesh.geometry === geometryFor(shape, count) && this.mesh.instanceMatrix.count >= count;
   }
 
   clear(): void {
@@ -56,4 +58,10 @@ export class Batch {
     this.mesh.removeFromParent();
     this.mesh.dispose();
   }
+}
+
+/** Where the processor draws, many are drawn as boxes: else every turn of the view would take half a second. */
+function geometryFor({ geometry, coarse }: Shape, count: number): BufferGeometry {
+  const corners = count * (geometry.index?.count ?? geometry.getAttribute("position").count);
+  return corners > MANY && quality().software ? coarse : geometry;
 }

@@ -1,0 +1,25 @@
+import { useMutation } from "@tanstack/react-query";
+import { useTab } from "../app/useTab";
+import { notifyProblem } from "../widgets/problems";
+import { useDraft } from "./draft";
+import { goalOrder, keyed } from "./goals";
+import { usePreview } from "./preview";
+import { understood } from "./TextEditor";
+
+/** Takes up a goal that somebody ordered: its conditions become the draft, and it is planned, to see what is wrong. */
+export function useTakeUp() {
+  const { draft, change, setRows } = useDraft();
+  const [, open] = useTab();
+  const preview = usePreview(null);
+  const take = useMutation({
+    mutationFn: (goal: readonly string[]) => understood(goal.join("\n")),
+    onSuccess: (rows) => {
+      setRows(rows);
+      change({ job: null });
+      preview.ask(goalOrder(keyed(rows)));
+      open("goal");
+    },
+    onError: notifyProblem,
+  });
+  return { take: take.mutate, busy: take.isPending, overwrites: draft.rows.length > 0 || draft.template !== null };
+}
