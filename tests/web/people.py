@@ -55,6 +55,11 @@ class Person:
             field.fill(text)
         self.page.get_by_role("option").filter(has_text=text).first.click()
 
+    def asked(self, about: str) -> Locator:
+        """What stands at the top of the page and waits for an answer."""
+        top = self.page.get_by_role("region", name="Messages that need somebody")
+        return top.get_by_role("alert").filter(has_text=about)
+
     def choose_in_tree(self, thing: str) -> Locator:
         """Chooses something in the tree of the World tab."""
         row = self.page.get_by_role("treeitem").filter(has_text=thing).first

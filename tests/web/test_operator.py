@@ -82,7 +82,7 @@ def stops_everything_while_the_robot_moves(anna: Person, served: Any) -> None:
 
 
 def resets_and_has_the_job_go_on(anna: Person) -> None:
-    held = anna.page.get_by_role("alert").filter(has_text="A job is held")
+    held = anna.asked("A job is held")
     anna.expect(held).to_be_visible()
     anna.press("Reset …")
     anna.press("I have looked: reset")
@@ -98,7 +98,7 @@ def is_asked_about_a_part_that_is_missing(anna: Person) -> None:
     anna.page.get_by_role("checkbox", name="Ask a person before a condition is given up").check()
     anna.page.keyboard.press("Escape")
     anna.run_goal()
-    question = anna.page.get_by_role("alert").filter(has_text="alternator_1 not found in pallet_a")
+    question = anna.asked("alternator_1 not found in pallet_a")
     anna.expect(question).to_be_visible(timeout=WORK)
     anna.press("Skip", question)
     anna.expect(question).to_have_count(0)

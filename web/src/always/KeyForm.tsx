@@ -1,9 +1,9 @@
 import { Alert, Button, PasswordInput, Stack, Text } from "@mantine/core";
-import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, ApiProblem } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { problemText } from "../widgets/problems";
 
@@ -11,7 +11,7 @@ import { problemText } from "../widgets/problems";
 export function KeyForm() {
   const { t } = useTranslation("always");
   const [key, setKey] = useState("");
-  const login = useMutation({
+  const login = useSingleMutation({
     mutationFn: () => answer(api.POST("/api/v1/session", { body: { key: key.trim() } })),
     onSuccess: (me) => {
       queryClient.setQueryData(keys.me, me);

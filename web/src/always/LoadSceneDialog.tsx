@@ -1,7 +1,7 @@
 import { Alert, Button, Group, Modal, Stack, Text } from "@mantine/core";
-import { useMutation } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, answerWithTag, api } from "../api/client";
+import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { MayButton } from "../widgets/MayButton";
 import { problemText } from "../widgets/problems";
@@ -21,7 +21,7 @@ export function LoadSceneDialog() {
 function Question({ name, done }: { name: string; done: () => void }) {
   const { t } = useTranslation("always");
   const { t: common } = useTranslation();
-  const load = useMutation({
+  const load = useSingleMutation({
     mutationFn: async () => {
       const { tag } = await answerWithTag(api.GET("/api/v1/scene"));
       return answer(api.PUT("/api/v1/scene", { params: { header: { "if-match": tag } }, body: { name } }));

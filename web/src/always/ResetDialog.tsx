@@ -1,9 +1,9 @@
 import { Alert, Button, Group, Modal, Stack, Text } from "@mantine/core";
-import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { MayButton } from "../widgets/MayButton";
 import { problemText } from "../widgets/problems";
@@ -58,7 +58,7 @@ function Question({ halt, done }: { halt: Schema<"StopInfo">; done: () => void }
 }
 
 function useReset(done: () => void) {
-  return useMutation({
+  return useSingleMutation({
     mutationFn: () => answer(api.POST("/api/v1/reset")),
     onSuccess: (halt) => {
       queryClient.setQueryData(keys.station("stop"), halt);

@@ -1,6 +1,7 @@
-import { useMutation, useQuery } from "@tanstack/react-query";
+import { useQuery } from "@tanstack/react-query";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { notifyProblem } from "../widgets/problems";
 
 export type Alarm = Schema<"AlarmInfo">;
@@ -20,7 +21,7 @@ export function useAlarms(active: boolean): readonly Alarm[] {
 
 /** Notes that somebody has seen an alarm. */
 export function useAcknowledge() {
-  return useMutation({
+  return useSingleMutation({
     mutationFn: (alarm: Alarm) =>
       answer(api.POST("/api/v1/alarms/{alarm}/acknowledge", { params: { path: { alarm: alarm.id } } })),
     onError: notifyProblem,
@@ -29,7 +30,7 @@ export function useAcknowledge() {
 
 /** Answers what an alarm asks: that, and nothing that it may ask by then. */
 export function useAnswer() {
-  return useMutation({
+  return useSingleMutation({
     mutationFn: ({ alarm, choice }: { alarm: Alarm; choice: string }) =>
       answer(
         api.POST("/api/v1/alarms/{alarm}/answer", {

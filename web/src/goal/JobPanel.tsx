@@ -1,9 +1,10 @@
 import { ActionIcon, Alert, Button, Group, List, Stack, Text, Title, Tooltip } from "@mantine/core";
 import { IconCheck, IconListCheck, IconPlayerStop, IconX } from "@tabler/icons-react";
-import { useMutation, useQuery } from "@tanstack/react-query";
+import { useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
@@ -71,7 +72,7 @@ const SAID = new Set(["", "queued", "planning", "running", "paused", "waits for 
 function Course({ job }: { job: Job }) {
   const { t } = useTranslation("goal");
   const { t: words } = useTranslation("task");
-  const stop = useMutation({
+  const stop = useSingleMutation({
     mutationFn: () => answer(api.POST("/api/v1/jobs/{id}/stop", { params: { path: { id: job.id } } })),
     onError: notifyProblem,
   });

@@ -1,9 +1,9 @@
 import { Alert, Button, Checkbox, Group, Modal, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
-import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
+import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { problemText } from "../widgets/problems";
 import { type CheckedCondition, type GoalData, shortText } from "./goals";
@@ -35,7 +35,7 @@ function Form({ onDone, conditions }: { onDone: () => void; conditions: readonly
   const [asked, setAsked] = useState<string[]>([]);
   const variables = variablesOf(conditions, words);
   const there = known.find((template) => template.name === name.trim());
-  const write = useMutation({
+  const write = useSingleMutation({
     mutationFn: (content: Schema<"GoalTemplateContent">) =>
       answer(
         api.PUT("/api/v1/goal-templates/{name}", {

@@ -1,10 +1,11 @@
 import { Alert, Button, Group, List, Modal, Stack, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
-import { useMutation, useQuery } from "@tanstack/react-query";
+import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answerWithTag, api, ApiProblem } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
@@ -26,7 +27,7 @@ export function SceneGoals() {
   const { data } = useQuery({ queryKey: KEY, queryFn: () => answerWithTag(api.GET("/api/v1/goals")) });
   const [seen, setSeen] = useState<string>(); // the version that somebody has looked at, whatever came after it
   if (seen === undefined && data !== undefined) setSeen(data.tag);
-  const take = useMutation({
+  const take = useSingleMutation({
     mutationFn: ({ goals }: { goals: readonly string[]; tag: string }) => understood(goals.join("\n")),
     onSuccess: (rows, { tag }) => {
       setRows(rows);
@@ -34,7 +35,7 @@ export function SceneGoals() {
     },
     onError: notifyProblem,
   });
-  const write = useMutation({
+  const write = useSingleMutation({
     mutationFn: ({ goals, tag }: Write) =>
       answerWithTag(api.PUT("/api/v1/goals", { body: { goals }, params: { header: { "if-match": tag } } })),
     onSuccess: ({ tag }) => {

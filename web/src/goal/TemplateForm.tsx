@@ -1,9 +1,9 @@
 import { ActionIcon, Alert, Button, Group, Stack, Text, TextInput, Title, Tooltip } from "@mantine/core";
 import { IconArrowBackUp, IconTrash } from "@tabler/icons-react";
-import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
+import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { useMay } from "../api/session";
 import { ConfirmDialog } from "../widgets/ConfirmDialog";
@@ -116,7 +116,7 @@ function RemoveTemplate({ template: { name, version } }: { template: Template })
   const { change } = useDraft();
   const may = useMay("remove_goal_template");
   const [asking, setAsking] = useState(false);
-  const remove = useMutation({
+  const remove = useSingleMutation({
     mutationFn: () =>
       answer(
         api.DELETE("/api/v1/goal-templates/{name}", {

@@ -1,8 +1,8 @@
 import { Alert, Button, Card, Group, List, Stack, Text, Title } from "@mantine/core";
 import { IconBulb, IconX } from "@tabler/icons-react";
-import { useMutation } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
+import { useSingleMutation } from "../api/mutations";
 import { ElementName } from "../widgets/ElementName";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
@@ -84,7 +84,7 @@ interface CardProps {
 function RepairCard({ preview, repair, conditions, again }: CardProps) {
   const { t } = useTranslation("goal");
   const { setRows } = useDraft();
-  const make = useMutation({
+  const make = useSingleMutation({
     mutationFn: () =>
       answer(
         api.POST("/api/v1/previews/{id}/repairs/{number}/apply", {

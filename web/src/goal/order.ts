@@ -1,8 +1,8 @@
 /** Orders a job, once: neither a second click nor an answer that got lost makes a second one. */
 
-import { useMutation } from "@tanstack/react-query";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { notifyProblem } from "../widgets/problems";
 import { type Options, useDraft } from "./draft";
@@ -28,7 +28,7 @@ function newKey(): string {
 
 export function useOrder() {
   const { draft, change } = useDraft();
-  return useMutation({
+  return useSingleMutation({
     mutationFn: (order: JobOrder) => {
       const body = JSON.stringify(order);
       const key = keyFor(body, draft.pending);

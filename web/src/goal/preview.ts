@@ -1,7 +1,8 @@
 /** A plan that is asked for and not carried out. */
 
-import { useMutation, useQuery } from "@tanstack/react-query";
+import { useQuery } from "@tanstack/react-query";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
+import { useSingleMutation } from "../api/mutations";
 import { notifyProblem } from "../widgets/problems";
 import { useDraft } from "./draft";
 import type { GoalOrder } from "./goals";
@@ -15,7 +16,7 @@ const PAUSE = 300; // ms
 export function usePreview(order: GoalOrder | null) {
   const { draft, change } = useDraft();
   const asked = draft.preview;
-  const ask = useMutation({
+  const ask = useSingleMutation({
     mutationFn: (wanted: GoalOrder) => answer(api.POST("/api/v1/previews", { body: wanted })),
     onSuccess: ({ id, asked: at }, wanted) =>
       change({ preview: { id, asked: at ?? "", order: JSON.stringify(wanted) } }),

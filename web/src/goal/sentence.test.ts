@@ -1,7 +1,7 @@
 import { piecesOf, plainSentence, sentenceOfHelp } from "./sentence";
 
-const OBJECT = { name: "object", class: "sk:Manipulatable" };
-const LOCATION = { name: "location", class: "sk:Container" };
+const OBJECT = { name: "object", class: "sk:Manipulatable", reached: "sk:Manipulatable" };
+const LOCATION = { name: "location", class: "sk:Container", reached: "sk:Container" };
 
 test("a sentence has a slot for each role", () => {
   expect(piecesOf("{object} lies in {location}", [OBJECT, LOCATION])).toEqual([0, " lies in ", 1]);
@@ -25,8 +25,8 @@ test("help becomes a sentence by the names of roles, or of their classes", () =>
 
 test("help that does not speak of a role makes no sentence", () => {
   const roles = [
-    { name: "whole", class: "sk:SpatialThing" },
-    { name: "part", class: "sk:SpatialThing" },
+    { name: "whole", class: "sk:SpatialThing", reached: "sk:SpatialThing" },
+    { name: "part", class: "sk:SpatialThing", reached: "sk:SpatialThing" },
   ];
   expect(sentenceOfHelp({ help: "One thing is built of another.", roles })).toBeNull();
   expect(plainSentence({ name: "HasPart", roles })).toBe("HasPart: whole: {whole}, part: {part}");

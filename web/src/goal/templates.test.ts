@@ -7,8 +7,8 @@ const WORDS = [
     abstract: true,
     skills: [],
     roles: [
-      { name: "object", class: "sk:Manipulatable" },
-      { name: "location", class: "sk:Container" },
+      { name: "object", class: "sk:Manipulatable", reached: "sk:Manipulatable" },
+      { name: "location", class: "sk:Container", reached: "sk:Container" },
     ],
   },
 ];

@@ -1,5 +1,5 @@
-import { useMutation } from "@tanstack/react-query";
 import { useTab } from "../app/useTab";
+import { useSingleMutation } from "../api/mutations";
 import { notifyProblem } from "../widgets/problems";
 import { useDraft } from "./draft";
 import { goalOrder, keyed } from "./goals";
@@ -11,7 +11,7 @@ export function useTakeUp() {
   const { draft, change, setRows } = useDraft();
   const [, open] = useTab();
   const preview = usePreview(null);
-  const take = useMutation({
+  const take = useSingleMutation({
     mutationFn: (goal: readonly string[]) => understood(goal.join("\n")),
     onSuccess: (rows) => {
       setRows(rows);

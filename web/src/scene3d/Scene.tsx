@@ -11,6 +11,7 @@ import { Summary } from "./overlay/Summary";
 import { Toolbar } from "./overlay/Toolbar";
 import { paletteOf } from "./palette";
 import { canDraw, quality } from "./quality";
+import "./quiet";
 import classes from "./Scene.module.css";
 import { Stage } from "./Stage";
 

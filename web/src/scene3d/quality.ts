@@ -12,11 +12,17 @@ export interface Quality {
 
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 let known: Quality | undefined;
+let renderer: string | null | undefined;
 
 /** What this machine is fit for; found out once. */
 export function quality(): Quality {
-  known ??= qualityOf(rendererName());
+  known ??= qualityOf(rendererName() ?? "");
   return known;
+}
+
+/** Whether there is a way to draw in 3D at all. */
+export function canDraw(): boolean {
+  return rendererName() !== null;
 }
 
 export function qualityOf(renderer: string): Quality {
@@ -24,16 +30,16 @@ export function qualityOf(renderer: string): Quality {
   return { software: false, dpr: Math.min(globalThis.devicePixelRatio || 1, 1.5), antialias: true, rate: 30 };
 }
 
-function rendererName(): string {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  if (gl === null) return "";
+/** Who draws; null for nobody. Asked once: a context of its own takes long to make, and a browser has few. */
+function rendererName(): string | null {
+  renderer ??= nameFrom(document.createElement("canvas").getContext("webgl2"));
+  return renderer;
+}
+
+function nameFrom(gl: WebGL2RenderingContext | null): string | null {
+  if (gl === null) return null;
   const info = gl.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl.getParameter(info === null ? gl.RENDERER : info.UNMASKED_RENDERER_WEBGL));
   gl.getExtension("WEBGL_lose_context")?.loseContext();
   return name;
-}
-
-/** Whether there is a way to draw in 3D at all. */
-export function canDraw(): boolean {
-  return document.createElement("canvas").getContext("webgl2") !== null;
 }

@@ -1,6 +1,14 @@
 /** Shapes as geometries: the boxes and cylinders of one in a single piece, made once for each key. */
 
-import { Box3, BoxGeometry, BufferAttribute, type BufferGeometry, CylinderGeometry, EdgesGeometry, Vector3 } from "three";
+import {
+  Box3,
+  BoxGeometry,
+  BufferAttribute,
+  type BufferGeometry,
+  CylinderGeometry,
+  EdgesGeometry,
+  Vector3,
+} from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { matrixOf } from "./pose";
 import type { Block, View, ViewElement } from "./view";

@@ -8,11 +8,12 @@ import {
   IconLock,
   type TablerIcon,
 } from "@tabler/icons-react";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import type { Operation } from "../api/session";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
@@ -121,7 +122,7 @@ function Sure({ job, command, close, go }: SureProps) {
 /** Sends a command to the job as it was seen: one that has gone on meanwhile is not meant. */
 function useCommand(job: Schema<"Job">, gone: () => void) {
   const client = useQueryClient();
-  return useMutation({
+  return useSingleMutation({
     mutationFn: ({ name, comment }: { name: Command; comment: string }) => {
       // All commands have the same form; the address of each is known to be one.
       const path = `/api/v1/jobs/{id}/${name}` as "/api/v1/jobs/{id}/pause";

@@ -1,9 +1,9 @@
 import { Alert, Anchor, Button, Group, Stack, Text, Title } from "@mantine/core";
 import { IconHistory, IconListNumbers } from "@tabler/icons-react";
-import { useMutation } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
+import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
 import { GoalText } from "../goal/GoalText";
 import { useReplay } from "../scene3d/replay";
@@ -120,7 +120,7 @@ function Reasons({ job }: { job: Schema<"Job"> }) {
 function ReplayButton({ job }: { job: string }) {
   const { t } = useTranslation("task");
   const shown = useReplay(({ replay }) => replay?.job === job);
-  const { mutate, isPending } = useMutation({
+  const { mutate, isPending } = useSingleMutation({
     mutationFn: () => answer(api.GET("/api/v1/jobs/{id}/replay", { params: { path: { id: job } } })),
     onSuccess: (read) => {
       const replay = read as Schema<"Replay">; // the client forgets how long its tuples are

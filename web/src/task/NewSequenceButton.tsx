@@ -1,11 +1,12 @@
 import { Button, Group, Modal, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconPlus, type TablerIcon } from "@tabler/icons-react";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
 import { MayButton } from "../widgets/MayButton";
 import { detailOf } from "./address";
@@ -48,7 +49,7 @@ function Form({ from, title: proposed, copies, close }: Props & { copies: boolea
   const client = useQueryClient();
   const [title, setTitle] = useState(proposed);
   const [goal, setGoal] = useState("");
-  const { mutate, isPending, error } = useMutation({
+  const { mutate, isPending, error } = useSingleMutation({
     mutationFn: () => {
       const goals = goal
         .split("\n")

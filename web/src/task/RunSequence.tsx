@@ -1,10 +1,11 @@
 import { Checkbox, Group } from "@mantine/core";
 import { IconPlayerPlay } from "@tabler/icons-react";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
 import { CountField } from "../widgets/arguments/CountField";
 import { MayButton } from "../widgets/MayButton";
@@ -23,7 +24,7 @@ export function RunSequence({ sequence: { id, count, works } }: { sequence: Sequ
   const [times, setTimes] = useState(1);
   const [endless, setEndless] = useState(false);
   const [anyway, setAnyway] = useState(false);
-  const { mutate, isPending, error } = useMutation({
+  const { mutate, isPending, error } = useSingleMutation({
     mutationFn: () => {
       const body = { iterate: endless ? null : times, anyway };
       return answer(api.POST("/api/v1/sequences/{id}/run", { params: { path: { id } }, body }));

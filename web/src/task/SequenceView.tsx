@@ -1,10 +1,11 @@
 import { Alert, Button, Group, Stack, Text, Title } from "@mantine/core";
 import { IconPlus, IconTrash } from "@tabler/icons-react";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
@@ -99,7 +100,7 @@ function Remove({ sequence: { id, version } }: { sequence: Sequence }) {
   const [sure, ask] = useState(false);
   const client = useQueryClient();
   const [, open] = useTab();
-  const { mutate, isPending } = useMutation({
+  const { mutate, isPending } = useSingleMutation({
     mutationFn: () =>
       answer(
         api.DELETE("/api/v1/sequences/{id}", { params: { path: { id }, header: { "if-match": `"${version}"` } } }),

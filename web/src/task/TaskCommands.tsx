@@ -1,9 +1,10 @@
 import { Group } from "@mantine/core";
 import { IconPlayerPause, IconPlayerPlay, IconPlayerStop, IconPlayerTrackNext } from "@tabler/icons-react";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 
@@ -19,7 +20,7 @@ type Command = keyof typeof ICONS;
 export function TaskCommands({ task }: { task: Schema<"TaskInfo"> }) {
   const { t } = useTranslation("task");
   const client = useQueryClient();
-  const { mutate, isPending } = useMutation({
+  const { mutate, isPending } = useSingleMutation({
     mutationFn: (command: Command) =>
       answer(api.POST("/api/v1/tasks/{name}/{command}", { params: { path: { name: task.name, command } } })),
     onError: notifyProblem,

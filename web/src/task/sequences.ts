@@ -1,9 +1,10 @@
 /** A sequence and the changes of it: each is based on the version that was seen. */
 
-import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { useSingleMutation } from "../api/mutations";
 import { notifyProblem } from "../widgets/problems";
 
 export type Sequence = Schema<"SequenceInfo">;
@@ -43,7 +44,7 @@ export function useEdits(sequence: Sequence) {
     client.setQueryData(keyOf(sequence.id), there);
     void client.invalidateQueries({ queryKey: keys.sequences() });
   };
-  const { mutate, isPending } = useMutation({
+  const { mutate, isPending } = useSingleMutation({
     mutationFn: (edit: Edit) => send(sequence, edit),
     onSuccess: (there) => {
       take(there);

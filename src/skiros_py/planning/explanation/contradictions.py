@@ -152,7 +152,11 @@ class Contradictions:
 
     def _kind(self, demands: Sequence[Demand]) -> str:
         """Returns what all that is wanted is, as people call it."""
-        types = [self._relaxed.task.problem.objects[thing] for demand in demands for thing in demand.things]
+        objects = self._relaxed.task.problem.objects
+        named = [thing for demand in demands for thing in demand.things]
+        types = [objects[thing] for thing in named if thing in objects]  # in a trial, what is named may be removed
+        if not types:
+            return "thing"
         class_ = reduce(lambda one, other: common_class(one, other, self._ontology), types)
         return self._ontology.classes[class_].label if class_ in self._ontology.classes else "thing"
 

@@ -1,10 +1,10 @@
 import { Group, Paper, Stack, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { IconPlayerPlay, IconRefresh } from "@tabler/icons-react";
-import { useMutation } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { keys } from "../../api/keys";
+import { useSingleMutation } from "../../api/mutations";
 import { queryClient } from "../../api/queries";
 import { CountField } from "../../widgets/arguments/CountField";
 import { MayButton } from "../../widgets/MayButton";
@@ -27,7 +27,7 @@ const MOST = 1000;
 export function RunBar({ agent, module, draft, change, sound }: Props) {
   const { t } = useTranslation("modules");
   const path = { agent, module };
-  const run = useMutation({
+  const run = useSingleMutation({
     mutationFn: () =>
       answer(
         api.POST("/api/v1/modules/{agent}/{module}/runs", {
@@ -38,7 +38,7 @@ export function RunBar({ agent, module, draft, change, sound }: Props) {
     onSuccess: () => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),
     onError: notifyProblem,
   });
-  const reset = useMutation({
+  const reset = useSingleMutation({
     mutationFn: () => answer(api.POST("/api/v1/modules/{agent}/{module}/reset", { params: { path } })),
     onSuccess: () => notifications.show({ message: t("run.wasReset", { module }) }),
     onError: notifyProblem,

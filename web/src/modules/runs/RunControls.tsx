@@ -1,9 +1,9 @@
 import { Group } from "@mantine/core";
 import { IconHandStop, IconPlayerPause, IconPlayerPlay, IconPlayerTrackNext } from "@tabler/icons-react";
-import { useMutation } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { keys } from "../../api/keys";
+import { useSingleMutation } from "../../api/mutations";
 import { queryClient } from "../../api/queries";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
@@ -22,7 +22,7 @@ const ICONS = {
 /** Pause, resume, one control cycle while it is paused, stop. */
 export function RunControls({ run }: { run: Run }) {
   const { t } = useTranslation("modules");
-  const command = useMutation({
+  const command = useSingleMutation({
     mutationFn: (verb: Command) =>
       answer(api.POST("/api/v1/module-runs/{id}/{command}", { params: { path: { id: run.id, command: verb } } })),
     onSuccess: () => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),

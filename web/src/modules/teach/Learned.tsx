@@ -1,11 +1,12 @@
 import { Button, Group, Modal, Stack, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { IconTrash } from "@tabler/icons-react";
-import { useMutation, useQuery } from "@tanstack/react-query";
+import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, ApiProblem, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
+import { useSingleMutation } from "../../api/mutations";
 import { queryClient } from "../../api/queries";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
@@ -67,7 +68,7 @@ function Entry({ lesson, forget }: { lesson: Lesson; forget: () => void }) {
 /** Asks once more, then has it forgotten, unless somebody taught it anew meanwhile. */
 function Forget({ lesson, close }: { lesson: Lesson | null; close: () => void }) {
   const { t } = useTranslation("modules");
-  const forget = useMutation({
+  const forget = useSingleMutation({
     mutationFn: ({ id, version }: Lesson) =>
       answer(
         api.DELETE("/api/v1/learned/{element}", {

@@ -1,6 +1,14 @@
 /** All elements of one shape and look in a single draw. */
 
-import { type BufferGeometry, type Color, DynamicDrawUsage, InstancedMesh, type Material, type Matrix4, MeshLambertMaterial } from "three";
+import {
+  type BufferGeometry,
+  type Color,
+  DynamicDrawUsage,
+  InstancedMesh,
+  type Material,
+  type Matrix4,
+  MeshLambertMaterial,
+} from "three";
 import { quality } from "../quality";
 import type { Shape } from "../shapes";
 

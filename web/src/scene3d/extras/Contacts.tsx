@@ -1,5 +1,6 @@
 import { useEffect, useMemo } from "react";
 import {
+  type Box3,
   DataTexture,
   InstancedMesh,
   LinearFilter,
@@ -11,6 +12,7 @@ import {
 } from "three";
 import { crowd } from "../elements/crowd";
 import type { Palette } from "../palette";
+import { quality } from "../quality";
 import { wake } from "../ticker";
 import { useShownView } from "../useShownView";
 
@@ -30,11 +32,12 @@ export function Contacts({ palette }: { palette: Palette }) {
   return <primitive object={mesh} />;
 }
 
-const MOST = 256;
+/** Of more, the largest: many small ones side by side cost more than they tell. */
+const most = () => (quality().software ? 64 : 256);
 
 function shadows(opacity: number): InstancedMesh {
   const material = new MeshBasicMaterial({ map: blur(), transparent: true, opacity, depthWrite: false });
-  const mesh = new InstancedMesh(new PlaneGeometry(1, 1), material, MOST);
+  const mesh = new InstancedMesh(new PlaneGeometry(1, 1), material, most());
   mesh.frustumCulled = false;
   mesh.raycast = () => undefined;
   return mesh;
@@ -42,18 +45,33 @@ function shadows(opacity: number): InstancedMesh {
 
 function put(mesh: InstancedMesh): void {
   mesh.count = 0;
-  const pose = new Matrix4();
-  for (const { element, frame, sure } of crowd.items()) {
-    const bounds = crowd.shapeOf(element.id)?.bounds;
-    const stands = bounds !== undefined && sure && frame.on === "map" && element.kind !== "floor";
-    if (!stands || mesh.count === MOST || !crowd.poseOf(element.id, pose)) continue;
-    if (Math.abs((pose.elements[14] ?? 0) + bounds.min.z) > LOW) continue;
+  for (const { pose, bounds } of standing().slice(0, mesh.instanceMatrix.count)) {
     const size = bounds.getSize(new Vector3());
     const middle = bounds.getCenter(new Vector3()).setZ(bounds.min.z + 0.006);
     pose.multiply(new Matrix4().makeTranslation(middle)).scale(new Vector3(size.x + 0.5, size.y + 0.5, 1));
     mesh.setMatrixAt(mesh.count++, pose);
   }
   mesh.instanceMatrix.needsUpdate = true;
+}
+
+interface Standing {
+  pose: Matrix4;
+  bounds: Box3;
+}
+
+/** What stands on the floor, the largest first. */
+function standing(): Standing[] {
+  const found: Standing[] = [];
+  for (const { element, frame, matrix, sure } of crowd.items()) {
+    const bounds = crowd.shapeOf(element.id)?.bounds;
+    if (bounds === undefined || !sure || frame.on !== "map" || element.kind === "floor") continue;
+    if (Math.abs((matrix.elements[14] ?? 0) + bounds.min.z) <= LOW) found.push({ pose: matrix.clone(), bounds });
+  }
+  return found.sort((one, other) => area(other.bounds) - area(one.bounds));
+}
+
+function area({ min, max }: Box3): number {
+  return (max.x - min.x) * (max.y - min.y);
 }
 
 /** Dark in the middle, nothing at the rim. */

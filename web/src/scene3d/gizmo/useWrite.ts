@@ -1,5 +1,5 @@
-import { useMutation } from "@tanstack/react-query";
 import { answer, api } from "../../api/client";
+import { useSingleMutation } from "../../api/mutations";
 import { seenFrom } from "../pose";
 import type { MapPose } from "../tools";
 import { type Movable, poseInMap } from "./useMovable";
@@ -8,7 +8,7 @@ const DIGITS = 6;
 
 /** Writes where an element is believed to be; what somebody else wrote meanwhile is not overwritten. */
 export function useWriteBelief(id: string) {
-  return useMutation({
+  return useSingleMutation({
     mutationFn: ({ pose, movable }: { pose: MapPose; movable: Movable }) => {
       const frame = movable.frame === null ? null : poseInMap(movable.frame);
       const inFrame = rounded(seenFrom(pose, frame));
@@ -26,7 +26,7 @@ export function useWriteBelief(id: string) {
 
 /** Moves what is simulated; nobody is told. */
 export function useMoveBody(id: string) {
-  return useMutation({
+  return useSingleMutation({
     mutationFn: async (pose: MapPose) => {
       const params = { path: { body: id } };
       const { error, response } = await api.PUT("/api/v1/simulation/bodies/{body}/pose", {

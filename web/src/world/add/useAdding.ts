@@ -1,7 +1,8 @@
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
+import { useSingleMutation } from "../../api/mutations";
 import { useSelection } from "../../selection/selection";
 import { notifyProblem, problemText } from "../../widgets/problems";
 import { notifyChange } from "../../widgets/undo";
@@ -41,7 +42,7 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
   const [draft, setDraft] = useState<Draft>(() => (like ? copied(like) : {}));
   const [reason, setReason] = useState("");
   const [refusal, setRefusal] = useState("");
-  const write = useMutation({
+  const write = useSingleMutation({
     mutationFn: (body: Schema<"NewElement">) => answer(api.POST("/api/v1/elements", { body })),
     onSuccess: ({ id, label, version }) => {
       void client.invalidateQueries({ queryKey: ["world"] });

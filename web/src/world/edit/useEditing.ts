@@ -1,13 +1,14 @@
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
+import { useSingleMutation } from "../../api/mutations";
 import { ApiProblem } from "../../api/client";
 import { notifyProblem, problemText } from "../../widgets/problems";
 import { notifyChange } from "../../widgets/undo";
 import { readElement, type Tagged } from "../queries";
 import { changeSince } from "./changeSince";
 import { changedFields, type Draft, draftOf, onTop, patchOf, reasons } from "./draft";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 
 const STALE = 412;
 
@@ -48,7 +49,7 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
   const [reason, setReason] = useState("");
   const [theirs, setTheirs] = useState<Tagged | null>(null);
   const [refusal, setRefusal] = useState("");
-  const write = useMutation({
+  const write = useSingleMutation({
     mutationFn: (order: Order) => patch(id, order, reason),
     onSuccess: (now) => {
       void client.invalidateQueries({ queryKey: ["world"] });

@@ -1,4 +1,5 @@
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
+import { useSingleMutation } from "../../api/mutations";
 import { notifyProblem } from "../../widgets/problems";
 
 /** Writes to the world; what was read of it is old then, and a refusal is shown. */
@@ -7,7 +8,7 @@ export function useWrite<Input = void, Output = unknown>(
   then?: (output: Output) => void,
 ) {
   const client = useQueryClient();
-  return useMutation({
+  return useSingleMutation({
     mutationFn: write,
     onSuccess: (output) => {
       for (const word of ["world", "scenes"]) void client.invalidateQueries({ queryKey: [word] });

@@ -1,7 +1,8 @@
 import { Alert, Button, Group, Modal, Stack, Text } from "@mantine/core";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
+import { useSingleMutation } from "../../api/mutations";
 import { useSelection } from "../../selection/selection";
 import { problemText } from "../../widgets/problems";
 import { notifyDone } from "../../widgets/toasts";
@@ -57,7 +58,7 @@ export function LoadDialog({ scene, onClose }: Props) {
 function useLoad(scene: SceneToLoad, onDone: () => void) {
   const { t } = useTranslation(["world", "common"]);
   const client = useQueryClient();
-  return useMutation({
+  return useSingleMutation({
     mutationFn: (tag: string) => put(scene, tag),
     onSuccess: () => {
       useSelection.getState().choose(null);

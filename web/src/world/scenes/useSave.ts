@@ -1,8 +1,9 @@
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, answerWithTag, api } from "../../api/client";
 import { keys } from "../../api/keys";
+import { useSingleMutation } from "../../api/mutations";
 import { problemText } from "../../widgets/problems";
 import { notifyDone } from "../../widgets/toasts";
 import { useScenes } from "./queries";
@@ -24,14 +25,14 @@ export function useSave(): Saving {
   const client = useQueryClient();
   const { data: scenes } = useScenes();
   const [asked, setAsked] = useState("");
-  const write = useMutation({
+  const write = useSingleMutation({
     mutationFn: ({ name, tag }: { name: string; tag?: string }) => post(name, tag),
     onSuccess: ({ name }) => {
       for (const queryKey of [keys.scenes(), keys.station("scene")]) void client.invalidateQueries({ queryKey });
       notifyDone(t("scenes.saved", { name }));
     },
   });
-  const replace = useMutation({
+  const replace = useSingleMutation({
     mutationFn: async (name: string) => {
       const { tag } = await answerWithTag(api.GET("/api/v1/scenes/{name}", { params: { path: { name } } }));
       setAsked("");

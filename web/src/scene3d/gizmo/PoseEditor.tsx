@@ -1,0 +1,72 @@
+import { Alert, Button, Group, Text } from "@mantine/core";
+import { useState } from "react";
+import { useTranslation } from "react-i18next";
+import { ApiProblem } from "../../api/client";
+import { problemText } from "../../widgets/problems";
+import { useTools } from "../tools";
+import type { ViewElement } from "../view";
+import { PoseModes } from "./PoseModes";
+import { PoseNumbersForm } from "./PoseNumbersForm";
+import { startOf, useBodies } from "./useMovable";
+import { type Mover, useWriter } from "./useWriter";
+
+/** Numbers of where something is to be, and whether that is written. */
+export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElement }) {
+  const { t } = useTranslation("scene3d");
+  const { draft, set } = useTools();
+  const bodies = useBodies();
+  const [frame, setFrame] = useState<string | null>(null);
+  const mine = draft?.element === element.id ? draft : null;
+  const pose = mine?.pose ?? startOf(tool, element.id, bodies);
+  const writer = useWriter(tool, element.id, mine !== null);
+  if (pose === null) return <Text size="sm">{t("obstacle.nowhere")}</Text>;
+  const write = () => writer.write(pose, () => set({ draft: null }));
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (mine !== null && !writer.busy) write();
+      }}
+    >
+      <Text size="xs" c="dimmed" mb={4}>
+        {t(`tool.${tool}Means`)}
+      </Text>
+      <PoseModes place={element.place ?? element.owner} frame={frame} setFrame={setFrame} />
+      <PoseNumbersForm
+        pose={pose}
+        frame={frame}
+        onChange={(next) => set({ draft: { element: element.id, pose: next } })}
+      />
+      {writer.problem !== null && <Refusal problem={writer.problem} again={() => writer.refresh()} />}
+      <Group gap={6} mt={8} justify="flex-end">
+        <Button variant="default" disabled={mine === null} onClick={() => set({ draft: null })}>
+          {t("cancel", { ns: "common" })}
+        </Button>
+        <Button
+          type="submit"
+          disabled={mine === null}
+          loading={writer.busy}
+          color={tool === "body" ? "orange.8" : undefined}
+        >
+          {t("apply", { ns: "common" })}
+        </Button>
+      </Group>
+    </form>
+  );
+}
+
+/** What was refused; where somebody else was quicker, what that means and how to go on. */
+function Refusal({ problem, again }: { problem: Error; again: () => void }) {
+  const { t } = useTranslation("scene3d");
+  const conflict = problem instanceof ApiProblem && problem.status === 412;
+  return (
+    <Alert color={conflict ? "yellow" : "red"} p={6} mt={6} title={conflict ? t("conflict.title") : undefined}>
+      <Text size="xs">{conflict ? t("conflict.text") : problemText(problem)}</Text>
+      {conflict && (
+        <Button size="compact-xs" variant="default" mt={4} onClick={again}>
+          {t("conflict.mine")}
+        </Button>
+      )}
+    </Alert>
+  );
+}
