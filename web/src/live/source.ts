@@ -13,17 +13,18 @@ export interface Source {
 
 /** Begins to listen to an address. */
 export function openSource(address: string): Source {
-  return typeof SharedWorker === "undefined" ? new EventSource(address) : new SharedSource(address);
+  if (typeof SharedWorker !== "undefined") return new SharedSource(address);
+  return new EventSource(address) as Source; // whose listeners may look at more than ours do
 }
 
-class SharedSource extends EventTarget implements Source {
+class SharedSource implements Source {
   static #port: MessagePort | undefined;
   static readonly #open = new Map<string, SharedSource>();
   onopen: (() => void) | null = null;
   onerror: (() => void) | null = null;
+  readonly #messages = new EventTarget();
 
   constructor(readonly address: string) {
-    super();
     SharedSource.#open.set(address, this);
     SharedSource.#wish({ listen: address });
   }
@@ -34,8 +35,8 @@ class SharedSource extends EventTarget implements Source {
     SharedSource.#wish({ leave: this.address, anew });
   }
 
-  override addEventListener(kind: string, take: (message: MessageEvent<string>) => void): void {
-    super.addEventListener(kind, take as (event: Event) => void);
+  addEventListener(kind: string, take: (message: MessageEvent<string>) => void): void {
+    this.#messages.addEventListener(kind, take as (event: Event) => void);
   }
 
   static #wish(wish: Wish): void {
@@ -61,6 +62,6 @@ class SharedSource extends EventTarget implements Source {
   #hear(told: Told): void {
     if (told.what === "open") this.onopen?.();
     else if (told.what === "error") this.onerror?.();
-    else this.dispatchEvent(new MessageEvent(told.kind, { data: told.data, lastEventId: told.id }));
+    else this.#messages.dispatchEvent(new MessageEvent(told.kind, { data: told.data, lastEventId: told.id }));
   }
 }

@@ -20,7 +20,7 @@ export function GripperJog({ robot, gripper, disabled }: Props) {
   const most = gripper.max_gap * 1000; // mm
   const move = (millimetres: number) =>
     hand.once(jog(robot, { gripper: { gripper: gripper.id, width: millimetres / 1000 } }));
-  const sound = wanted !== undefined && wanted >= 0 && wanted <= most;
+  const sound = wanted !== undefined && wanted >= 0 && wanted <= most; // NaN is not, either
   return (
     <Stack gap="xs">
       <Fingers gripper={gripper.id} />

@@ -12,8 +12,9 @@ interface Props extends Omit<ComponentProps<typeof NumberField>, "value" | "onCh
 export function CountField({ value, min, max, onChange, ...rest }: Props) {
   const [empty, setEmpty] = useState(false);
   const take = (next: number | undefined) => {
-    setEmpty(next === undefined);
-    if (next !== undefined) onChange(Math.min(max, Math.max(min, Math.round(next))));
+    const number = next === undefined || Number.isNaN(next) ? undefined : next;
+    setEmpty(number === undefined);
+    if (number !== undefined) onChange(Math.min(max, Math.max(min, number)));
   };
   return (
     <NumberField

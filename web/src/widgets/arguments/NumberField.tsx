@@ -1,26 +1,54 @@
-import { NumberInput, type NumberInputProps } from "@mantine/core";
-import { useState } from "react";
+import { Text, TextInput, type TextInputProps } from "@mantine/core";
+import { type KeyboardEvent, useState } from "react";
+import { useTranslation } from "react-i18next";
+import { isNoNumber, numberIn, stepped } from "./numerals";
 
-interface Props extends Omit<NumberInputProps, "value" | "onChange" | "defaultValue"> {
+interface Props extends Omit<TextInputProps, "value" | "onChange" | "defaultValue" | "min" | "max" | "step"> {
   value: number | undefined;
-  /** Undefined where there is no number (yet). */
+  /** Undefined where nothing is written, NaN where that is no number (yet). */
   onChange: (value: number | undefined) => void;
+  allowDecimal?: boolean;
+  unit?: string | undefined;
+  /** By how much the arrow keys change it, and how far. */
+  step?: number;
+  min?: number | undefined;
+  max?: number | undefined;
 }
 
-/** A number, or nothing; what is half written ("-", "1.") stays while it is being written. */
-export function NumberField({ value, onChange, ...rest }: Props) {
-  const [draft, setDraft] = useState<string | number>(value ?? "");
-  const shown = numberOf(draft) === value ? draft : (value ?? "");
-  const take = (written: string | number) => {
-    setDraft(written);
-    onChange(numberOf(written));
+const ARROWS: Readonly<Record<string, number>> = { ArrowUp: 1, ArrowDown: -1 };
+
+/** A number, or nothing; what is half written ("-", "1,") stays while it is being written, also what is pasted. */
+export function NumberField({ value, onChange, allowDecimal = true, unit, step = 1, min, max, ...rest }: Props) {
+  const { t } = useTranslation();
+  const [draft, setDraft] = useState(() => textOf(value));
+  const text = Object.is(numberIn(draft, !allowDecimal), value) ? draft : textOf(value);
+  const take = (next: string) => {
+    setDraft(next);
+    onChange(numberIn(next, !allowDecimal));
   };
+  const arrow = (event: KeyboardEvent) => {
+    const direction = ARROWS[event.key];
+    if (direction === undefined || rest.readOnly) return;
+    event.preventDefault();
+    take(textOf(stepped(value, direction * step, { min, max })));
+  };
+  const wrong = isNoNumber(text, !allowDecimal);
   return (
-    <NumberInput {...rest} value={shown} onChange={take} allowedDecimalSeparators={[".", ","]} clampBehavior="none" />
+    <TextInput
+      inputMode={allowDecimal ? "decimal" : "numeric"}
+      autoComplete="off"
+      rightSection={unit ? <Text size="xs">{unit}</Text> : undefined}
+      rightSectionWidth={unit ? 12 + 8 * unit.length : undefined}
+      rightSectionPointerEvents="none"
+      {...rest}
+      error={wrong ? t(allowDecimal ? "number.wrong" : "number.notWhole", { text }) : rest.error}
+      value={text}
+      onChange={(event) => take(event.currentTarget.value)}
+      onKeyDown={arrow}
+    />
   );
 }
 
-function numberOf(written: string | number): number | undefined {
-  const number = written === "" ? Number.NaN : Number(written);
-  return Number.isFinite(number) ? number : undefined;
+function textOf(value: number | undefined): string {
+  return value === undefined || Number.isNaN(value) ? "" : String(value);
 }

@@ -122,8 +122,14 @@ export function argumentFaults(parameters: readonly Parameter[], values: Argumen
 
 function validated(schema: JsonSchema, value: unknown) {
   try {
-    return new Validator(schema, "2020-12", false).validate(value);
+    return new Validator(schema, "2020-12", false).validate(withoutNaN(value));
   } catch {
     return { valid: true, errors: [] }; // a schema that this validator cannot read: the server checks in any case
   }
+}
+
+/** NaN is a number to the validator, and none to the server: it stands for what was written and is none. */
+function withoutNaN(value: unknown): unknown {
+  if (Array.isArray(value)) return value.map(withoutNaN);
+  return Number.isNaN(value) ? "NaN" : value;
 }
