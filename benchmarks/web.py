@@ -128,8 +128,8 @@ def _cycles(server: Server, seconds: float) -> float:
     with httpx2.Client(base_url=server.url, timeout=30.0) as client:
         first, start = client.get("/state").json()["cycle"], time.monotonic()
         time.sleep(seconds)
-        last: int = client.get("/state").json()["cycle"]
-        return (last - first) / (time.monotonic() - start)
+        cycles = int(client.get("/state").json()["cycle"]) - int(first)
+        return cycles / (time.monotonic() - start)
 
 
 # ---------------------------------------------------------------------- from a change to pixels
@@ -174,7 +174,9 @@ def _change_to_pixels(page: Page, server: Server, x: float) -> float:
     pose = {"position": [x, 0.5, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
     start = time.time()
     url = f"{server.url}/elements/rack_1"
-    httpx2.patch(url, json={"properties": {"sk:pose": pose}}, headers={"If-Match": "*"}, timeout=30.0).raise_for_status()
+    httpx2.patch(
+        url, json={"properties": {"sk:pose": pose}}, headers={"If-Match": "*"}, timeout=30.0
+    ).raise_for_status()
     seen = float(page.wait_for_function("(x) => window.seenAt[x]", arg=f"{x:.3f}").json_value())
     page.wait_for_timeout(300.0)
     return seen - start * 1000.0

@@ -9,16 +9,34 @@ const FIRST = ["Scene", "GoalTab"]; // what the first screen needs, though its c
 function preloadFirst(): Plugin {
   const handler = (_html: string, { bundle = {} }: { bundle?: Rolldown.OutputBundle }) => {
     const chunks = Object.values(bundle).filter((output) => output.type === "chunk");
-    const first = chunks.filter(({ name }) => FIRST.includes(name));
-    const needed = new Set(first.flatMap(({ fileName, imports }) => [fileName, ...imports]));
-    const there = chunks.filter(({ isEntry }) => isEntry).flatMap(({ fileName, imports }) => [fileName, ...imports]);
-    return [...needed].filter((file) => !there.includes(file)).map(preloadTag);
+    const needed = closure(chunks, ({ name }) => FIRST.includes(name));
+    const there = closure(chunks, ({ isEntry }) => isEntry);
+    const late = [...needed].filter((chunk) => !there.has(chunk));
+    const sheets = new Set(late.flatMap(({ viteMetadata }) => [...(viteMetadata?.importedCss ?? [])]));
+    return [...late.map(({ fileName }) => scriptTag(fileName)), ...[...sheets].map(sheetTag)];
   };
   return { name: "preload-first", transformIndexHtml: { order: "post", handler } };
 }
 
-function preloadTag(fileName: string): HtmlTagDescriptor {
+/** Those that are wanted, and all that they import. */
+function closure(
+  chunks: Rolldown.OutputChunk[],
+  wanted: (chunk: Rolldown.OutputChunk) => boolean,
+): Set<Rolldown.OutputChunk> {
+  const found = new Set(chunks.filter(wanted));
+  for (const { imports } of found) {
+    for (const chunk of chunks) if (imports.includes(chunk.fileName)) found.add(chunk);
+  }
+  return found;
+}
+
+function scriptTag(fileName: string): HtmlTagDescriptor {
   return { tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `./${fileName}` }, injectTo: "head" };
+}
+
+function sheetTag(fileName: string): HtmlTagDescriptor {
+  const attrs = { rel: "preload", as: "style", crossorigin: true, href: `./${fileName}` };
+  return { tag: "link", attrs, injectTo: "head" };
 }
 
 export default defineConfig({

@@ -15,7 +15,8 @@ WEB = Path(__file__).parents[2] / "web"
 
 def maker() -> ModuleType:
     spec = importlib.util.spec_from_file_location("openapi", WEB / "openapi.py")
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

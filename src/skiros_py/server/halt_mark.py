@@ -1,4 +1,4 @@
-"""A stop that somebody wanted, kept beside the world: it holds until somebody resets it, whatever becomes of the server."""
+"""A stop that somebody wanted, kept beside the world: it holds until a reset, whatever becomes of the server."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ import { jobState } from "../task/jobWords";
 import { Question } from "../task/Question";
 import { jobMood } from "../task/words";
 import classes from "./goal.module.css";
-import { intoView } from "./intoView";
+import { intoView } from "../widgets/intoView";
 import { Progress } from "./Progress";
 
 type Job = Schema<"Job">;

@@ -3,7 +3,7 @@ import { IconArrowsSplit2 } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import classes from "./goal.module.css";
 import type { CheckedCondition, GoalOrder } from "./goals";
-import { intoView } from "./intoView";
+import { intoView } from "../widgets/intoView";
 import type { Preview } from "./preview";
 import { clock } from "./steps";
 import { StepText } from "./StepText";

@@ -60,8 +60,9 @@ class SharedSource implements Source {
   }
 
   #hear(told: Told): void {
-    if (told.what === "open") this.onopen?.();
-    else if (told.what === "error") this.onerror?.();
-    else this.#messages.dispatchEvent(new MessageEvent(told.kind, { data: told.data, lastEventId: told.id }));
+    if (told.what === "message") {
+      this.#messages.dispatchEvent(new MessageEvent(told.kind, { data: told.data, lastEventId: told.id }));
+    } else if (told.what === "open") this.onopen?.();
+    else this.onerror?.();
   }
 }

@@ -1,6 +1,6 @@
 import { Alert, useComputedColorScheme } from "@mantine/core";
 import { Canvas, type RootState } from "@react-three/fiber";
-import { type KeyboardEvent, useId } from "react";
+import { type KeyboardEvent, useEffect, useId } from "react";
 import { useTranslation } from "react-i18next";
 import { useCamera, type Viewpoint } from "./camera/camera";
 import { PosePanel } from "./gizmo/PosePanel";
@@ -14,6 +14,7 @@ import { canDraw, quality } from "./quality";
 import "./quiet";
 import classes from "./Scene.module.css";
 import { Stage } from "./Stage";
+import { followView } from "./view";
 
 const KEYS: Record<string, Viewpoint> = { o: "overview", t: "top", r: "follow", f: "selection", Home: "overview" };
 
@@ -38,6 +39,7 @@ function Picture() {
   const scheme = useComputedColorScheme();
   const words = useId();
   const { dpr, antialias } = quality();
+  useEffect(followView, []); // here, not in the canvas, whose contents come only when it was measured and made
   return (
     // It is an application of its own: keys turn the view.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions

@@ -20,13 +20,11 @@ import { Pointer } from "./Pointer";
 import { Robots } from "./robots/Robots";
 import { Surroundings } from "./Surroundings";
 import { drawBy } from "./ticker";
-import { followView } from "./view";
 
 /** All that is in the picture. */
 export function Stage({ palette }: { palette: Palette }) {
   const matter = useRef<Group>(null);
   useDrawing();
-  useEffect(followView, []);
   useEffect(followDevices, []);
   useFrame(() => moveDevices(performance.now()), -3);
   return (

@@ -16,6 +16,7 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
   const { draft, set } = useTools();
   const bodies = useBodies();
   const [frame, setFrame] = useState<string | null>(null);
+  const [sound, setSound] = useState(true);
   const mine = draft?.element === element.id ? draft : null;
   const pose = mine?.pose ?? startOf(tool, element.id, bodies);
   const writer = useWriter(tool, element.id, mine !== null);
@@ -25,7 +26,7 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
     <form
       onSubmit={(event) => {
         event.preventDefault();
-        if (mine !== null && !writer.busy) write();
+        if (mine !== null && sound && !writer.busy) write();
       }}
     >
       <Text size="xs" c="dimmed" mb={4}>
@@ -35,6 +36,7 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
       <PoseNumbersForm
         pose={pose}
         frame={frame}
+        onSound={setSound}
         onChange={(next) => set({ draft: { element: element.id, pose: next } })}
       />
       {writer.problem !== null && <Refusal problem={writer.problem} again={() => writer.refresh()} />}
@@ -44,7 +46,7 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
         </Button>
         <Button
           type="submit"
-          disabled={mine === null}
+          disabled={mine === null || !sound}
           loading={writer.busy}
           color={tool === "body" ? "orange.8" : undefined}
         >

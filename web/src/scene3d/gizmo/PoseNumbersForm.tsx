@@ -1,6 +1,7 @@
-import { NumberInput, SimpleGrid } from "@mantine/core";
+import { SimpleGrid } from "@mantine/core";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { NumberField } from "../../widgets/arguments/NumberField";
 import { inMap, numbersOf, poseFrom, type PoseNumbers, seenFrom } from "../pose";
 import type { MapPose } from "../tools";
 import { poseInMap } from "./useMovable";
@@ -14,31 +15,37 @@ interface Props {
   /** Element in whose frame the numbers are; null for the map. */
   frame: string | null;
   onChange: (pose: MapPose) => void;
+  /** Called with whether all that is written are numbers; while not, the pose stays as it was. */
+  onSound: (sound: boolean) => void;
 }
 
 /** A pose in numbers: metres, and degrees about the fixed axes. */
-export function PoseNumbersForm({ pose, frame, onChange }: Props) {
+export function PoseNumbersForm({ pose, frame, onChange, onSound }: Props) {
   const { t } = useTranslation("scene3d");
-  const [typed, setTyped] = useState<{ field: Field; text: number | string } | null>(null);
+  const [typed, setTyped] = useState<{ field: Field; number: number | undefined } | null>(null);
   const base = frame === null ? null : poseInMap(frame);
   const numbers = numbersOf(seenFrom(pose, base));
-  const change = (field: Field, text: number | string) => {
-    setTyped({ field, text });
-    if (typeof text === "number") onChange(inMap(poseFrom({ ...numbers, [field]: text }), base));
+  const change = (field: Field, number: number | undefined) => {
+    const sound = number !== undefined && !Number.isNaN(number);
+    setTyped({ field, number });
+    onSound(sound);
+    if (sound) onChange(inMap(poseFrom({ ...numbers, [field]: number }), base));
+  };
+  const leave = () => {
+    setTyped(null);
+    onSound(true);
   };
   return (
     <SimpleGrid cols={3} spacing={6} verticalSpacing={4}>
       {FIELDS.map((field) => (
-        <NumberInput
+        <NumberField
           key={field}
           label={t(`pose.${field}`)}
-          value={typed?.field === field ? typed.text : numbers[field]}
+          value={typed?.field === field ? typed.number : numbers[field]}
           onChange={(value) => change(field, value)}
-          onBlur={() => setTyped(null)}
+          onBlur={leave}
           step={isAngle(field) ? 5 : 0.01}
-          decimalScale={isAngle(field) ? 2 : 4}
-          suffix={isAngle(field) ? "°" : " m"}
-          hideControls
+          unit={isAngle(field) ? "°" : "m"}
         />
       ))}
     </SimpleGrid>

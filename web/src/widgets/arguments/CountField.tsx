@@ -10,11 +10,11 @@ interface Props extends Omit<ComponentProps<typeof NumberField>, "value" | "onCh
 
 /** A whole number that always is one: while its field is empty it stays what it was, so that another can be typed. */
 export function CountField({ value, min, max, onChange, ...rest }: Props) {
-  const [empty, setEmpty] = useState(false);
+  const [unfit, setUnfit] = useState<{ written: number | undefined } | null>(null); // empty, or no whole number
   const take = (next: number | undefined) => {
-    const number = next === undefined || Number.isNaN(next) ? undefined : next;
-    setEmpty(number === undefined);
-    if (number !== undefined) onChange(Math.min(max, Math.max(min, number)));
+    const fits = next !== undefined && !Number.isNaN(next);
+    setUnfit(fits ? null : { written: next });
+    if (fits) onChange(Math.min(max, Math.max(min, next)));
   };
   return (
     <NumberField
@@ -22,9 +22,9 @@ export function CountField({ value, min, max, onChange, ...rest }: Props) {
       min={min}
       max={max}
       allowDecimal={false}
-      value={empty ? undefined : value}
+      value={unfit ? unfit.written : value}
       onChange={take}
-      onBlur={() => setEmpty(false)}
+      onBlur={() => setUnfit(null)}
     />
   );
 }

@@ -1,10 +1,12 @@
-import { Alert, Button, Fieldset, Group, Modal, Select, Stack, TextInput } from "@mantine/core";
+import { Button, Fieldset, Group, Modal, Select, Stack, TextInput } from "@mantine/core";
 import { type SyntheticEvent, useMemo } from "react";
 import { useTranslation } from "react-i18next";
 import { useSelection } from "../../selection/selection";
 import { MayButton } from "../../widgets/MayButton";
 import { PlacementInput } from "../edit/PlacementInput";
 import { PropertyFields } from "../edit/PropertyFields";
+import { Refused } from "../edit/Refused";
+import { Unfit } from "../edit/Unfit";
 import type { Details, Placement } from "../queries";
 import { LABEL, PLACEMENT } from "../edit/draft";
 import { useOptions } from "./options";
@@ -33,20 +35,15 @@ export function AddElement({ parent, like, onClose }: Props) {
     <Modal opened={!picking} keepMounted onClose={onClose} title={title} size="lg">
       <form onSubmit={submit} aria-label={title}>
         <Stack gap="xs">
-          {adding.rest.length > 0 && (
-            <Alert color="red" title={t("edit.refused")}>
-              {adding.rest.map((line) => (
-                <div key={line}>{line}</div>
-              ))}
-            </Alert>
-          )}
+          <Refused lines={adding.rest} />
           {like === undefined && <WhatPicker parent={parent} adding={adding} />}
           {adding.class_ && <Fields adding={adding} class_={adding.class_} copy={like !== undefined} />}
           <Group justify="end">
+            <Unfit fields={adding.unfit} class_={adding.class_} />
             <Button variant="default" onClick={onClose}>
               {t("common:cancel")}
             </Button>
-            <MayButton operation="add_element" type="submit" loading={adding.saving} disabled={!adding.class_}>
+            <MayButton operation="add_element" type="submit" loading={adding.saving} disabled={!adding.class_ || adding.unfit.length > 0}>
               {t("common:add")}
             </MayButton>
           </Group>

@@ -4,14 +4,16 @@ import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { useSingleMutation } from "../../api/mutations";
 import { useSelection } from "../../selection/selection";
-import { notifyProblem, problemText } from "../../widgets/problems";
+import { notifyProblem } from "../../widgets/problems";
 import { notifyChange } from "../../widgets/undo";
 import { ApiProblem } from "../../api/client";
 import { useClasses } from "../classes";
-import { type Draft, given, LABEL, PLACEMENT, reasons } from "../edit/draft";
+import { type Draft, given, LABEL, PLACEMENT, unfitFields } from "../edit/draft";
+import { refusalOf } from "../edit/refusals";
 import { placementsFor } from "../edit/placements";
 import { type Details, type Placement, useRelations } from "../queries";
-import { isPose } from "../values";
+import { useWords } from "../useWords";
+import { isPose, written } from "../values";
 
 const POSE = "sk:pose";
 const ASIDE = 0.1; // m: a copy shall not stand in what it is a copy of
@@ -26,6 +28,8 @@ export interface Adding {
   setDraft: (draft: Draft) => void;
   reason: string;
   setReason: (reason: string) => void;
+  /** Fields in which a number is missing or none: then nothing is added. */
+  unfit: readonly string[];
   saving: boolean;
   save: () => void;
   errors: Readonly<Record<string, string>>;
@@ -41,7 +45,8 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
   const [class_, setClass] = useState<string | null>(like?.class ?? null);
   const [draft, setDraft] = useState<Draft>(() => (like ? copied(like) : {}));
   const [reason, setReason] = useState("");
-  const [refusal, setRefusal] = useState("");
+  const words = useWords();
+  const [refusal, setRefusal] = useState<Error | null>(null);
   const write = useSingleMutation({
     mutationFn: (body: Schema<"NewElement">) => answer(api.POST("/api/v1/elements", { body })),
     onSuccess: ({ id, label, version }) => {
@@ -50,7 +55,7 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
       useSelection.getState().choose(id);
       onDone();
     },
-    onError: (error) => (error instanceof ApiProblem ? setRefusal(problemText(error)) : notifyProblem(error)),
+    onError: (error) => (error instanceof ApiProblem ? setRefusal(error) : notifyProblem(error)),
   });
   const choose = (next: string | null, kind: string | null) => {
     setWhat(next);
@@ -58,7 +63,10 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
     const first = kind && parent ? placementsFor(classes, relations ?? [], kind, parent.class)[0] : undefined;
     setDraft(first && parent ? { [PLACEMENT]: { relation: first.name, place: parent.id } } : {});
   };
-  const { byField, rest } = reasons(refusal, Object.keys(draft));
+  const unfit = unfitFields(draft);
+  const { byField, rest } = refusalOf(refusal, draft, (value) =>
+    t("edit.notAccepted", { value: written(value, words) }),
+  );
   const copy = what !== null && what !== class_;
   return {
     what,
@@ -68,9 +76,11 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
     setDraft,
     reason,
     setReason,
+    unfit,
     saving: write.isPending,
     save: () => {
-      setRefusal("");
+      if (unfit.length > 0) return;
+      setRefusal(null);
       if (what !== null) write.mutate(newElement(what, copy, draft, reason));
     },
     errors: byField,

@@ -10,6 +10,8 @@ import { Conflict } from "./Conflict";
 import { LABEL, PLACEMENT } from "./draft";
 import { PlacementInput } from "./PlacementInput";
 import { PropertyFields } from "./PropertyFields";
+import { Refused } from "./Refused";
+import { Unfit } from "./Unfit";
 import { type Editing, useEditing } from "./useEditing";
 
 interface Props {
@@ -34,19 +36,14 @@ export function EditForm({ tagged, onDone }: Props) {
             {locked}
           </Alert>
         )}
-        {editing.rest.length > 0 && (
-          <Alert color="red" title={t("edit.refused")}>
-            {editing.rest.map((line) => (
-              <div key={line}>{line}</div>
-            ))}
-          </Alert>
-        )}
+        <Refused lines={editing.rest} />
         <Fields tagged={tagged} editing={editing} />
         <Group justify="end" className={classes.buttons}>
+          <Unfit fields={editing.unfit} class_={tagged.data.class} />
           <Button variant="default" onClick={onDone}>
             {t("common:cancel")}
           </Button>
-          <MayButton operation="change_element" type="submit" loading={editing.saving} disabled={!editing.changed}>
+          <MayButton operation="change_element" type="submit" loading={editing.saving} disabled={!editing.changed || editing.unfit.length > 0}>
             {t("common:save")}
           </MayButton>
         </Group>

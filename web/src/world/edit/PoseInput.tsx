@@ -3,6 +3,7 @@ import { type ReactNode, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { numbersOf, type PoseNumbers, poseFrom } from "../../scene3d/pose";
 import { NumberField } from "../../widgets/arguments/NumberField";
+import { intoView } from "../../widgets/intoView";
 import { ElementPicker } from "../../widgets/ElementPicker";
 import type { PoseValue } from "../values";
 
@@ -19,15 +20,18 @@ interface Props {
 const LENGTHS = ["x", "y", "z"] as const;
 const ANGLES = ["roll", "pitch", "yaw"] as const;
 
-/** Takes a pose in metres and degrees. */
+/** A pose as it is being written; undefined and NaN where a number is missing. */
+type Written = Record<keyof PoseNumbers, number | undefined>;
+
+/** Takes a pose in metres and degrees; what lacks a number of it is NaN, and not to be saved. */
 export function PoseInput({ label, description, error, value, onChange, framed }: Props) {
   const { t } = useTranslation("world");
   // Kept as they are typed: a quaternion does not tell which of several angles was meant.
-  const [numbers, setNumbers] = useState(() => numbersOf(value));
-  const take = (change: Partial<PoseNumbers>) => {
+  const [numbers, setNumbers] = useState<Written>(() => numbersOf(value));
+  const take = (change: Partial<Written>) => {
     const next = { ...numbers, ...change };
     setNumbers(next);
-    onChange({ ...value, ...poseFrom(next) });
+    onChange({ ...value, ...poseFrom(complete(next)) });
   };
   return (
     <Fieldset legend={label} p="xs">
@@ -48,7 +52,7 @@ export function PoseInput({ label, description, error, value, onChange, framed }
         />
       )}
       {error && (
-        <Text size="xs" c="red" role="alert">
+        <Text ref={intoView} size="xs" c="red" role="alert">
           {error}
         </Text>
       )}
@@ -56,13 +60,18 @@ export function PoseInput({ label, description, error, value, onChange, framed }
   );
 }
 
+function complete(written: Written): PoseNumbers {
+  const { x = NaN, y = NaN, z = NaN, roll = NaN, pitch = NaN, yaw = NaN } = written;
+  return { x, y, z, roll, pitch, yaw };
+}
+
 interface NumbersProps {
   names: readonly (keyof PoseNumbers)[];
   label: string;
-  numbers: PoseNumbers;
+  numbers: Written;
   unit: string;
   step: number;
-  onChange: (change: Partial<PoseNumbers>) => void;
+  onChange: (change: Partial<Written>) => void;
 }
 
 function Numbers({ names, label, numbers, unit, step, onChange }: NumbersProps) {
@@ -74,11 +83,10 @@ function Numbers({ names, label, numbers, unit, step, onChange }: NumbersProps) 
           key={name}
           label={t(`value.${name}`)}
           aria-label={`${label}: ${t(`value.${name}`)}`}
-          suffix={` ${unit}`}
+          unit={unit}
           step={step}
-          hideControls
           value={numbers[name]}
-          onChange={(number) => number !== undefined && onChange({ [name]: number })}
+          onChange={(number) => onChange({ [name]: number })}
         />
       ))}
     </Group>

@@ -34,7 +34,9 @@ export function ValueInput(props: ValueInputProps) {
 }
 
 function useCommon({ info, error }: ValueInputProps) {
-  return { label: info.label, description: info.comment || info.says, error };
+  const description = info.comment || info.says;
+  // Angles of a pose are written in degrees here, whatever the server takes.
+  return { label: info.label, description: description.replace("[m, rad]", "[m, °]"), error };
 }
 
 function NumberValue(props: ValueInputProps) {
@@ -43,9 +45,9 @@ function NumberValue(props: ValueInputProps) {
     <NumberField
       {...useCommon(props)}
       value={typeof value === "number" ? value : undefined}
-      onChange={(number) => onChange(number ?? "")}
+      onChange={(number) => onChange(number ?? "")} // NaN where it is no number: then nothing is saved
       allowDecimal={kindOf(info.datatype) === "number"}
-      suffix={info.unit ? ` ${info.unit}` : undefined}
+      unit={info.unit || undefined}
     />
   );
 }

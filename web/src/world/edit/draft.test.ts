@@ -1,5 +1,5 @@
 import type { Details } from "../queries";
-import { differences, draftOf, onTop, patchOf, reasons, without } from "./draft";
+import { differences, draftOf, onTop, patchOf, reasons, unfitFields, without } from "./draft";
 
 const before = { "rdfs:label": "starter", "sk:placement": { relation: "sk:in", place: "pallet_a" }, "sk:mass": 0.8 };
 
@@ -67,4 +67,13 @@ test("a property whose name begins like another one does not get its refusal", (
   expect(reasons("sk:maxDepth must be positive", ["sk:max", "sk:maxDepth"]).byField).toEqual({
     "sk:maxDepth": "sk:maxDepth must be positive",
   });
+});
+
+test("a draft in which a number is missing or none is not fit to be saved", () => {
+  const pose = { position: [0, Number.NaN, 0], orientation: [0, 0, 0, 1] };
+  expect(unfitFields({ ...before, "sk:pose": pose, "sk:graspWidth": Number.NaN, "sk:size": [1, 2] })).toEqual([
+    "sk:pose",
+    "sk:graspWidth",
+  ]);
+  expect(unfitFields(before)).toEqual([]);
 });

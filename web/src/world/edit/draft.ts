@@ -55,6 +55,16 @@ export function given(name: string, value: unknown): GivenValue {
   return told as GivenValue;
 }
 
+/** Returns the fields that cannot be saved as they are: a number in them is missing, or is none. */
+export function unfitFields(draft: Draft): string[] {
+  return Object.keys(draft).filter((field) => hasNaN(draft[field]));
+}
+
+function hasNaN(value: unknown): boolean {
+  if (typeof value === "object" && value !== null) return Object.values(value).some(hasNaN);
+  return Number.isNaN(value);
+}
+
 /** A field that I or others changed since I began. */
 export interface Difference {
   field: string;

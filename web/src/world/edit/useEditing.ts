@@ -3,11 +3,14 @@ import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { useSingleMutation } from "../../api/mutations";
 import { ApiProblem } from "../../api/client";
-import { notifyProblem, problemText } from "../../widgets/problems";
+import { notifyProblem } from "../../widgets/problems";
 import { notifyChange } from "../../widgets/undo";
 import { readElement, type Tagged } from "../queries";
+import { useWords } from "../useWords";
+import { written } from "../values";
 import { changeSince } from "./changeSince";
-import { changedFields, type Draft, draftOf, onTop, patchOf, reasons } from "./draft";
+import { changedFields, type Draft, draftOf, onTop, patchOf, unfitFields } from "./draft";
+import { refusalOf } from "./refusals";
 import { useQueryClient } from "@tanstack/react-query";
 
 const STALE = 412;
@@ -20,6 +23,8 @@ export interface Editing {
   reason: string;
   setReason: (reason: string) => void;
   changed: boolean;
+  /** Fields in which a number is missing or none: then nothing is saved. */
+  unfit: readonly string[];
   saving: boolean;
   save: () => void;
   /** What a refusal says of fields, and besides. */
@@ -48,7 +53,8 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
   const [draft, setDraft] = useState(before);
   const [reason, setReason] = useState("");
   const [theirs, setTheirs] = useState<Tagged | null>(null);
-  const [refusal, setRefusal] = useState("");
+  const words = useWords();
+  const [refusal, setRefusal] = useState<Error | null>(null);
   const write = useSingleMutation({
     mutationFn: (order: Order) => patch(id, order, reason),
     onSuccess: (now) => {
@@ -60,7 +66,7 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
   });
   const refused = async (error: Error) => {
     if (!(error instanceof ApiProblem)) return notifyProblem(error);
-    if (error.status !== STALE) return setRefusal(problemText(error));
+    if (error.status !== STALE) return setRefusal(error);
     await readElement(id).then(setTheirs, notifyProblem);
   };
   const saveOnTop = () => {
@@ -72,7 +78,10 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
     setTheirs(null);
     write.mutate({ before: now, after, tag: theirs.tag });
   };
-  const { byField, rest } = reasons(refusal, Object.keys({ ...before, ...draft }));
+  const unfit = unfitFields(draft);
+  const { byField, rest } = refusalOf(refusal, { ...before, ...draft }, (value) =>
+    t("edit.notAccepted", { value: written(value, words) }),
+  );
   return {
     before,
     draft,
@@ -80,9 +89,11 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
     reason,
     setReason,
     changed: changedFields(before, draft).length > 0,
+    unfit,
     saving: write.isPending,
     save: () => {
-      setRefusal("");
+      if (unfit.length > 0) return;
+      setRefusal(null);
       write.mutate({ before, after: draft, tag: base.tag });
     },
     errors: byField,
