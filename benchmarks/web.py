@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import httpx2
 from playwright.sync_api import Browser, Page
@@ -28,6 +29,8 @@ from web_large import large_scene
 
 _TRIES = 5
 _MEGABYTE = 1e6
+_CALM = 700.0
+"""How long the pages are left alone between two tries [ms]."""
 
 
 def main() -> int:
@@ -138,48 +141,59 @@ def _cycles(server: Server, seconds: float) -> float:
 def _change(browser: Browser, _options: argparse.Namespace) -> list[Figure]:
     with _data() as data, running(SCENE, Path(data), "--pace", "real") as server:
         page = new_page(browser)
-        page.goto(_pages(server))
+        page.goto(f"{_pages(server)}#/world")
         ready(page)
         page.wait_for_function("() => window.skiros3d.pose('rack_1') !== null")
-        page.evaluate(_WATCH)
-        taken = [_change_to_pixels(page, server, x) for x in (1.2, 1.3, 1.4, 1.5, 1.6)]
+        page.get_by_role("treeitem").filter(has_text="rack_1").first.wait_for()
+        page.wait_for_timeout(_CALM)
+        moved = [_change_to_pixels(page, server, *_move(0.01 * number)) for number in range(_TRIES)]
+        named = [_change_to_pixels(page, server, *_rename(f"rack no {number}")) for number in range(_TRIES)]
         page.context.close()
-    best = min(taken)
     return [
         Figure(
-            f"a change of the world by somebody else, to pixels, best of {_TRIES}",
-            f"{best:.0f} ms",
+            f"{name} by somebody else, to pixels, best of {_TRIES}",
+            f"{min(taken):.0f} ms",
             "<= 300 ms",
-            best <= 300.0,
-            f"median {median(taken):.0f} ms, worst {max(taken):.0f} ms",
+            min(taken) <= 300.0,
+            f"median {median(taken):.0f} ms, worst {max(taken):.0f} ms; from before the request",
         )
+        for name, taken in (("a thing moved in 3D", moved), ("a thing renamed in the tree", named))
     ]
 
 
+def _move(shift: float) -> tuple[dict[str, Any], str]:
+    """Returns a change of where a thing is, and what is true when it is drawn there."""
+    x = 1.5 + shift
+    pose = {"position": [x, 0.5, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0], "frame": None}
+    return {"properties": {"sk:pose": pose}}, f"Math.abs(window.skiros3d.pose('rack_1')[0] - {x}) < 1e-6 && drawn()"
+
+
+def _rename(label: str) -> tuple[dict[str, Any], str]:
+    return {"label": label}, f"document.querySelector('[role=tree]').textContent.includes('{label}')"
+
+
 _WATCH = """
-() => {
-  window.seenAt = {};
-  const look = () => {
-    const pose = window.skiros3d.pose("rack_1");
-    const x = pose === null ? "" : pose[0].toFixed(3);
-    if (!(x in window.seenAt)) requestAnimationFrame(() => (window.seenAt[x] = Date.now()));
-    requestAnimationFrame(look);
-  };
-  look();
+(done) => {
+  const there = new Function("drawn", `return (${done})`);
+  let frames = null;  // when it was there: what is drawn from then on shows it
+  const drawn = () => window.skiros3d.frames > (frames ??= window.skiros3d.frames);
+  window.seen = new Promise((resolve) => {
+    const look = () => (there(drawn) ? setTimeout(() => resolve(Date.now())) : requestAnimationFrame(look));
+    look();
+  });
 }
 """
 
 
-def _change_to_pixels(page: Page, server: Server, x: float) -> float:
-    pose = {"position": [x, 0.5, 0.0], "orientation": [0.0, 0.0, 0.0, 1.0]}
-    start = time.time()
+def _change_to_pixels(page: Page, server: Server, change: dict[str, Any], done: str) -> float:
+    """Returns how long it takes from the request to the painted result [ms]; both clocks are the machine's."""
+    page.evaluate(_WATCH, done)
+    start = time.time() * 1000.0
     url = f"{server.url}/elements/rack_1"
-    httpx2.patch(
-        url, json={"properties": {"sk:pose": pose}}, headers={"If-Match": "*"}, timeout=30.0
-    ).raise_for_status()
-    seen = float(page.wait_for_function("(x) => window.seenAt[x]", arg=f"{x:.3f}").json_value())
-    page.wait_for_timeout(300.0)
-    return seen - start * 1000.0
+    httpx2.patch(url, json=change, headers={"If-Match": "*"}, timeout=30.0).raise_for_status()
+    seen: float = page.evaluate("window.seen")
+    page.wait_for_timeout(_CALM)
+    return seen - start
 
 
 # ---------------------------------------------------------------------- many things

@@ -14,8 +14,9 @@ __all__ = ["browsing", "cost_of", "heap", "new_page", "ready", "transferred"]
 _ARGUMENTS = ["--enable-unsafe-swiftshader", "--enable-precise-memory-info"]
 """Software rendering, as on a machine without a graphics card.
 
-There, the browser lets the processor draw WebGL only, and puts the page together without it. ``--use-angle=swiftshader``
-would have it pretend to have a card for the page, too, which takes twice as long for each frame and nobody has.
+There, the browser has the processor draw what is WebGL as a graphics card would, and puts the page together without
+that. ``--use-angle=swiftshader`` would have it do the latter, too, as if there were a card: twice the work for each
+frame, which no operator's browser does by itself.
 """
 _PATIENCE = 60_000.0
 
@@ -46,10 +47,10 @@ def new_page(browser: Browser) -> Page:
 
 
 def ready(page: Page) -> None:
-    """Returns when an operator can work: the stop button, the first tab and a drawn 3D view are there."""
+    """Returns when an operator can work: the stop button, the first tab and the things in the 3D view are there."""
     page.get_by_role("button", name="Stop all").wait_for()
     page.get_by_role("tabpanel").get_by_role("button").first.wait_for()
-    page.wait_for_function("() => window.skiros3d !== undefined && window.skiros3d.frames > 0")
+    page.wait_for_function("() => window.skiros3d?.frames > 0 && window.skiros3d.shown().length > 0")
 
 
 class _Counter:

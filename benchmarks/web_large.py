@@ -105,7 +105,9 @@ def _arrow(page: Page) -> float:
 def _marked(name: str) -> str:
     """It is marked in the tree, its details are there, and the 3D view was drawn anew."""
     return f"""
-      [...document.querySelectorAll("[role=treeitem][aria-selected=true]")].some((row) => /{name}(?!\\d)/.test(row.textContent)) &&
+      [...document.querySelectorAll("[role=treeitem][aria-selected=true]")].some(
+        (row) => /{name}(?!\\d)/.test(row.textContent),
+      ) &&
       document.querySelector("section[aria-label] table")?.closest("section").textContent.includes("{name}") &&
       window.skiros3d.frames > window.framesBefore
     """

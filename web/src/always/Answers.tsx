@@ -1,5 +1,6 @@
-import { Group, Tooltip } from "@mantine/core";
+import { Group, Text, Tooltip } from "@mantine/core";
 import { useTranslation } from "react-i18next";
+import { useStation } from "../live/station";
 import { MayButton } from "../widgets/MayButton";
 import { type Alarm, useAnswer } from "./useAlarms";
 
@@ -25,18 +26,21 @@ function isKnown(choice: string): choice is Known {
 export function Answers({ alarm }: { alarm: Alarm }) {
   const { t } = useTranslation("always");
   const answering = useAnswer();
+  const halted = useStation(({ state }) => Boolean(state?.halted));
   return (
     <Group gap={6} role="group" aria-label={t("answers.label", { text: alarm.text })}>
       {alarm.choices.map((choice) => {
         const known = isKnown(choice) ? KNOWN[choice] : undefined;
+        const early = halted && known === "retry"; // the robots cannot move before somebody has reset
+        const means = early ? t("answers.early") : known && t(`answers.${known}.means`);
         return (
-          <Tooltip key={choice} label={known && t(`answers.${known}.means`)} disabled={!known} multiline maw={280}>
+          <Tooltip key={choice} label={means} disabled={!means} multiline maw={280}>
             <span>
               <MayButton
                 operation="answer_alarm"
-                variant={choice === alarm.choices[0] ? "filled" : "default"}
+                variant={choice === alarm.choices[0] && !halted ? "filled" : "default"}
                 loading={answering.isPending && answering.variables.choice === choice}
-                disabled={answering.isPending}
+                disabled={answering.isPending || early}
                 onClick={() => answering.mutate({ alarm, choice })}
               >
                 {known ? t(`answers.${known}.label`) : choice}
@@ -45,6 +49,7 @@ export function Answers({ alarm }: { alarm: Alarm }) {
           </Tooltip>
         );
       })}
+      {halted && alarm.choices.includes("retry") && <Text size="xs">{t("answers.early")}</Text>}
     </Group>
   );
 }

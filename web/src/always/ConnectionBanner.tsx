@@ -1,5 +1,6 @@
-import { IconPlugConnectedX } from "@tabler/icons-react";
+import { IconKeyOff, IconPlugConnectedX } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
+import { useLoginEnded } from "../api/session";
 import { useConnection } from "../live/connection";
 import { Moment } from "../widgets/Moment";
 import { Banner } from "./Banner";
@@ -9,6 +10,13 @@ export function ConnectionBanner() {
   const { t } = useTranslation("always");
   const { status, since, silent } = useConnection();
   const lost = status === "lost";
+  if (useLoginEnded()) {
+    return (
+      <Banner tone="orange" icon={IconKeyOff} title={t("connection.signedOut")}>
+        {t("connection.signedOutText")}
+      </Banner>
+    );
+  }
   if (!lost && silent === null) return null;
   return (
     <Banner tone="orange" icon={IconPlugConnectedX} title={lost ? t("connection.lost") : t("connection.silent")}>

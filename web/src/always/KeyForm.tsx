@@ -6,6 +6,7 @@ import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { problemText } from "../widgets/problems";
+import { useStopping } from "./stopping";
 
 /** Takes a key and changes it for a cookie that no script can read. */
 export function KeyForm() {
@@ -15,6 +16,7 @@ export function KeyForm() {
     mutationFn: () => answer(api.POST("/api/v1/session", { body: { key: key.trim() } })),
     onSuccess: (me) => {
       queryClient.setQueryData(keys.me, me);
+      useStopping.getState().signedIn();
       void queryClient.invalidateQueries({ predicate: ({ queryKey }) => queryKey[0] !== keys.me[0] });
     },
   });

@@ -1,10 +1,12 @@
-import { Modal, Stack, Text } from "@mantine/core";
+import { Alert, Modal, Stack, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { KeyForm } from "./KeyForm";
+import { useStopping } from "./stopping";
 
 /** A login ended in the midst of work: the page stays below, with everything that was not saved. */
 export function LoginAgain({ name }: { name: string }) {
   const { t } = useTranslation("always");
+  const unsent = useStopping(({ verdict }) => verdict === "signedOut");
   return (
     <Modal
       opened
@@ -16,6 +18,11 @@ export function LoginAgain({ name }: { name: string }) {
       centered
     >
       <Stack>
+        {unsent && (
+          <Alert role="alert" color="red" title={t("verdict.signedOut.title")}>
+            {t("verdict.signedOut.text")}
+          </Alert>
+        )}
         <Text size="sm">{t("login.againText", { name })}</Text>
         <KeyForm />
       </Stack>

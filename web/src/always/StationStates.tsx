@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
+import { useLoginEnded } from "../api/session";
 import { useConnection } from "../live/connection";
 import { useStation } from "../live/station";
 import { Status } from "../widgets/Status";
@@ -35,8 +36,10 @@ export function RobotsState() {
 
 export function ConnectionState() {
   const { t } = useTranslation("always");
-  const status = useConnection((connection) => connection.status);
-  const mood = { open: "good", connecting: "waiting", lost: "bad" } as const;
+  const ended = useLoginEnded();
+  const connection = useConnection(({ status }) => status);
+  const status = ended ? "signedOut" : connection;
+  const mood = { open: "good", connecting: "waiting", lost: "bad", signedOut: "bad" } as const;
   return (
     <span role="status">
       <Status mood={mood[status]} text={t(`connected.${status}`)} />

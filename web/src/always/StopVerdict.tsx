@@ -2,15 +2,19 @@ import { Button, Text } from "@mantine/core";
 import { IconAlertOctagon, IconCheck, IconHandStop, type TablerIcon } from "@tabler/icons-react";
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
+import { keys } from "../api/keys";
+import { queryClient } from "../api/queries";
 import { onEvent } from "../live/events";
 import classes from "./always.module.css";
-import { useStopping, type Verdict } from "./stopping";
+import { stopAll, useStopping, type Verdict } from "./stopping";
 
 const ICONS: Record<Verdict, TablerIcon> = {
   asking: IconHandStop,
   noAnswer: IconAlertOctagon,
   notObeyed: IconAlertOctagon,
   refused: IconAlertOctagon,
+  signedOut: IconAlertOctagon,
+  unsent: IconHandStop,
   obeyed: IconCheck,
 };
 const SHOWN = 8000; // ms, of a good verdict: that everything is halted is said as long as it is so
@@ -28,6 +32,10 @@ export function StopVerdict() {
       endListening();
     };
   }, [verdict, forget]);
+  // Then the place to sign in again is needed at once.
+  useEffect(() => {
+    if (verdict === "signedOut") void queryClient.invalidateQueries({ queryKey: keys.me });
+  }, [verdict]);
   return <div role="alert">{verdict && <Words verdict={verdict} />}</div>;
 }
 
@@ -35,6 +43,7 @@ function Words({ verdict }: { verdict: Verdict }) {
   const { t } = useTranslation("always");
   const { text, forget } = useStopping();
   const Icon = ICONS[verdict];
+  const unsent = verdict === "signedOut" || verdict === "unsent";
   const good = verdict === "obeyed" || verdict === "asking";
   return (
     <div className={classes.verdict} data-bad={!good || undefined}>
@@ -47,9 +56,14 @@ function Words({ verdict }: { verdict: Verdict }) {
           {t(`verdict.${verdict}.text`)} {text}
         </Text>
       </div>
+      {unsent && (
+        <Button variant="white" color="red" onClick={() => void stopAll(t("stop.reason"))}>
+          {t("verdict.stopNow")}
+        </Button>
+      )}
       {verdict !== "asking" && (
         <Button variant="white" color="dark" onClick={forget}>
-          {verdict === "noAnswer" ? t("verdict.withdraw") : t("verdict.seen")}
+          {verdict === "noAnswer" || unsent ? t("verdict.withdraw") : t("verdict.seen")}
         </Button>
       )}
     </div>

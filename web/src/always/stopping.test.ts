@@ -69,6 +69,30 @@ test("a stop that is refused says what the server says, and is not tried again",
   expect(fetch).toHaveBeenCalledTimes(1);
 });
 
+test("a stop that nobody takes, since the login has ended, is asked about after the next one, and sent if still wanted", async () => {
+  const fetch = answers(
+    answer(401, { detail: "send it as 'Authorization: Bearer sk_…'" }),
+    answer(200, { ...INFO, obeyed: true }),
+  );
+  const stopping = stopAll("why");
+  await vi.advanceTimersByTimeAsync(100);
+  await stopping;
+  expect(useStopping.getState()).toMatchObject({ verdict: "signedOut", text: "" });
+  useStopping.getState().signedIn();
+  await vi.advanceTimersByTimeAsync(5000);
+  expect(useStopping.getState().verdict).toBe("unsent");
+  expect(fetch).toHaveBeenCalledTimes(1);
+  const again = stopAll("why");
+  await vi.advanceTimersByTimeAsync(100);
+  await again;
+  expect(useStopping.getState().verdict).toBe("obeyed");
+});
+
+test("who signs in without having asked for a stop is asked for none", () => {
+  useStopping.getState().signedIn();
+  expect(useStopping.getState().verdict).toBeNull();
+});
+
 test("a stop that is withdrawn is tried no more", async () => {
   const fetch = answers(new TypeError("no network"));
   const stopping = stopAll("why");

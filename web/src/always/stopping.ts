@@ -5,7 +5,7 @@ import { BASE, type Schema } from "../api/client";
 import { reconnect } from "../live/connection";
 
 /** How a stop that was asked for here stands. */
-export type Verdict = "asking" | "noAnswer" | "notObeyed" | "refused" | "obeyed";
+export type Verdict = "asking" | "noAnswer" | "notObeyed" | "refused" | "signedOut" | "unsent" | "obeyed";
 
 interface Stopping {
   /** Null while nobody has asked for a stop here, or what became of it has been read. */
@@ -14,6 +14,8 @@ interface Stopping {
   text: string;
   /** Ends it: a stop that nobody has answered is withdrawn by that, one that was answered stands. */
   forget: () => void;
+  /** Somebody is signed in again: a stop that was not sent for that is asked about, since it may not be wanted any more. */
+  signedIn: () => void;
 }
 
 export const useStopping = create<Stopping>((set) => ({
@@ -23,6 +25,7 @@ export const useStopping = create<Stopping>((set) => ({
     round += 1;
     set({ verdict: null, text: "" });
   },
+  signedIn: () => set(({ verdict }) => ({ verdict: verdict === "signedOut" ? "unsent" : verdict })),
 }));
 
 const NOTICE_AFTER = 1500; // ms without an answer until that is said
@@ -89,6 +92,7 @@ async function meaning(response: Response): Promise<Answer | null> {
     const { obeyed } = (await response.json()) as Schema<"StopInfo">;
     return { verdict: obeyed ? "obeyed" : "notObeyed", text: "" };
   }
+  if (response.status === 401) return { verdict: "signedOut", text: "" };
   if (response.status >= 500) return null; // a proxy that reaches nobody, a server that ends
   const problem = (await response.json().catch(() => ({}))) as Partial<Schema<"ProblemDetails">>;
   return { verdict: "refused", text: problem.detail ?? `HTTP ${response.status}` };

@@ -2,6 +2,7 @@ import { useQuery } from "@tanstack/react-query";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
+import { queryClient } from "../api/queries";
 import { notifyProblem } from "../widgets/problems";
 
 export type Alarm = Schema<"AlarmInfo">;
@@ -24,6 +25,8 @@ export function useAcknowledge() {
   return useSingleMutation({
     mutationFn: (alarm: Alarm) =>
       answer(api.POST("/api/v1/alarms/{alarm}/acknowledge", { params: { path: { alarm: alarm.id } } })),
+    // Until it is known what that has made of the alarm, its buttons are not there for a second press.
+    onSuccess: () => queryClient.invalidateQueries({ queryKey: keys.alarms() }),
     onError: notifyProblem,
   });
 }
@@ -38,6 +41,8 @@ export function useAnswer() {
           body: { answer: choice, question: alarm.question ?? null },
         }),
       ),
+    // Until it is known what that has made of the alarm, its buttons are not there for a second press.
+    onSuccess: () => queryClient.invalidateQueries({ queryKey: keys.alarms() }),
     onError: notifyProblem,
   });
 }

@@ -1,7 +1,7 @@
 /** Who is at the screen, and what they may do. */
 
 import { useQuery } from "@tanstack/react-query";
-import { answer, api, type Schema } from "./client";
+import { answer, api, ApiProblem, type Schema } from "./client";
 import { keys } from "./keys";
 import type { operations } from "./schema";
 
@@ -9,6 +9,12 @@ export type Operation = keyof operations;
 
 export function useMe() {
   return useQuery<Schema<"Me">>({ queryKey: keys.me, queryFn: () => answer(api.GET("/api/v1/session")), retry: false });
+}
+
+/** Returns whether somebody who was let in, or wants to be, is not let in any more: the key has ended, not the server. */
+export function useLoginEnded(): boolean {
+  const { error } = useMe();
+  return error instanceof ApiProblem && error.status === 401;
 }
 
 /** Returns whether the role may do an operation; false until that is known. */

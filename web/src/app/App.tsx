@@ -3,8 +3,7 @@ import { useTranslation } from "react-i18next";
 import { Login } from "../always/Login";
 import { LoginAgain } from "../always/LoginAgain";
 import { Unreachable } from "../always/Unreachable";
-import { ApiProblem } from "../api/client";
-import { useMe } from "../api/session";
+import { useLoginEnded, useMe } from "../api/session";
 import { Shell } from "./Shell";
 import { useServer } from "./useServer";
 
@@ -12,7 +11,7 @@ import { useServer } from "./useServer";
 export function App() {
   const { t } = useTranslation();
   const { data: me, error } = useMe();
-  const refused = error instanceof ApiProblem && error.status === 401;
+  const refused = useLoginEnded();
   useServer(me !== undefined && !refused);
   if (me !== undefined) {
     return (

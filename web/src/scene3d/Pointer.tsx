@@ -23,8 +23,10 @@ function listen(canvas: HTMLElement, at: (event: PointerEvent) => string | null)
   let pressed: { x: number; y: number } | null = null;
   let timer: ReturnType<typeof setTimeout> | undefined;
   let latest: PointerEvent | undefined;
+  let looked = 0; // ms
   const look = () => {
     timer = undefined;
+    looked = performance.now();
     if (latest !== undefined && pressed === null) hover(at(latest), canvas);
   };
   const end = new AbortController();
@@ -32,7 +34,7 @@ function listen(canvas: HTMLElement, at: (event: PointerEvent) => string | null)
     canvas.addEventListener(name, then, { signal: end.signal });
   on("pointermove", (event) => {
     latest = event;
-    timer ??= setTimeout(look, PAUSE);
+    timer ??= setTimeout(look, Math.max(0, looked + PAUSE - performance.now()));
   });
   on("pointerdown", (event) => (pressed = event.button === 0 ? { x: event.clientX, y: event.clientY } : null));
   on("pointerup", (event) => {

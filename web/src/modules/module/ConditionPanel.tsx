@@ -3,6 +3,7 @@ import { IconAlertTriangle, IconCheck, IconQuestionMark, IconX } from "@tabler/i
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../../api/client";
 import { useMay } from "../../api/session";
+import { useStation } from "../../live/station";
 import { problemText } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
 
@@ -25,9 +26,7 @@ export function ConditionPanel({ panel, problem, waiting }: Props) {
           <Title order={3} size="h6">
             {t("panel.label")}
           </Title>
-          {panel && !problem && (
-            <Status mood={panel.ready ? "good" : "bad"} text={t(panel.ready ? "panel.ready" : "panel.notReady")} />
-          )}
+          {panel && !problem && <Readiness ready={panel.ready} />}
         </Group>
         {!may && <Text size="sm">{t("panel.mayNot")}</Text>}
         {problem ? (
@@ -40,6 +39,14 @@ export function ConditionPanel({ panel, problem, waiting }: Props) {
       </Stack>
     </Paper>
   );
+}
+
+/** Whether it could run now: nothing can while everything is halted, whatever its conditions are. */
+function Readiness({ ready }: { ready: boolean }) {
+  const { t } = useTranslation("modules");
+  const halted = useStation(({ state }) => Boolean(state?.halted));
+  if (halted) return <Status mood="stopped" text={t("panel.halted")} />;
+  return <Status mood={ready ? "good" : "bad"} text={t(ready ? "panel.ready" : "panel.notReady")} />;
 }
 
 function Findings({ panel }: { panel: Schema<"PanelInfo"> }) {

@@ -6,10 +6,13 @@ import { answer, api } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useSingleMutation } from "../../api/mutations";
 import { queryClient } from "../../api/queries";
+import { useStation } from "../../live/station";
 import { CountField } from "../../widgets/arguments/CountField";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyProblem } from "../../widgets/problems";
 import type { Draft } from "../drafts";
+import { useRuns } from "../queries";
+import { isOver } from "../runs/states";
 import { CopyAs } from "./CopyAs";
 
 interface Props {
@@ -27,6 +30,9 @@ const MOST = 1000;
 export function RunBar({ agent, module, draft, change, sound }: Props) {
   const { t } = useTranslation("modules");
   const path = { agent, module };
+  const halted = useStation(({ state }) => Boolean(state?.halted));
+  const { data: runs = [] } = useRuns();
+  const atWork = runs.some((one) => one.agent === agent && one.module === module && !isOver(one));
   const run = useSingleMutation({
     mutationFn: () =>
       answer(
@@ -35,7 +41,8 @@ export function RunBar({ agent, module, draft, change, sound }: Props) {
           body: { arguments: draft.values, repeat: draft.repeat },
         }),
       ),
-    onSuccess: () => void queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),
+    // Until the run is known, the button is not there for a second press.
+    onSuccess: () => queryClient.invalidateQueries({ queryKey: keys.moduleRuns() }),
     onError: notifyProblem,
   });
   const reset = useSingleMutation({
@@ -59,7 +66,7 @@ export function RunBar({ agent, module, draft, change, sound }: Props) {
             operation="run_module"
             leftSection={<IconPlayerPlay size={14} aria-hidden />}
             loading={run.isPending}
-            disabled={!sound}
+            disabled={!sound || halted || atWork}
             onClick={() => run.mutate()}
           >
             {draft.repeat > 1 ? t("run.runMany", { count: draft.repeat }) : t("run.run")}
@@ -76,6 +83,7 @@ export function RunBar({ agent, module, draft, change, sound }: Props) {
           <CopyAs wanted={{ agent, module, values: draft.values, repeat: draft.repeat }} />
         </Group>
         {!sound && <Text size="xs">{t("run.faulty")}</Text>}
+        {halted && <Text size="xs">{t("run.halted")}</Text>}
       </Stack>
     </Paper>
   );

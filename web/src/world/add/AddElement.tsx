@@ -43,7 +43,12 @@ export function AddElement({ parent, like, onClose }: Props) {
             <Button variant="default" onClick={onClose}>
               {t("common:cancel")}
             </Button>
-            <MayButton operation="add_element" type="submit" loading={adding.saving} disabled={!adding.class_ || adding.unfit.length > 0}>
+            <MayButton
+              operation="add_element"
+              type="submit"
+              loading={adding.saving}
+              disabled={!adding.class_ || adding.unfit.length > 0}
+            >
               {t("common:add")}
             </MayButton>
           </Group>
@@ -95,6 +100,7 @@ function Fields({ adding, class_, copy }: { adding: Adding; class_: string; copy
           guest={{ class: class_ }}
           class_={class_}
           value={(draft[PLACEMENT] as Placement | null | undefined) ?? null}
+          error={errors[PLACEMENT]}
           onChange={(value) => setDraft({ ...draft, [PLACEMENT]: value })}
         />
       </Fieldset>

@@ -43,7 +43,12 @@ export function EditForm({ tagged, onDone }: Props) {
           <Button variant="default" onClick={onDone}>
             {t("common:cancel")}
           </Button>
-          <MayButton operation="change_element" type="submit" loading={editing.saving} disabled={!editing.changed || editing.unfit.length > 0}>
+          <MayButton
+            operation="change_element"
+            type="submit"
+            loading={editing.saving}
+            disabled={!editing.changed || editing.unfit.length > 0}
+          >
             {t("common:save")}
           </MayButton>
         </Group>

@@ -42,7 +42,13 @@ function placeOf(path: string, draft: Draft): [string | undefined, string[]] {
     name === LABEL ? "body.label" : name === PLACEMENT ? "body.placement" : `body.properties.${name}`;
   const name = Object.keys(draft).find((one) => `${path}.`.startsWith(`${wire(one)}.`));
   if (name === undefined) return [undefined, []];
-  return [name, path.slice(wire(name).length + 1).split(".").filter(Boolean)];
+  return [
+    name,
+    path
+      .slice(wire(name).length + 1)
+      .split(".")
+      .filter(Boolean),
+  ];
 }
 
 const AXES = ["x", "y", "z"];
