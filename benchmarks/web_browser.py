@@ -86,23 +86,27 @@ def heap(page: Page) -> float:
 
 
 _WATCH = """
-([event, done]) => {
+([event, done, drawn]) => {
   let begun = null;
   window.addEventListener(event, ({ timeStamp }) => (begun = timeStamp), { capture: true, once: true });
   const there = new Function(`return (${done})`);
+  const before = window.skiros3d.frames;
   window.cost = new Promise((resolve, reject) => {
-    const look = (now) => {
-      if (begun !== null && there()) setTimeout(() => resolve(performance.now() - begun)); // when it is painted
-      else if (begun !== null && now - begun > 10000) reject(new Error(`not seen within ten seconds: ${done}`));
-      else requestAnimationFrame(look);
-    };
-    requestAnimationFrame(look);
+    const look = () => requestAnimationFrame((now) => {
+      const seen = begun !== null && there();  // what is there now is painted next, as is what is drawn in this frame
+      setTimeout(() => {
+        if (seen && (!drawn || window.skiros3d.frames > before)) resolve(performance.now() - begun);
+        else if (begun !== null && now - begun > 10000) reject(new Error(`not seen within ten seconds: ${done}`));
+        else look();
+      });
+    });
+    look();
   });
 }
 """
 
 
-def cost_of(page: Page, event: str, act: Callable[[], None], done: str) -> float:
+def cost_of(page: Page, event: str, act: Callable[[], None], done: str, *, drawn: bool = False) -> float:
     """Returns how long something takes from the input to the painted result [ms], by the page's own clock.
 
     Args:
@@ -110,8 +114,9 @@ def cost_of(page: Page, event: str, act: Callable[[], None], done: str) -> float
         event: What the browser calls the input: ``keydown``.
         act: Makes the input, as a person does.
         done: JavaScript expression that is true when the result is there; it is asked once a frame.
+        drawn: Whether the 3D view has to be drawn anew, too.
     """
-    page.evaluate(_WATCH, [event, done])
+    page.evaluate(_WATCH, [event, done, drawn])
     act()
     cost: float = page.evaluate("window.cost")
     return cost

@@ -103,13 +103,12 @@ def _arrow(page: Page) -> float:
 
 
 def _marked(name: str) -> str:
-    """It is marked in the tree, its details are there, and the 3D view was drawn anew."""
+    """It is marked in the tree, and its details are there."""
     return f"""
       [...document.querySelectorAll("[role=treeitem][aria-selected=true]")].some(
         (row) => /{name}(?!\\d)/.test(row.textContent),
       ) &&
-      document.querySelector("section[aria-label] table")?.closest("section").textContent.includes("{name}") &&
-      window.skiros3d.frames > window.framesBefore
+      document.querySelector("section[aria-label] table")?.closest("section").textContent.includes("{name}")
     """
 
 
@@ -125,8 +124,7 @@ def _select(page: Page, number: int) -> float:
     x, y = spot["x"] + 90.0, spot["y"] + 8.0
     page.mouse.move(x, y)
     page.wait_for_timeout(_SETTLED)
-    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
-    return cost_of(page, "mousedown", lambda: page.mouse.click(x, y), _marked(name[0]))
+    return cost_of(page, "mousedown", lambda: page.mouse.click(x, y), _marked(name[0]), drawn=True)
 
 
 def _spot(page: Page, name: str) -> tuple[float, float]:
@@ -139,8 +137,7 @@ def _click(page: Page, name: str) -> float:
     x, y = _spot(page, name)
     page.mouse.move(x, y)
     page.wait_for_timeout(_SETTLED)
-    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
-    return cost_of(page, "pointerdown", lambda: page.mouse.click(x, y), _marked(name))
+    return cost_of(page, "pointerdown", lambda: page.mouse.click(x, y), _marked(name), drawn=True)
 
 
 def _point(page: Page, name: str) -> float:
@@ -148,19 +145,15 @@ def _point(page: Page, name: str) -> float:
     x, y = _spot(page, name)
     page.mouse.click(*_NOWHERE)
     page.wait_for_timeout(_SETTLED)
-    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
-    label = "document.querySelector('[data-picture]').parentElement.innerText.includes('Starter')"
-    done = f"{label} && window.skiros3d.frames > window.framesBefore"
-    return cost_of(page, "pointermove", lambda: page.mouse.move(x, y), done)
+    done = "document.querySelector('[data-picture]').parentElement.innerText.includes('Starter')"
+    return cost_of(page, "pointermove", lambda: page.mouse.move(x, y), done, drawn=True)
 
 
 def _turn(page: Page) -> float:
     """Turns the view by a key."""
     page.get_by_role("application").focus()
     page.wait_for_timeout(_SETTLED)
-    page.evaluate("() => void (window.framesBefore = window.skiros3d.frames)")
-    done = "window.skiros3d.frames > window.framesBefore"
-    return cost_of(page, "keydown", lambda: page.keyboard.press("ArrowLeft"), done)
+    return cost_of(page, "keydown", lambda: page.keyboard.press("ArrowLeft"), "true", drawn=True)
 
 
 def _search(page: Page, name: str) -> float:

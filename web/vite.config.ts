@@ -11,9 +11,7 @@ function preloadFirst(): Plugin {
     const chunks = Object.values(bundle).filter((output) => output.type === "chunk");
     const needed = closure(chunks, ({ name }) => FIRST.includes(name));
     const there = closure(chunks, ({ isEntry }) => isEntry);
-    const late = [...needed].filter((chunk) => !there.has(chunk));
-    const sheets = new Set(late.flatMap(({ viteMetadata }) => [...(viteMetadata?.importedCss ?? [])]));
-    return [...late.map(({ fileName }) => scriptTag(fileName)), ...[...sheets].map(sheetTag)];
+    return [...needed].filter((chunk) => !there.has(chunk)).map(preloadTag);
   };
   return { name: "preload-first", transformIndexHtml: { order: "post", handler } };
 }
@@ -30,13 +28,8 @@ function closure(
   return found;
 }
 
-function scriptTag(fileName: string): HtmlTagDescriptor {
+function preloadTag({ fileName }: Rolldown.OutputChunk): HtmlTagDescriptor {
   return { tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `./${fileName}` }, injectTo: "head" };
-}
-
-function sheetTag(fileName: string): HtmlTagDescriptor {
-  const attrs = { rel: "preload", as: "style", crossorigin: true, href: `./${fileName}` };
-  return { tag: "link", attrs, injectTo: "head" };
 }
 
 export default defineConfig({

@@ -4,7 +4,7 @@ import { answer, answerWithTag, api } from "../api/client";
 import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { MayButton } from "../widgets/MayButton";
-import { problemText } from "../widgets/problems";
+import { problemText, problemTitle } from "../widgets/problems";
 import { useDialogs } from "./dialogs";
 
 /** Loads another scene: the present one goes, so that somebody has to say so. */
@@ -35,7 +35,7 @@ function Question({ name, done }: { name: string; done: () => void }) {
     <Stack>
       <Text size="sm">{t("load.text")}</Text>
       {load.error && (
-        <Alert role="alert" color="red">
+        <Alert role="alert" color="red" title={problemTitle(load.error)}>
           {problemText(load.error)}
         </Alert>
       )}

@@ -6,7 +6,7 @@ import { keys } from "../api/keys";
 import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { MayButton } from "../widgets/MayButton";
-import { problemText } from "../widgets/problems";
+import { problemText, problemTitle } from "../widgets/problems";
 import { useDialogs } from "./dialogs";
 import { useStopping } from "./stopping";
 import { useHalt } from "./useHalt";
@@ -35,7 +35,7 @@ function Question({ halt, done }: { halt: Schema<"StopInfo">; done: () => void }
       <Text size="sm">{halt.halted ? t("reset.why", { why: halt.why }) : t("reset.nothing")}</Text>
       {another ? <Alert color="red">{t("reset.another")}</Alert> : <Text size="sm">{t("reset.text")}</Text>}
       {reset.error && (
-        <Alert role="alert" color="red" title={t("reset.refused")}>
+        <Alert role="alert" color="red" title={problemTitle(reset.error, t("reset.refused"))}>
           {problemText(reset.error)}
         </Alert>
       )}

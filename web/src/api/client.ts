@@ -30,6 +30,11 @@ export class ApiProblem extends Error {
   }
 }
 
+/** Whether what was asked for is not there (any more). */
+export function isGone(error: unknown): boolean {
+  return error instanceof ApiProblem && error.status === 404;
+}
+
 interface Answered<Data> {
   data?: Data;
   error?: unknown;

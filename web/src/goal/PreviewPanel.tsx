@@ -1,6 +1,8 @@
 import { Alert, Badge, Group, Loader, Stack, Text, Title } from "@mantine/core";
 import { IconArrowsSplit2 } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
+import { MayButton } from "../widgets/MayButton";
+import { useWorldInfo } from "../world/queries";
 import classes from "./goal.module.css";
 import type { CheckedCondition, GoalOrder } from "./goals";
 import { intoView } from "../widgets/intoView";
@@ -44,11 +46,29 @@ export function PreviewPanel({ preview, planning, lost, fits, conditions, again 
       )}
       {lost && <Text size="sm">{t("preview.lost")}</Text>}
       {!planning && preview && !fits && <Alert color="yellow">{t("preview.other")}</Alert>}
+      {!planning && fits && preview && <Older planned={preview.world} again={() => again()} />}
       {!planning && preview?.state === "planned" && <Plan preview={preview} />}
       {!planning && fits && preview && (preview.state === "no plan" || preview.state === "failed") && (
         <WhyNot preview={preview} conditions={conditions} again={again} />
       )}
     </Stack>
+  );
+}
+
+/** Says that a plan was made for a world that is another one now. */
+function Older({ planned, again }: { planned: number; again: () => void }) {
+  const { t } = useTranslation("goal");
+  const { data } = useWorldInfo();
+  if (data === undefined || data.version === planned) return null;
+  return (
+    <Alert color="yellow">
+      <Group justify="space-between" gap="xs">
+        <Text size="sm">{t("preview.older", { planned, now: data.version })}</Text>
+        <MayButton operation="ask_preview" variant="default" onClick={again}>
+          {t("preview.again")}
+        </MayButton>
+      </Group>
+    </Alert>
   );
 }
 

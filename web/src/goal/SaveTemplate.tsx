@@ -7,7 +7,7 @@ import { useSingleMutation } from "../api/mutations";
 import { queryClient } from "../api/queries";
 import { problemText } from "../widgets/problems";
 import { type CheckedCondition, type GoalData, shortText } from "./goals";
-import { TEMPLATES, useTemplates, variablesOf, withPlaceholders } from "./templates";
+import { isTemplateName, TEMPLATES, useTemplates, variablesOf, withPlaceholders } from "./templates";
 import { useWords } from "./words";
 
 interface Props {
@@ -34,6 +34,7 @@ function Form({ onDone, conditions }: { onDone: () => void; conditions: readonly
   const [description, setDescription] = useState("");
   const [asked, setAsked] = useState<string[]>([]);
   const variables = variablesOf(conditions, words);
+  const fits = isTemplateName(name);
   const there = known.find((template) => template.name === name.trim());
   const write = useSingleMutation({
     mutationFn: (content: Schema<"GoalTemplateContent">) =>
@@ -62,6 +63,7 @@ function Form({ onDone, conditions }: { onDone: () => void; conditions: readonly
         required
         maxLength={200}
         value={name}
+        error={fits ? undefined : t("template.nameRule")}
         onChange={(event) => setName(event.currentTarget.value)}
         data-autofocus
       />
@@ -96,7 +98,7 @@ function Form({ onDone, conditions }: { onDone: () => void; conditions: readonly
         </Alert>
       )}
       <Group>
-        <Button onClick={save} disabled={!name.trim()} loading={write.isPending}>
+        <Button onClick={save} disabled={!name.trim() || !fits} loading={write.isPending}>
           {there ? t("template.replace") : t("common:save")}
         </Button>
         <Button variant="default" onClick={onDone}>

@@ -5,6 +5,7 @@ import { useIsCarried } from "../widgets/carried";
 import { ElementPicker } from "../widgets/ElementPicker";
 import type { Verdict as Told } from "./checks";
 import classes from "./goal.module.css";
+import { GoneThings } from "./GoneThings";
 import { type Row, textOf, type WordRow } from "./goals";
 import type { ConditionWord } from "./sentence";
 import { Verdict } from "./Verdict";
@@ -38,6 +39,9 @@ export function SentenceRow({ row, word, verdict, onChange, onRemove }: Props) {
             </Text>
           )}
           <Verdict verdict={verdict} />
+          {verdict.state === "wrong" && row.kind === "word" && (
+            <GoneThings ids={row.arguments.filter((one) => one !== null)} />
+          )}
         </Stack>
         <Tooltip label={t("removeCondition")}>
           <ActionIcon color="red" aria-label={`${t("removeCondition")}: ${name}`} onClick={onRemove}>

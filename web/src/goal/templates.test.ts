@@ -1,4 +1,4 @@
-import { EMPTY, fieldsOf, isCounted, templateOrder, variablesOf, withPlaceholders } from "./templates";
+import { EMPTY, fieldsOf, isCounted, templateOrder, variablesOf, withPlaceholders, isTemplateName } from "./templates";
 
 const WORDS = [
   {
@@ -55,4 +55,14 @@ test("elements may become parameters, named after their roles; classes stay", ()
   expect(withPlaceholders({ not: conditions[0]?.data }, variables)).toEqual({
     not: { condition: "ObjectAtLocation", arguments: ["kitting:Starter", { parameter: "location" }] },
   });
+});
+
+test.each([
+  ["kit für Halle 7-3", true],
+  ["v1.2 (neu) 100 %", true],
+  ["kit für Halle 7/3", false],
+  ["../../etc/passwd", false],
+  ["..", false],
+])("%j may be the name of a template: %s", (name, may) => {
+  expect(isTemplateName(name)).toBe(may);
 });

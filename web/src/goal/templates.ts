@@ -118,3 +118,8 @@ function named(names: unknown, variables: readonly Variable[]): unknown {
     return variable ? { parameter: variable.name } : name;
   });
 }
+
+/** Whether a template can be called so: its name is a part of its address, which "/" and mere dots would change. */
+export function isTemplateName(name: string): boolean {
+  return !name.includes("/") && !/^\.{1,2}$/.test(name.trim());
+}

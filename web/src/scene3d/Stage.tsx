@@ -19,7 +19,7 @@ import type { Palette } from "./palette";
 import { Pointer } from "./Pointer";
 import { Robots } from "./robots/Robots";
 import { Surroundings } from "./Surroundings";
-import { drawBy } from "./ticker";
+import { drawBy, wake } from "./ticker";
 
 /** All that is in the picture. */
 export function Stage({ palette }: { palette: Palette }) {
@@ -52,13 +52,18 @@ export function Stage({ palette }: { palette: Palette }) {
 
 /** Draws when somebody wakes the picture, and lets tests look at it. */
 function useDrawing(): void {
-  const invalidate = useThree((three) => three.invalidate);
+  const get = useThree((three) => three.get);
   const gl = useThree((three) => three.gl);
   const camera = useThree((three) => three.camera);
   useEffect(() => {
+    const { invalidate, set } = get();
     drawBy(() => invalidate());
-    return () => drawBy(null);
-  }, [invalidate]);
+    set({ invalidate: () => wake() }); // what the libraries ask for, too: all frames keep to one rate
+    return () => {
+      drawBy(null);
+      set({ invalidate });
+    };
+  }, [get]);
   useEffect(() => offerHook(gl, camera), [gl, camera]);
   useEffect(() => measure(), []);
 }

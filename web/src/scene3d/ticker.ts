@@ -2,6 +2,8 @@
 
 import { quality } from "./quality";
 
+const SOON = 8; // ms: what a click changes comes in several pieces, and a frame is dear
+
 let draw: (() => void) | null = null;
 let until = 0; // ms
 let last = 0; // ms
@@ -18,12 +20,14 @@ export function drawBy(how: (() => void) | null): void {
 /** Asks for a frame soon, and for more as long as something moves [ms]. */
 export function wake(duration = 0): void {
   until = Math.max(until, performance.now() + duration);
-  if (draw !== null) timer ??= setTimeout(tick, Math.max(0, last + pause() - performance.now()));
+  if (draw !== null) timer ??= setTimeout(tick, Math.max(SOON, last + pause() - performance.now()));
 }
 
 function tick(): void {
-  last = performance.now();
-  timer = last < until ? setTimeout(tick, pause()) : undefined;
+  const now = performance.now();
+  const due = last + pause();
+  last = now - due < pause() ? due : now; // one that comes late shall not delay all that follow
+  timer = now < until ? setTimeout(tick, Math.max(0, last + pause() - now)) : undefined;
   draw?.();
 }
 

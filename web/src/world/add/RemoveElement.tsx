@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
+import { useSelection } from "../../selection/selection";
 import { MayButton } from "../../widgets/MayButton";
 import { notifyChange } from "../../widgets/undo";
 import { useRelations, type RelationInfo, type Tagged } from "../queries";
@@ -27,6 +28,7 @@ export function RemoveElement({ tagged: { data, tag }, onClose }: Props) {
       ),
     ({ change }) => {
       notifyChange(t("remove.done", { label: data.label }), change?.number);
+      useSelection.getState().choose(null);
       onClose();
     },
   );

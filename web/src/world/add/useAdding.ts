@@ -4,9 +4,8 @@ import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../../api/client";
 import { useSingleMutation } from "../../api/mutations";
 import { useSelection } from "../../selection/selection";
-import { notifyProblem } from "../../widgets/problems";
+import { isUnanswered, notifyProblem } from "../../widgets/problems";
 import { notifyChange } from "../../widgets/undo";
-import { ApiProblem } from "../../api/client";
 import { useClasses } from "../classes";
 import { type Draft, given, LABEL, PLACEMENT, unfitFields } from "../edit/draft";
 import { refusalOf } from "../edit/refusals";
@@ -55,7 +54,7 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
       useSelection.getState().choose(id);
       onDone();
     },
-    onError: (error) => (error instanceof ApiProblem ? setRefusal(error) : notifyProblem(error)),
+    onError: (error) => (isUnanswered(error) ? notifyProblem(error) : setRefusal(error)),
   });
   const choose = (next: string | null, kind: string | null) => {
     setWhat(next);

@@ -1,6 +1,7 @@
 import { Alert, Group, Loader, Stack, Tabs, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { isGone } from "../../api/client";
 import { useSelection } from "../../selection/selection";
 import { problemText } from "../../widgets/problems";
 import { ClassLink } from "../ClassLink";
@@ -9,6 +10,7 @@ import { LockedBy } from "../locks/LockedBy";
 import { type Tagged, useElement } from "../queries";
 import { Actions } from "./Actions";
 import { Connections } from "./Connections";
+import { Gone } from "./Gone";
 import { History } from "./History";
 import { Properties } from "./Properties";
 import { Whereabouts } from "./Whereabouts";
@@ -25,9 +27,14 @@ export function ElementDetails() {
       </Text>
     );
   }
-  if (error) return <Alert color="red">{problemText(error)}</Alert>;
-  if (data === undefined) return <Loader size="sm" aria-label={t("details.loading")} />;
-  return <Element key={selected} tagged={data} />;
+  if (isGone(error)) return <Gone id={selected} />;
+  if (data === undefined && !error) return <Loader size="sm" aria-label={t("details.loading")} />;
+  return (
+    <>
+      {error && <Alert color="red">{problemText(error)}</Alert>}
+      {data && <Element key={selected} tagged={data} />}
+    </>
+  );
 }
 
 function Element({ tagged }: { tagged: Tagged }) {

@@ -52,7 +52,7 @@ export function PoseInput({ label, description, error, value, onChange, framed }
         />
       )}
       {error && (
-        <Text ref={intoView} size="xs" c="red" role="alert">
+        <Text ref={intoView} size="xs" c="red" role="alert" style={{ scrollMarginBottom: 70 }}>
           {error}
         </Text>
       )}

@@ -1,6 +1,7 @@
 import { ActionIcon, Group, Select, Stack, Tooltip } from "@mantine/core";
 import { IconTrash } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
+import { intoView } from "../../widgets/intoView";
 import { type PropertyInfo, useClass } from "../queries";
 import { kindOf, type ValueKind } from "../values";
 import { type Draft, without } from "./draft";
@@ -74,7 +75,7 @@ function Field({ info, value, error, onChange, onRemove }: FieldProps) {
   const label = t("edit.removeValue", { property: info.label });
   return (
     <Group align="start" wrap="nowrap" gap={6}>
-      <div style={{ flex: 1, minWidth: 0 }}>
+      <div ref={error ? intoView : undefined} style={{ flex: 1, minWidth: 0, scrollMarginBottom: 70 }}>
         <ValueInput info={info} value={value} onChange={onChange} error={error} />
       </div>
       <Tooltip label={label}>

@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { useSingleMutation } from "../../api/mutations";
 import { ApiProblem } from "../../api/client";
-import { notifyProblem } from "../../widgets/problems";
+import { isUnanswered, notifyProblem } from "../../widgets/problems";
 import { notifyChange } from "../../widgets/undo";
 import { readElement, type Tagged } from "../queries";
 import { useWords } from "../useWords";
@@ -65,7 +65,7 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
     onError: (error) => void refused(error),
   });
   const refused = async (error: Error) => {
-    if (!(error instanceof ApiProblem)) return notifyProblem(error);
+    if (!(error instanceof ApiProblem) || isUnanswered(error)) return notifyProblem(error);
     if (error.status !== STALE) return setRefusal(error);
     await readElement(id).then(setTheirs, notifyProblem);
   };

@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { useSingleMutation } from "../../api/mutations";
 import { useSelection } from "../../selection/selection";
-import { problemText } from "../../widgets/problems";
+import { problemText, problemTitle } from "../../widgets/problems";
 import { notifyDone } from "../../widgets/toasts";
 import { Difference } from "./Difference";
 import { usePresent } from "./queries";
@@ -38,7 +38,7 @@ export function LoadDialog({ scene, onClose }: Props) {
           </Alert>
         )}
         {load.error && (
-          <Alert color="red" title={t("load.refused")} style={{ whiteSpace: "pre-wrap" }}>
+          <Alert color="red" title={problemTitle(load.error, t("load.refused"))} style={{ whiteSpace: "pre-wrap" }}>
             {problemText(load.error)}
           </Alert>
         )}

@@ -1,6 +1,7 @@
 import { Group, Text } from "@mantine/core";
 import { useEffect, useMemo } from "react";
 import { useTranslation } from "react-i18next";
+import { isGone } from "../../api/client";
 import { useSelection } from "../../selection/selection";
 import { notifyProblem } from "../../widgets/problems";
 import { localName, nameOf } from "../../widgets/names";
@@ -40,7 +41,7 @@ function useRevealed(selected: string | null, nodes: ReadonlyMap<string, Node>) 
   const ready = useBranches((state) => state.ready);
   const there = selected !== null && nodes.has(selected);
   useEffect(() => {
-    if (ready && selected !== null) reveal(selected).catch(notifyProblem);
+    if (ready && selected !== null) reveal(selected).catch((error: unknown) => isGone(error) || notifyProblem(error)); // its details say that
   }, [ready, selected, there]);
 }
 

@@ -1,7 +1,7 @@
 /** What of the tree was read: read again where a change concerns it, and nowhere else. */
 
 import { create } from "zustand";
-import { answer, api, type Schema } from "../../api/client";
+import { answer, api, type Schema, isGone } from "../../api/client";
 import { type EventInfo, onEvent, onReset } from "../../live/events";
 import { useSelection } from "../../selection/selection";
 import { notifyProblem } from "../../widgets/problems";
@@ -124,8 +124,7 @@ function take({ kind, type, data }: EventInfo): void {
 }
 
 function forget(gone: ReadonlySet<string>): void {
-  const { selected, hovered } = useSelection.getState();
-  if (selected !== null && gone.has(selected)) useSelection.setState({ selected: null });
+  const { hovered } = useSelection.getState(); // what is selected stays so: its details say who removed it
   if (hovered !== null && gone.has(hovered)) useSelection.setState({ hovered: null });
   useBranches.setState(({ branches, open }) => ({
     branches: Object.fromEntries(Object.entries(branches).filter(([id]) => !gone.has(id))),
@@ -145,6 +144,6 @@ function readAgain(ids: Iterable<string>, gone: ReadonlySet<string>): void {
     const { branches } = useBranches.getState();
     const now = [...waiting].filter((id) => branches[id] !== undefined);
     waiting.clear();
-    now.forEach((id) => void readBranch(id).catch(notifyProblem));
+    now.forEach((id) => void readBranch(id).catch((error: unknown) => isGone(error) || notifyProblem(error)));
   }, PAUSE);
 }

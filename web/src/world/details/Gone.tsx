@@ -1,0 +1,24 @@
+import { Alert, Group, Text } from "@mantine/core";
+import { useTranslation } from "react-i18next";
+import { Moment } from "../../widgets/Moment";
+import { UndoButton } from "../changes/UndoButton";
+import { useRemoval } from "./removal";
+
+/** Says of an element that was there that it is gone: who removed it, and how it comes back. */
+export function Gone({ id }: { id: string }) {
+  const { t } = useTranslation("world");
+  const { data: removal } = useRemoval(id);
+  if (removal === undefined) return null;
+  return (
+    <Alert color="orange" title={t("gone.title", { id })}>
+      {removal && (
+        <Group justify="space-between" gap="xs">
+          <Text size="sm">
+            {t("gone.by", removal)} <Moment at={removal.written} />
+          </Text>
+          <UndoButton only={removal.number} />
+        </Group>
+      )}
+    </Alert>
+  );
+}
