@@ -5,7 +5,7 @@ import { defineConfig, globalIgnores } from "eslint/config";
 import ts from "typescript-eslint";
 
 export default defineConfig([
-  globalIgnores(["src/api/schema.d.ts", "skiros_web/"]),
+  globalIgnores(["src/api/schema.d.ts", "python/"]),
   js.configs.recommended,
   ts.configs.strict,
   hooks.configs.flat["recommended-latest"],

@@ -32,7 +32,7 @@ class WebBuildHook(BuildHookInterface[Any]):
             RuntimeError: There is no Node, a package cannot be fetched, or the sources do not compile.
         """
         root = Path(self.root)
-        pages = root / "skiros_web" / "pages"
+        pages = root / "python" / "skiros_web" / "pages"
         if os.environ.get("SKIROS_SKIP_WEB") == "1":
             self.app.display_warning("SKIROS_SKIP_WEB=1: the web pages are left out")
             return

@@ -42,7 +42,7 @@ export default defineConfig({
       include: /\.(html|js|css|svg|json)$/,
     }),
   ],
-  build: { outDir: "skiros_web/pages", emptyOutDir: true, target: "es2022", chunkSizeWarningLimit: 1500 },
+  build: { outDir: "python/skiros_web/pages", emptyOutDir: true, target: "es2022", chunkSizeWarningLimit: 1500 },
   server: { host: "127.0.0.1", proxy: { "/api": { target: "http://127.0.0.1:8000", changeOrigin: true } } },
   test: { environment: "jsdom", globals: true, setupFiles: ["src/testing/setup.ts"], restoreMocks: true },
 });

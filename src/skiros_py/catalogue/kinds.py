@@ -125,6 +125,7 @@ KINDS: Mapping[str, Kind] = {
         Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_path),
         Kind("skiros.robots", "a package with Turtle files, or a Path", _is_path),
         Kind("skiros.scenes", "a package with scene files, or a Path", _is_path),
+        Kind("skiros.pages", "the Path of a folder of built web pages", lambda value: isinstance(value, Path)),
     )
 }
 """By group."""

@@ -8,14 +8,16 @@ import { useStation } from "../../live/station";
 import { useLayers } from "../layers";
 import type { Palette } from "../palette";
 import { matrixOf } from "../pose";
+import { quality } from "../quality";
 import { useReplay } from "../replay";
 import { useRobots } from "../robots/useRobots";
 import { wake } from "../ticker";
 import { Detections } from "./Detections";
-import { cloudOf } from "./points";
+import { cloudOf, thinned } from "./points";
 
 type Camera = Schema<"CameraDescription">;
 
+const FEW = 5000; // points, where the processor draws: all of a look would take as long as the rest of the picture
 const REACH = 0.35; // m, of the pyramid that stands for a camera's view
 
 /** The last look of each camera: from where, what it saw, and what was made out in it. */
@@ -54,7 +56,7 @@ const LOOK = "/api/v1/robots/{id}/cameras/{camera}/look";
 
 function CloudPoints({ look }: { look: Look }) {
   const geometry = useMemo(() => {
-    const { places, colours } = cloudOf(look);
+    const { places, colours } = thinned(cloudOf(look), quality().software ? FEW : Number.POSITIVE_INFINITY);
     const made = new BufferGeometry().setAttribute("position", new BufferAttribute(places, 3));
     return colours === null ? made : made.setAttribute("color", new BufferAttribute(colours, 3));
   }, [look]);
