@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -103,9 +104,9 @@ def _frames(browser: Browser, options: argparse.Namespace) -> list[Figure]:
         page.goto(_pages(server))
         ready(page)
         page.wait_for_timeout(3000.0)
-        drawn, start = page.evaluate("window.skiros3d.frames"), time.monotonic()
+        page.evaluate(_COUNT)
         beside = _cycles(server, options.seconds)
-        frames = (page.evaluate("window.skiros3d.frames") - drawn) / (time.monotonic() - start)
+        frames, moving = _rate(page.evaluate("window.counted"))
         state = server.job(JOB)["state"]["text"]
         page.context.close()
     return [
@@ -114,7 +115,8 @@ def _frames(browser: Browser, options: argparse.Namespace) -> list[Figure]:
             f"{frames:.1f} /s",
             ">= 20 /s",
             frames >= 20.0 and state == "Running",
-            f"drawn by software, 1280 x 800; the job: {state}",
+            f"drawn by software, 1280 x 800; the job: {state}; it moved for {100.0 * moving:.0f} % of the time, "
+            "else nothing is drawn",
         ),
         Figure(
             "control cycles beside the browser",
@@ -124,6 +126,24 @@ def _frames(browser: Browser, options: argparse.Namespace) -> list[Figure]:
             f"{beside:.0f} against {alone:.0f} cycles/s without one",
         ),
     ]
+
+
+_COUNT = """
+() => {
+  window.counted = [];
+  const robot = () => JSON.stringify([window.skiros3d.joints("robot_1"), window.skiros3d.pose("robot_1")]);
+  setInterval(() => window.counted.push([performance.now(), window.skiros3d.frames, robot()]), 250);
+}
+"""
+
+
+def _rate(counted: list[tuple[float, int, str]]) -> tuple[float, float]:
+    """Returns how many frames were drawn while the robot moved [1/s], and for which share of the time it did."""
+    pairs = list(pairwise(counted))
+    moved = [(then, now) for then, now in pairs if then[2] != now[2]]
+    seconds = sum(now[0] - then[0] for then, now in moved) / 1000.0
+    frames = sum(now[1] - then[1] for then, now in moved)
+    return frames / max(seconds, 1e-9), len(moved) / max(len(pairs), 1)
 
 
 def _cycles(server: Server, seconds: float) -> float:

@@ -40,6 +40,13 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
+test("what was read before the stream was open is read once more, for something may have happened in between", () => {
+  connect();
+  expect(resets).not.toHaveBeenCalled();
+  events().onopen?.();
+  expect(resets).toHaveBeenCalledOnce();
+});
+
 test("a broken stream is opened again behind the last event that was heard", async () => {
   connect();
   events().onopen?.();

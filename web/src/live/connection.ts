@@ -24,7 +24,9 @@ const FORGOTTEN_AFTER = 60_000; // ms: after a longer gap all is read anew, whic
 
 let endings: End[] = [];
 let lastSeen = ""; // id of the last event
-let gap = false; // something may have been missed of which the server does not know
+// Something may have been missed of which the server does not know: at first all that came between the first reading
+// and the opening of the stream.
+let gap = true;
 let leftAt = 0;
 
 /** Follows the server until {@link disconnect}; what was open is closed first. */
