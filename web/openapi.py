@@ -21,7 +21,7 @@ def document() -> dict[str, Any]:
 
 
 def _no_station() -> Any:
-    raise NotImplementedError("nothing is opened for a document")
+    raise AssertionError("nothing is opened for a document")
 
 
 def without_prose(node: Any, *, names: bool = False) -> Any:

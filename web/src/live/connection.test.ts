@@ -1,26 +1,6 @@
 import { connect, disconnect, reconnect, useConnection } from "./connection";
+import { Stream } from "../testing/stream";
 import { onEvent, onReset } from "./events";
-
-/** What the browser offers, with the server's side in our hand; jsdom has none. */
-class Stream extends EventTarget {
-  static all: Stream[] = [];
-  onopen: (() => void) | null = null;
-  onerror: (() => void) | null = null;
-  closed = false;
-
-  constructor(readonly url: string) {
-    super();
-    Stream.all.push(this);
-  }
-
-  close() {
-    this.closed = true;
-  }
-
-  tell(kind: string, id: string) {
-    this.dispatchEvent(new MessageEvent(kind, { data: `{"id":"${id}","kind":"${kind}"}`, lastEventId: id }));
-  }
-}
 
 const events = () => Stream.all.filter(({ url }) => url.includes("/events")).at(-1) as Stream;
 const resets = vi.fn();

@@ -1,25 +1,5 @@
+import { Stream } from "../testing/stream";
 import { Sharing, type Told } from "./sharing";
-
-/** The server's side of a stream. */
-class Stream extends EventTarget {
-  static all: Stream[] = [];
-  onopen: (() => void) | null = null;
-  onerror: (() => void) | null = null;
-  closed = false;
-
-  constructor(readonly url: string) {
-    super();
-    Stream.all.push(this);
-  }
-
-  close() {
-    this.closed = true;
-  }
-
-  tell(kind: string, id: string) {
-    this.dispatchEvent(new MessageEvent(kind, { data: "{}", lastEventId: id }));
-  }
-}
 
 const EVENTS = "http://here/api/v1/events";
 let sharing: Sharing;
