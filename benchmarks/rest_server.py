@@ -14,7 +14,7 @@ from typing import Any
 
 import httpx2
 
-__all__ = ["Server", "running"]
+__all__ = ["Halted", "Server", "running"]
 
 _PATIENCE = 120.0
 
@@ -51,15 +51,27 @@ class Server:
             time.sleep(0.1)
 
     def wait_for_end(self, job: str) -> float:
-        """Returns how long the job took from its dispatch to its end [s of run time]."""
+        """Returns how long the job took from its dispatch to its end [s of run time].
+
+        Raises:
+            Halted: Everything was halted, so that it would never end.
+            ValueError: It did not succeed.
+        """
         with httpx2.Client(timeout=None) as client:
             while self.job(job)["state"]["text"] not in ("Ended", "Aborted"):
+                stop = client.get(f"{self.url}/stop").raise_for_status().json()
+                if stop["halted"]:
+                    raise Halted(stop["why"])
                 time.sleep(0.2)
             trace = client.get(f"{self.url}/jobs/{job}/trace").raise_for_status().json()["entries"]
             outcome = self.job(job)["outcome"]
             if outcome != "succeeded":
                 raise ValueError(f"the job ended otherwise: {outcome}")
             return float(trace[-1]["time"]) - float(trace[0]["time"])
+
+
+class Halted(RuntimeError):
+    """Everything was halted, as the watchdog does on a machine that has too much to do."""
 
 
 @contextlib.contextmanager

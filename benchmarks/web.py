@@ -238,17 +238,25 @@ def _large(browser: Browser, options: argparse.Namespace) -> list[Figure]:
 
 
 def _memory(browser: Browser, options: argparse.Namespace) -> list[Figure]:
-    """One job after the other on the pretending robot, a few times as quick as a real one: the more events."""
+    """One job after the other on the pretending robot, a few times as quick as a real one: the more events.
+
+    The operator looks at another tab for each of them, and at the first one whenever memory is read.
+    """
     held: list[tuple[float, float]] = []
     with _data() as data, running(SCENE, Path(data), "--fake", "--pace", "5") as server:
         page = new_page(browser)
         page.goto(_pages(server))
         ready(page)
+        tabs = [page.get_by_role("tab", name=name, exact=True) for name in ("Goal", "Task", "Modules", "World")]
         begun, jobs = time.monotonic(), 0
         while (minutes := (time.monotonic() - begun) / 60.0) < options.minutes:
+            tabs[jobs % len(tabs)].click()
             jobs += 1
             _job(server, f"job-{jobs}")
+            tabs[0].click()
+            page.wait_for_timeout(_CALM)
             held.append((minutes, heap(page)))
+            print(f"{minutes:5.1f} min  {held[-1][1]:5.1f} MiB", file=sys.stderr, flush=True)
         page.context.close()
     settled = [used for at, used in held if at >= options.settled]
     first, last = settled[0], max(settled[-3:])
