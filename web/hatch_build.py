@@ -18,6 +18,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 _SOURCES = ("index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts", "src", "public")
 _STAMP = ".made-of"
+"""Says of what the pages were made: beside them, for whatever is among them is served."""
 _SAID = 4000
 """Characters of a failed command's output that are told; the reason is at its end."""
 
@@ -57,7 +58,7 @@ def _files(root: Path) -> Iterator[Path]:
 
 
 def _is_made_of(pages: Path, digest: str) -> bool:
-    stamp = pages / _STAMP
+    stamp = pages.parent / _STAMP
     return (pages / "index.html").is_file() and stamp.is_file() and stamp.read_text() == digest
 
 
@@ -71,7 +72,7 @@ def _build(root: Path, pages: Path) -> None:
     _run(root, environment, [node, npm, "run", "build"])
     if not (pages / "index.html").is_file():
         raise RuntimeError("the bundler made no index.html: the web pages are not built")
-    (pages / _STAMP).write_text(digest)
+    (pages.parent / _STAMP).write_text(digest)
 
 
 def _node() -> tuple[Path, Path]:

@@ -13,6 +13,7 @@ export const keys = {
   moduleRuns: (...rest: unknown[]) => ["module-runs", ...rest] as const,
   goals: (...rest: unknown[]) => ["goals", ...rest] as const,
   robots: (...rest: unknown[]) => ["robots", ...rest] as const,
+  robotModels: (...rest: unknown[]) => ["robot-models", ...rest] as const,
   alarms: (...rest: unknown[]) => ["alarms", ...rest] as const,
   station: (...rest: unknown[]) => ["station", ...rest] as const,
 };

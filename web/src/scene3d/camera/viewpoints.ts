@@ -15,6 +15,7 @@ const ABOVE = new Vector3(0, -0.001, 1).normalize();
 const UP = new Vector3(0, 0, 1);
 const FULL = 0.88; // of the picture is filled
 const CLOSEST = 0.4; // m
+const ROUNDS = 3; // of moving the middle; it hardly moves after that
 const NEAR = 0.4; // m: length of what is looked at closely, at least
 const ROBOT = 2; // m: length that is seen around a robot
 const SPOT = new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)); // around what has no shape
@@ -29,55 +30,77 @@ export function viewing(wish: Viewpoint, camera: PerspectiveCamera, focus: strin
   return from(direction, around(focus), camera);
 }
 
-function from(direction: Vector3, what: Box3 | null, camera: PerspectiveCamera): Viewing | null {
-  if (what === null) return null;
-  const target = what.getCenter(new Vector3());
-  const position = target.clone().addScaledVector(direction, distance(direction, what, target, camera));
-  return { position, target };
+function from(direction: Vector3, what: readonly Vector3[], camera: PerspectiveCamera): Viewing | null {
+  if (what.length === 0) return null;
+  const target = new Box3().setFromPoints([...what]).getCenter(new Vector3());
+  const frame = frameFrom(direction, camera);
+  for (let i = 0; i < ROUNDS; i++) target.add(offCentre(frame, what, target));
+  return { position: eye(frame, what, target), target };
 }
 
-/** How far away all corners of a box are in the picture [m]. */
-function distance(direction: Vector3, box: Box3, target: Vector3, camera: PerspectiveCamera): number {
+/** Directions of a picture, and the tangents of half its angles as far as it is to be filled. */
+interface Frame {
+  direction: Vector3;
+  aside: Vector3;
+  upward: Vector3;
+  wide: number;
+  high: number;
+}
+
+function frameFrom(direction: Vector3, camera: PerspectiveCamera): Frame {
   const aside = new Vector3().crossVectors(UP, direction).normalize();
   const upward = new Vector3().crossVectors(direction, aside);
   const high = Math.tan(MathUtils.degToRad(camera.fov / 2)) * FULL;
-  const wide = high * camera.aspect;
-  const needs = corners(box).map((corner) => {
-    corner.sub(target);
-    const needed = Math.max(Math.abs(corner.dot(aside)) / wide, Math.abs(corner.dot(upward)) / high);
-    return needed + corner.dot(direction);
-  });
-  return Math.max(...needs, CLOSEST);
+  return { direction, aside, upward, wide: high * camera.aspect, high };
+}
+
+/** Where one has to be to see all points around a target. */
+function eye({ direction, aside, upward, wide, high }: Frame, points: readonly Vector3[], target: Vector3): Vector3 {
+  const away = points.reduce((most, point) => {
+    const there = new Vector3().subVectors(point, target);
+    const needed = Math.max(Math.abs(there.dot(aside)) / wide, Math.abs(there.dot(upward)) / high);
+    return Math.max(most, needed + there.dot(direction));
+  }, CLOSEST);
+  return target.clone().addScaledVector(direction, away);
+}
+
+/** How far a target is from the middle of the picture that the points make: what is far away looks smaller. */
+function offCentre(frame: Frame, points: readonly Vector3[], target: Vector3): Vector3 {
+  const from = eye(frame, points, target);
+  const away = from.distanceTo(target);
+  const seen = new Box3();
+  for (const point of points) {
+    const there = new Vector3().subVectors(point, from);
+    const depth = -there.dot(frame.direction);
+    seen.expandByPoint(new Vector3(there.dot(frame.aside) / depth, there.dot(frame.upward) / depth, 0));
+  }
+  const { x, y } = seen.getCenter(new Vector3());
+  return new Vector3().addScaledVector(frame.aside, x * away).addScaledVector(frame.upward, y * away);
 }
 
 function corners({ min, max }: Box3): Vector3[] {
-  const [low, high] = [min, max];
-  return [low.x, high.x].flatMap((x) =>
-    [low.y, high.y].flatMap((y) => [low.z, high.z].map((z) => new Vector3(x, y, z))),
-  );
+  return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new Vector3(x, y, z))));
 }
 
-/** What stands around; the floor may be larger than all of it. */
-function everything(): Box3 | null {
-  const box = new Box3();
+/** The corners of what stands around; the floor may be larger than all of it. */
+function everything(): Vector3[] {
   const pose = new Matrix4();
-  for (const { element } of crowd.items()) {
-    if (element.kind === "floor" || !crowd.poseOf(element.id, pose)) continue;
+  return [...crowd.items()].flatMap(({ element }) => {
+    if (element.kind === "floor" || !crowd.poseOf(element.id, pose)) return [];
     const bounds = crowd.shapeOf(element.id)?.bounds ?? SPOT;
-    box.union(bounds.clone().applyMatrix4(pose));
-  }
-  return box.isEmpty() ? null : box;
+    return corners(bounds).map((corner) => corner.applyMatrix4(pose));
+  });
 }
 
-function around(id: string): Box3 | null {
+function around(id: string): Vector3[] {
   const center = new Vector3();
-  if (!pointOf(id, "middle", center)) return null;
+  if (!pointOf(id, "middle", center)) return [];
   const item = crowd.item(id);
   if (item === undefined || item.element.kind === "robot") return cube(center, ROBOT);
   const size = crowd.shapeOf(id)?.bounds.getSize(new Vector3()).length() ?? 0;
   return cube(center, Math.max(size * 1.1, NEAR));
 }
 
-function cube(center: Vector3, length: number): Box3 {
-  return new Box3().setFromCenterAndSize(center, new Vector3(length, length, length));
+function cube(center: Vector3, length: number): Vector3[] {
+  return corners(new Box3().setFromCenterAndSize(center, new Vector3(length, length, length)));
 }

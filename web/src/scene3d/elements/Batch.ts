@@ -12,11 +12,15 @@ import {
 import { quality } from "../quality";
 import type { Shape } from "../shapes";
 
-/** How something is drawn: as matter, as room, as one of which nobody knows where it is. */
-export type Look = "solid" | "room" | "unsure";
+/** How something is drawn: as matter, as matter that a robot bears, as room, as one of which nobody knows where it is. */
+export type Look = "solid" | "borne" | "room" | "unsure";
+
+/** Before all else at the same depth: the robot's model shows its deck, too, and both would flicker through each other. */
+const IN_FRONT = { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 };
 
 const MATERIALS: Record<Look, Material> = {
   solid: new MeshLambertMaterial({ vertexColors: true }),
+  borne: new MeshLambertMaterial({ vertexColors: true, ...IN_FRONT }),
   room: new MeshLambertMaterial({ transparent: true, opacity: 0.16, depthWrite: false }),
   unsure: new MeshLambertMaterial({ vertexColors: true, transparent: true, opacity: 0.45, depthWrite: false }),
 };
@@ -32,7 +36,7 @@ export class Batch {
     this.mesh.frustumCulled = false; // it is all over the place
     this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
     this.mesh.userData["ids"] = this.ids;
-    this.mesh.renderOrder = look === "solid" ? 0 : 1;
+    this.mesh.renderOrder = MATERIALS[look].transparent ? 1 : 0;
     this.clear();
   }
 

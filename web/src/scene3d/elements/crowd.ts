@@ -122,9 +122,10 @@ class Crowd {
   }
 }
 
-function lookOf({ element, sure }: Item): Look {
+function lookOf({ element, sure, frame }: Item): Look {
   if (!sure) return "unsure";
-  return element.hollow ? "room" : "solid";
+  if (element.hollow) return "room";
+  return frame.on === "base" ? "borne" : "solid";
 }
 
 function keyOf(item: Item): string {

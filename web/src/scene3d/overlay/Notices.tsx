@@ -1,12 +1,17 @@
-import { Button } from "@mantine/core";
+import { Button, Loader } from "@mantine/core";
+import { useDebouncedValue } from "@mantine/hooks";
 import { IconAlertTriangle, IconClick, IconHistory } from "@tabler/icons-react";
+import { useIsFetching } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
+import { keys } from "../../api/keys";
 import { useSelection } from "../../selection/selection";
 import { problemText } from "../../widgets/problems";
 import { useReplay } from "../replay";
 import { useLiveView } from "../view";
 import classes from "./Overlay.module.css";
+
+const SOON = 700; // ms: what is there by then needs no words
 
 /** What one has to know about the picture: that it is the past, that a click is awaited, that it is not up to date. */
 export function Notices() {
@@ -15,6 +20,7 @@ export function Notices() {
       <ReplayNotice />
       <PickNotice />
       <ProblemNotice />
+      <ModelNotice />
     </div>
   );
 }
@@ -69,6 +75,20 @@ function ProblemNotice() {
     <div className={classes.notice} role="status">
       <IconAlertTriangle size={16} aria-hidden />
       {t("stale", { why: problemText(problem) })}
+    </div>
+  );
+}
+
+/** That a robot is not drawn yet as it is: the server prepares its model once, which takes a while. */
+function ModelNotice() {
+  const { t } = useTranslation("scene3d");
+  const robots = useIsFetching({ queryKey: keys.robotModels() });
+  const [waited] = useDebouncedValue(robots, SOON);
+  if (robots === 0 || waited === 0) return null;
+  return (
+    <div className={classes.notice} role="status">
+      <Loader size={14} aria-hidden />
+      {t("preparing", { count: robots })}
     </div>
   );
 }

@@ -2,6 +2,7 @@ import { useFrame } from "@react-three/fiber";
 import { useQuery } from "@tanstack/react-query";
 import { useEffect } from "react";
 import type { URDFRobot } from "urdf-loader";
+import { keys } from "../../api/keys";
 import { devices } from "../devices";
 import { bearTool } from "../frames";
 import type { Palette } from "../palette";
@@ -14,7 +15,7 @@ import type { RobotInfo } from "./useRobots";
 /** A robot as its model draws it, moving live; its outline where nobody knows a model. */
 export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }) {
   const { data: model } = useQuery({
-    queryKey: ["robot-model", robot.id, robot.model],
+    queryKey: keys.robotModels(robot.id, robot.model),
     queryFn: () => loadModel(robot.id),
     gcTime: 0,
   });
