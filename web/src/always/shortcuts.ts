@@ -25,13 +25,26 @@ function withAlt(code: string): Command | undefined {
   return tab && { tab };
 }
 
-/** Names of the commands in the texts, with the keys, for the list of them. */
-export const SHORTCUTS = [
-  ["stop", ["Ctrl", "Shift", "Space"]],
-  ["palette", ["Ctrl", "K"]],
-  ["tabs", ["Alt", "1 … 4"]],
-  ["view3d", ["Alt", "0"]],
-  ["help", ["?"]],
-  ["escape", ["Esc"]],
-  ["panes", ["Tab", "←", "→"]],
-] as const;
+/** Names of what keys do in the texts, with the keys, by where they do it; for the list of them. */
+export const SHORTCUTS = {
+  everywhere: [
+    ["stop", ["Ctrl", "Shift", "Space"]],
+    ["palette", ["Ctrl", "K"]],
+    ["tabs", ["Alt", "1 … 4"]],
+    ["view3d", ["Alt", "0"]],
+    ["help", ["?"]],
+    ["escape", ["Esc"]],
+    ["panes", ["Tab", "←", "→"]],
+  ],
+  picture: [
+    ["turn", ["←", "→", "↑", "↓"]],
+    ["nearer", ["+", "−"]],
+    ["views", ["O", "T", "R", "F"]],
+  ],
+  tree: [
+    ["walk", ["↑", "↓"]],
+    ["branch", ["→", "←"]],
+    ["choose", ["Enter"]],
+  ],
+  steps: [["reorder", ["Space", "↑", "↓", "Space"]]],
+} as const;

@@ -1,4 +1,4 @@
-import { lazy } from "react";
+import { lazy, useEffect } from "react";
 import { useTranslation } from "react-i18next";
 import { AlarmsDrawer } from "../always/AlarmsDrawer";
 import { Banners } from "../always/Banners";
@@ -9,6 +9,7 @@ import { usePalette } from "../always/palette";
 import { ResetDialog } from "../always/ResetDialog";
 import { useKeys } from "../always/useKeys";
 import { useWindowTitle } from "../always/useWindowTitle";
+import { keepFocus } from "./focus";
 import { Panes } from "./Panes";
 import { Part } from "./Part";
 
@@ -20,6 +21,7 @@ export function Shell() {
   const paletteAsked = usePalette(({ asked }) => asked > 0);
   useKeys();
   useWindowTitle();
+  useEffect(keepFocus, []);
   return (
     <div className="shell">
       <a

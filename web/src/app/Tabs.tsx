@@ -7,7 +7,7 @@ import {
   IconPuzzle,
   IconTargetArrow,
 } from "@tabler/icons-react";
-import { lazy } from "react";
+import { lazy, type RefObject, useLayoutEffect, useRef } from "react";
 import { useTranslation } from "react-i18next";
 import { useLayout } from "./layout";
 import { Part } from "./Part";
@@ -26,11 +26,13 @@ export function Tabs() {
   const { t } = useTranslation();
   const [tab, open] = useTab();
   const Content = CONTENTS[tab];
+  const list = useRef<HTMLDivElement>(null);
+  useFocusOn(tab, list);
   return (
     <MantineTabs value={tab} onChange={(value) => open(value as Tab)} keepMounted={false} className={classes.tabs}>
       <div className={classes.bar}>
         <View3dButton />
-        <MantineTabs.List aria-label={t("tabs.label")} className={classes.list}>
+        <MantineTabs.List ref={list} aria-label={t("tabs.label")} className={classes.list}>
           {TABS.map((name) => {
             const Icon = ICONS[name];
             return (
@@ -52,6 +54,17 @@ export function Tabs() {
       ))}
     </MantineTabs>
   );
+}
+
+/** Puts the focus on the tab that was opened by a key: what had it is gone with the panel of the other one. */
+function useFocusOn(tab: Tab, list: RefObject<HTMLElement | null>): void {
+  const before = useRef(tab);
+  useLayoutEffect(() => {
+    if (before.current === tab) return;
+    before.current = tab;
+    if (document.activeElement !== document.body) return;
+    list.current?.querySelector<HTMLElement>("[role=tab][aria-selected=true]")?.focus();
+  }, [tab, list]);
 }
 
 function View3dButton() {

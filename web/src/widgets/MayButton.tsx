@@ -1,23 +1,27 @@
-import { Button, type ButtonProps, Tooltip } from "@mantine/core";
+import { Button, type ButtonProps, Loader, Tooltip } from "@mantine/core";
 import type { ComponentPropsWithoutRef } from "react";
 import { useTranslation } from "react-i18next";
 import { type Operation, useMay } from "../api/session";
 
-interface Props extends ButtonProps, Omit<ComponentPropsWithoutRef<"button">, keyof ButtonProps> {
+interface Props extends Omit<ButtonProps, "loading">, Omit<ComponentPropsWithoutRef<"button">, keyof ButtonProps> {
   /** What it does; those who may not do that see it disabled, and why. */
   operation: Operation;
+  /** Whether that is being done: it cannot be pressed again until then. */
+  loading?: boolean;
 }
 
-export function MayButton({ operation, disabled, ...rest }: Props) {
+export function MayButton({ operation, disabled, loading = false, leftSection, ...rest }: Props) {
   const { t } = useTranslation();
   const may = useMay(operation);
   return (
     <Tooltip label={t("mayNot")} disabled={may}>
-      {/* data-disabled keeps it reachable, so that its reason can be read by keyboard, too */}
+      {/* Not disabled for the browser: its reason can be read by keyboard, too, and work in hand leaves it the focus. */}
       <Button
         {...rest}
-        disabled={may && disabled}
-        {...(!may && { "data-disabled": true, "aria-disabled": true, onClick: ignore })}
+        leftSection={loading ? <Loader size={16} color="currentColor" aria-hidden /> : leftSection}
+        disabled={may && !loading && disabled}
+        aria-busy={loading || undefined}
+        {...((!may || loading) && { "data-disabled": true, "aria-disabled": true, onClick: ignore })}
       />
     </Tooltip>
   );

@@ -16,7 +16,8 @@ export type Obstacle = "robot" | "held" | "works" | "noBody" | "noSimulator" | "
 export interface Movable {
   /** Element in whose frame its pose is kept; null for the map. */
   frame: string | null;
-  /** Version on which an edit is based. */
+  /** Version on which an edit is based; as a number, and as it is sent. */
+  version: number;
   tag: string;
 }
 
@@ -29,7 +30,7 @@ export function useMovable(id: string, wanted: boolean) {
       const path = { element: id };
       const { data, tag } = await answerWithTag(api.GET("/api/v1/elements/{element}", { params: { path } }));
       const pose = data.properties["sk:pose"]?.value as { frame?: string | null } | undefined;
-      return { frame: pose?.frame ?? null, tag };
+      return { frame: pose?.frame ?? null, version: data.version, tag };
     },
   });
 }

@@ -1,5 +1,7 @@
+import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { useSingleMutation } from "../../api/mutations";
+import { changeSince, notifyChange } from "../../widgets/undo";
 import { seenFrom } from "../pose";
 import type { MapPose } from "../tools";
 import { type Movable, poseInMap } from "./useMovable";
@@ -8,6 +10,7 @@ const DIGITS = 6;
 
 /** Writes where an element is believed to be; what somebody else wrote meanwhile is not overwritten. */
 export function useWriteBelief(id: string) {
+  const { t } = useTranslation("scene3d");
   return useSingleMutation({
     mutationFn: ({ pose, movable }: { pose: MapPose; movable: Movable }) => {
       const frame = movable.frame === null ? null : poseInMap(movable.frame);
@@ -21,6 +24,7 @@ export function useWriteBelief(id: string) {
         }),
       );
     },
+    onSuccess: (now, { movable }) => notifyChange(t("moved", { label: now.label }), changeSince(movable, now)),
   });
 }
 

@@ -1,11 +1,12 @@
 import { useFrame } from "@react-three/fiber";
 import { type Camera, Vector3 } from "three";
-import { onPicture, type Spot } from "../pointing";
+import { onPicture } from "../pointing";
 import { turnCompass } from "./compassAxes";
 import { labelNodes, type Whereabouts } from "./labelNodes";
 
 const point = new Vector3();
 const LINE = 20; // px
+const WIDEST = 234; // px, with its padding
 const taken: { x: number; y: number; half: number }[] = [];
 
 /** Turns the compass, and moves the labels to where their elements are drawn; those that would cover others go above them. */
@@ -29,13 +30,14 @@ function move(
   const visibility = there ? "visible" : "hidden";
   if (node.style.visibility !== visibility) node.style.visibility = visibility;
   if (!there) return;
-  const transform = `translate(${Math.round(spot.x)}px, ${Math.round(free(spot, node))}px)`;
+  const half = Math.min(WIDEST, node.textContent.length * 6.5 + 14) / 2; // measured is too slow, every frame
+  const x = Math.max(half, Math.min(spot.x, width - half)); // long ones stay in the picture
+  const transform = `translate(${Math.round(x)}px, ${Math.round(free(x, spot.y, half))}px)`;
   if (node.style.transform !== transform) node.style.transform = transform;
 }
 
 /** The lowest line at or above a spot that no other label has. */
-function free({ x, y }: Spot, node: HTMLElement): number {
-  const half = (node.textContent.length * 6.5 + 14) / 2; // measured is too slow, every frame
+function free(x: number, y: number, half: number): number {
   let line = y;
   for (let tries = 0; tries < 2 * taken.length && taken.some((one) => covers(one, x, line, half)); tries++)
     line -= LINE;

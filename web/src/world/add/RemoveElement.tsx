@@ -28,7 +28,8 @@ export function RemoveElement({ tagged: { data, tag }, onClose }: Props) {
       ),
     ({ change }) => {
       notifyChange(t("remove.done", { label: data.label }), change?.number);
-      useSelection.getState().choose(null);
+      const { selected, choose } = useSelection.getState();
+      if (selected === data.id) choose(null);
       onClose();
     },
   );

@@ -3,10 +3,9 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { notifyProblem } from "../../widgets/problems";
-import { notifyChange } from "../../widgets/undo";
+import { changeSince, notifyChange } from "../../widgets/undo";
 import { useClasses } from "../classes";
 import { readElement, type Tagged, useRelations } from "../queries";
-import { changeSince } from "./changeSince";
 import { askFits, type Fit, placementsFor } from "./placements";
 
 /** How an element shall be put at a place. */

@@ -59,9 +59,11 @@ function useLoad(scene: SceneToLoad, onDone: () => void) {
   const { t } = useTranslation(["world", "common"]);
   const client = useQueryClient();
   return useSingleMutation({
-    mutationFn: (tag: string) => put(scene, tag),
+    mutationFn: (tag: string) => {
+      useSelection.getState().choose(null); // not when it is done: somebody may have chosen something of the new one
+      return put(scene, tag);
+    },
     onSuccess: () => {
-      useSelection.getState().choose(null);
       void client.invalidateQueries(); // robots, modules and goals are others, too
       notifyDone(t("load.done", { name: scene.name }));
       onDone();

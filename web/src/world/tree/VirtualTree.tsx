@@ -113,6 +113,8 @@ function Rows({ tree, label, scroller, scroll, row, onHover }: RowsProps) {
     getScrollElement: () => scroller.current,
     estimateSize: () => ROW,
     overscan: MARGIN,
+    // A row stays the row of its item when others come above it, or a click would end on another one.
+    getItemKey: (index) => items[index]?.getId() ?? index,
   });
   useEffect(() => {
     scroll.current = (index) => rows.scrollToIndex(index);

@@ -1,0 +1,71 @@
+import { afterEach, beforeEach, expect, test } from "vitest";
+import { keepFocus } from "./focus";
+
+let end: () => void;
+
+beforeEach(() => {
+  document.body.innerHTML = "<button id=one></button><div><button id=two></button></div><button id=three></button>";
+  end = keepFocus();
+});
+afterEach(() => end());
+
+function button(id: string): HTMLButtonElement {
+  return document.getElementById(id) as HTMLButtonElement;
+}
+
+function press(): void {
+  document.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter" }));
+}
+
+/** The observer tells after the present task. */
+const told = () => new Promise((resume) => setTimeout(resume));
+
+test("where what had the focus is gone, it goes back to what had it before", async () => {
+  button("one").focus();
+  button("two").focus();
+  press();
+  document.querySelector("div")?.remove();
+  await told();
+  expect(document.activeElement).toBe(button("one"));
+});
+
+test("it goes past all that are gone", async () => {
+  for (const id of ["one", "three", "two"]) button(id).focus();
+  press();
+  button("three").remove();
+  button("two").remove();
+  await told();
+  expect(document.activeElement).toBe(button("one"));
+});
+
+test("what took the focus itself keeps it", async () => {
+  button("one").focus();
+  button("two").focus();
+  press();
+  document.querySelector("div")?.remove();
+  button("three").focus();
+  await told();
+  expect(document.activeElement).toBe(button("three"));
+});
+
+test("what was disabled for a while has the focus again afterwards", async () => {
+  button("one").focus();
+  button("two").focus();
+  press();
+  button("two").blur(); // as browsers do with what is disabled
+  button("two").disabled = true;
+  await told();
+  expect(document.activeElement).toBe(document.body);
+  button("two").disabled = false;
+  await told();
+  expect(document.activeElement).toBe(button("two"));
+});
+
+test("for who points nothing is done", async () => {
+  button("one").focus();
+  button("two").focus();
+  document.dispatchEvent(new Event("pointerdown"));
+  document.querySelector("div")?.remove();
+  await told();
+  expect(document.activeElement).toBe(document.body);
+});

@@ -1,0 +1,38 @@
+/** Keeps the focus of who works by keyboard: where what had it is gone, it goes back to what had it before. */
+
+const MOST = 20; // things that had it; it is lost with all of them on a jump to another tab only
+
+/** Keeps the focus from now on; returns how to end that. */
+export function keepFocus(): () => void {
+  const keeper = new Keeper();
+  const end = new AbortController();
+  const options = { capture: true, signal: end.signal };
+  document.addEventListener("focusin", ({ target }) => keeper.remember(target), options);
+  document.addEventListener("keydown", () => (keeper.byKeyboard = true), options);
+  document.addEventListener("pointerdown", () => (keeper.byKeyboard = false), options);
+  const observer = new MutationObserver(() => keeper.restore());
+  observer.observe(document.body, { childList: true, subtree: true, attributes: true, attributeFilter: ["disabled"] });
+  return () => {
+    observer.disconnect();
+    end.abort();
+  };
+}
+
+class Keeper {
+  /** For who points, nothing is lost; and some fields show their lists when they get the focus. */
+  byKeyboard = false;
+  private had: HTMLElement[] = [];
+
+  remember(target: EventTarget | null): void {
+    if (!(target instanceof HTMLElement)) return;
+    this.had = [...this.had.filter((one) => one.isConnected && one !== target), target].slice(-MOST);
+  }
+
+  restore(): void {
+    if (!this.byKeyboard || document.activeElement !== document.body) return;
+    this.had = this.had.filter((one) => one.isConnected);
+    const last = this.had.at(-1);
+    // What is disabled for a moment, while its work is done, gets the focus back when it is not any more.
+    if (last !== undefined && !last.matches(":disabled")) last.focus({ preventScroll: true });
+  }
+}
