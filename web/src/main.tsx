@@ -13,11 +13,13 @@ import { Themed } from "./app/Themed";
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no root");
 
+const TOAST = 290; // px: beside the panel of the tools in the 3D view
+
 createRoot(root).render(
   <StrictMode>
     <Themed>
       <QueryClientProvider client={queryClient}>
-        <Notifications position="bottom-left" limit={4} />
+        <Notifications position="bottom-left" limit={4} containerWidth={TOAST} />
         <App />
       </QueryClientProvider>
     </Themed>

@@ -1,6 +1,7 @@
 /** The elements of a view as they are drawn: few draws for many, and only what rides or is held moves by itself. */
 
-import { type Color, Group, Matrix4 } from "three";
+import { Box3, type Color, Group, Matrix4 } from "three";
+import { create } from "zustand";
 import { frameInMap } from "../frames";
 import { type Item, layout } from "../layout";
 import { type Shape, shapeIn } from "../shapes";
@@ -33,6 +34,7 @@ class Crowd {
     for (const item of visible) this.enlist(item);
     this.riders = [...this.drawn.values()].filter(({ item, batch }) => batch !== null && item.frame.on !== "map");
     for (const one of this.drawn.values()) this.place(one);
+    useShowings.setState((count) => count + 1, true);
   }
 
   /** Brings what moves with a robot to where that is. */
@@ -69,6 +71,12 @@ class Crowd {
   shapeOf(id: string): Shape | null {
     const one = this.drawn.get(id);
     return one === undefined ? null : this.shape(one.item.element);
+  }
+
+  /** The box in the map around an element as it is drawn now; null for what has no shape. */
+  boundsOf(id: string): Box3 | null {
+    const bounds = this.shapeOf(id)?.bounds;
+    return bounds !== undefined && this.poseOf(id, pose) ? new Box3().copy(bounds).applyMatrix4(pose) : null;
   }
 
   dispose(): void {
@@ -131,6 +139,9 @@ function lookOf({ element, sure, frame }: Item): Look {
 function keyOf(item: Item): string {
   return `${lookOf(item)} ${item.element.shape ?? ""}`;
 }
+
+/** How many views were shown: who asks the crowd where something is asks anew with each. */
+export const useShowings = create<number>(() => 0);
 
 /** There is one view, and one crowd in it. */
 export const crowd = new Crowd();

@@ -18,9 +18,10 @@ import { cloudOf, thinned } from "./points";
 type Camera = Schema<"CameraDescription">;
 
 const FEW = 5000; // points, where the processor draws: all of a look would take as long as the rest of the picture
+const LASTS = 20; // s of run time, after which what was seen may be elsewhere
 const REACH = 0.35; // m, of the pyramid that stands for a camera's view
 
-/** The last look of each camera: from where, what it saw, and what was made out in it. */
+/** The last look of each camera, for a while: from where, what it saw, and what was made out in it. */
 export function Looks({ palette }: { palette: Palette }) {
   const { data: robots } = useRobots();
   const past = useReplay((state) => state.replay !== null);
@@ -40,8 +41,9 @@ function CameraLook({ robot, camera, palette }: { robot: string; camera: Camera;
     placeholderData: keepPreviousData,
     gcTime: 0,
   });
-  useEffect(() => wake(), [look]);
-  if (look === undefined || look.number === 0 || number === 0) return null;
+  const old = useStation(({ state }) => (state?.time ?? 0) - (look?.time ?? 0) > LASTS);
+  useEffect(() => wake(), [look, old]);
+  if (look === undefined || look.number === 0 || number === 0 || old) return null;
   return (
     <>
       {clouds && <CloudPoints look={look} />}

@@ -2,6 +2,7 @@ import { TransformControls } from "@react-three/drei";
 import { useEffect, useMemo } from "react";
 import { Object3D } from "three";
 import { useSelection } from "../../selection/selection";
+import { useShowings } from "../elements/crowd";
 import { useReplay } from "../replay";
 import type { Palette } from "../palette";
 import { wake } from "../ticker";
@@ -30,7 +31,7 @@ export function Gizmo({ palette }: { palette: Palette }) {
 
 function Handles({ id, palette }: { id: string; palette: Palette }) {
   const { tool, mode, snap, draft, set } = useTools();
-  const element = useElement(id);
+  const showings = useShowings();
   const bodies = useBodies();
   const proxy = useMemo(() => new Object3D(), []);
   const pose = draft?.element === id ? draft.pose : null;
@@ -38,7 +39,7 @@ function Handles({ id, palette }: { id: string; palette: Palette }) {
     const at = pose ?? startOf(tool, id, bodies);
     if (at !== null) put(proxy, at);
     wake();
-  }, [proxy, pose, tool, id, bodies, element]);
+  }, [proxy, pose, tool, id, bodies, showings]);
   const moved = () => set({ draft: { element: id, pose: taken(proxy) } });
   return (
     <>

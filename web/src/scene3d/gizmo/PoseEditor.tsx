@@ -1,20 +1,25 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
+import { Vector3 } from "three";
 import { ApiProblem } from "../../api/client";
 import { problemText } from "../../widgets/problems";
-import { useTools } from "../tools";
+import { crowd, useShowings } from "../elements/crowd";
+import { type MapPose, useTools } from "../tools";
 import type { ViewElement } from "../view";
 import { PoseModes } from "./PoseModes";
 import { PoseNumbersForm } from "./PoseNumbersForm";
-import { startOf, useBodies } from "./useMovable";
+import { startOf, useBodies, useElement } from "./useMovable";
 import { type Mover, useWriter } from "./useWriter";
+
+const FAR = 0.3; // m from the box around a place
 
 /** Numbers of where something is to be, and whether that is written. */
 export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElement }) {
   const { t } = useTranslation("scene3d");
   const { draft, set } = useTools();
   const bodies = useBodies();
+  useShowings(); // the numbers are those of where it is drawn
   const [frame, setFrame] = useState<string | null>(null);
   const [sound, setSound] = useState(true);
   const mine = draft?.element === element.id ? draft : null;
@@ -39,6 +44,7 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
         onSound={setSound}
         onChange={(next) => set({ draft: { element: element.id, pose: next } })}
       />
+      {mine !== null && tool === "belief" && <Farness pose={mine.pose} place={element.place} />}
       {writer.problem !== null && <Refusal problem={writer.problem} again={() => writer.refresh()} />}
       <Group gap={6} mt={8} justify="flex-end">
         <Button variant="default" disabled={mine === null} onClick={() => set({ draft: null })}>
@@ -54,6 +60,19 @@ export function PoseEditor({ tool, element }: { tool: Mover; element: ViewElemen
         </Button>
       </Group>
     </form>
+  );
+}
+
+/** That something is believed to be at a place, and would be away from it. */
+function Farness({ pose, place }: { pose: MapPose; place: string | null }) {
+  const { t } = useTranslation("scene3d");
+  const label = useElement(place)?.label ?? place;
+  const away = place === null ? 0 : (crowd.boundsOf(place)?.distanceToPoint(new Vector3(...pose.position)) ?? 0);
+  if (away < FAR) return null;
+  return (
+    <Text size="xs" c="orange.8" mt={4} role="status">
+      {t("far", { place: label, metres: away.toFixed(1) })}
+    </Text>
   );
 }
 

@@ -3,8 +3,6 @@ import {
   IconAxisX,
   IconBox,
   IconChartDots3,
-  IconEye,
-  IconEyeOff,
   IconFocus2,
   IconGhost2,
   IconGrid4x4,
@@ -91,17 +89,14 @@ function LayersMenu() {
         {LAYERS.map((layer) => {
           const Icon = LAYER_ICONS[layer];
           return (
-            <Menu.Item
+            <Menu.CheckboxItem
               key={layer}
-              role="menuitemcheckbox"
-              aria-checked={shown[layer]}
-              leftSection={<Icon size={16} aria-hidden />}
-              rightSection={shown[layer] ? <IconEye size={16} aria-hidden /> : <IconEyeOff size={16} aria-hidden />}
-              c={shown[layer] ? undefined : "dimmed"}
-              onClick={() => toggle(layer)}
+              checked={shown[layer]}
+              onChange={() => toggle(layer)}
+              rightSection={<Icon size={16} aria-hidden />}
             >
               {t(`layers.${layer}`)}
-            </Menu.Item>
+            </Menu.CheckboxItem>
           );
         })}
       </Menu.Dropdown>

@@ -5,6 +5,7 @@ import { answer, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useSelection } from "../../selection/selection";
 import { MayButton } from "../../widgets/MayButton";
+import { nameOf } from "../../widgets/names";
 import { notifyChange } from "../../widgets/undo";
 import { useRelations, type RelationInfo, type Tagged } from "../queries";
 import { useWrite } from "../edit/useWrite";
@@ -34,7 +35,7 @@ export function RemoveElement({ tagged: { data, tag }, onClose }: Props) {
     },
   );
   return (
-    <Modal opened onClose={onClose} title={t("remove.title", { label: data.label })}>
+    <Modal opened onClose={onClose} title={t("remove.title", { label: nameOf(data.id, data.label) })}>
       <Stack>
         <Hanging element={data.id} place={data.placement?.place ?? null} />
         <Text size="sm">{t("remove.undo")}</Text>

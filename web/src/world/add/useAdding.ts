@@ -9,10 +9,10 @@ import { notifyChange } from "../../widgets/undo";
 import { useClasses } from "../classes";
 import { type Draft, given, LABEL, PLACEMENT, unfitFields } from "../edit/draft";
 import { refusalOf } from "../edit/refusals";
+import { useNotAccepted } from "../edit/useNotAccepted";
 import { placementsFor } from "../edit/placements";
 import { type Details, type Placement, useRelations } from "../queries";
-import { useWords } from "../useWords";
-import { isPose, written } from "../values";
+import { isPose } from "../values";
 
 const POSE = "sk:pose";
 const ASIDE = 0.1; // m: a copy shall not stand in what it is a copy of
@@ -44,7 +44,6 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
   const [class_, setClass] = useState<string | null>(like?.class ?? null);
   const [draft, setDraft] = useState<Draft>(() => (like ? copied(like) : {}));
   const [reason, setReason] = useState("");
-  const words = useWords();
   const [refusal, setRefusal] = useState<Error | null>(null);
   const write = useSingleMutation({
     mutationFn: (body: Schema<"NewElement">) => answer(api.POST("/api/v1/elements", { body })),
@@ -63,9 +62,7 @@ export function useAdding(parent: Details | null, like: Details | undefined, onD
     setDraft(first && parent ? { [PLACEMENT]: { relation: first.name, place: parent.id } } : {});
   };
   const unfit = unfitFields(draft);
-  const { byField, rest } = refusalOf(refusal, draft, (value) =>
-    t("edit.notAccepted", { value: written(value, words) }),
-  );
+  const { byField, rest } = refusalOf(refusal, draft, useNotAccepted(class_, draft));
   const copy = what !== null && what !== class_;
   return {
     what,

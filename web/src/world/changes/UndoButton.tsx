@@ -2,6 +2,7 @@ import { IconArrowBackUp } from "@tabler/icons-react";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { MayButton } from "../../widgets/MayButton";
+import { withdrawUndo } from "../../widgets/toasts";
 import { useWrite } from "../edit/useWrite";
 import { useWorldInfo } from "../queries";
 
@@ -10,7 +11,10 @@ export function UndoButton({ only }: { only?: number }) {
   const { t } = useTranslation("world");
   const { data } = useWorldInfo();
   const next = data?.undoable ?? null;
-  const undo = useWrite((change: number) => answer(api.POST("/api/v1/world/undo", { body: { change } })));
+  const undo = useWrite(
+    (change: number) => answer(api.POST("/api/v1/world/undo", { body: { change } })),
+    () => withdrawUndo(),
+  );
   if (only !== undefined && next?.number !== only) return null;
   const what = next === null ? t("undo.nothing") : t("undo.what", next);
   return (

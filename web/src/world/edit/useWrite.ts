@@ -11,8 +11,11 @@ export function useWrite<Input = void, Output = unknown>(
   return useSingleMutation({
     mutationFn: write,
     onSuccess: (output) => {
-      for (const word of ["world", "scenes"]) void client.invalidateQueries({ queryKey: [word] });
       then?.(output);
+      // After the page was drawn anew: what is not shown any more, as it is gone, is not asked for.
+      setTimeout(() => {
+        for (const word of ["world", "scenes"]) void client.invalidateQueries({ queryKey: [word] });
+      });
     },
     onError: notifyProblem,
   });
