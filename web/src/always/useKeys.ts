@@ -1,7 +1,7 @@
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
 import { useLayout } from "../app/layout";
-import { useTab } from "../app/useTab";
+import { leftAt, useTab } from "../app/useTab";
 import { useSelection } from "../selection/selection";
 import { useDialogs } from "./dialogs";
 import { usePalette } from "./palette";
@@ -18,7 +18,7 @@ export function useKeys(): void {
       else if (command === "palette") usePalette.getState().open();
       else if (command === "help") useDialogs.getState().open("help");
       else if (command === "view3d") useLayout.getState().toggle();
-      else openTab(command.tab);
+      else openTab(command.tab, leftAt(command.tab));
     };
     const hear = (event: KeyboardEvent) => {
       if (event.key === "Escape") useSelection.getState().endPick();

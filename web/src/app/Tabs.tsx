@@ -7,12 +7,12 @@ import {
   IconPuzzle,
   IconTargetArrow,
 } from "@tabler/icons-react";
-import { lazy, type RefObject, useLayoutEffect, useRef } from "react";
+import { lazy, type RefObject, useEffect, useLayoutEffect, useRef } from "react";
 import { useTranslation } from "react-i18next";
 import { useLayout } from "./layout";
 import { Part } from "./Part";
 import classes from "./Tabs.module.css";
-import { TABS, type Tab, useTab } from "./useTab";
+import { leave, leftAt, TABS, type Tab, useTab } from "./useTab";
 
 const ICONS = { goal: IconTargetArrow, task: IconListCheck, modules: IconPuzzle, world: IconBox };
 const CONTENTS = {
@@ -24,12 +24,18 @@ const CONTENTS = {
 
 export function Tabs() {
   const { t } = useTranslation();
-  const [tab, open] = useTab();
+  const [tab, open, detail] = useTab();
   const Content = CONTENTS[tab];
   const list = useRef<HTMLDivElement>(null);
   useFocusOn(tab, list);
+  useEffect(() => leave(tab, detail), [tab, detail]);
   return (
-    <MantineTabs value={tab} onChange={(value) => open(value as Tab)} keepMounted={false} className={classes.tabs}>
+    <MantineTabs
+      value={tab}
+      onChange={(value) => open(value as Tab, leftAt(value as Tab))}
+      keepMounted={false}
+      className={classes.tabs}
+    >
       <div className={classes.bar}>
         <View3dButton />
         <MantineTabs.List ref={list} aria-label={t("tabs.label")} className={classes.list}>

@@ -10,7 +10,7 @@ export function keepFocus(): () => void {
   document.addEventListener("focusin", ({ target }) => keeper.remember(target), options);
   document.addEventListener("keydown", () => (keeper.byKeyboard = true), options);
   document.addEventListener("pointerdown", () => (keeper.byKeyboard = false), options);
-  const observer = new MutationObserver(() => keeper.restore());
+  const observer = new MutationObserver(() => keeper.look());
   observer.observe(document.body, { childList: true, subtree: true, attributes: true, attributeFilter: ["disabled"] });
   return () => {
     observer.disconnect();
@@ -22,13 +22,22 @@ class Keeper {
   /** For who points, nothing is lost; and some fields show their lists when they get the focus. */
   byKeyboard = false;
   private had: HTMLElement[] = [];
+  private timer: ReturnType<typeof setTimeout> | undefined;
 
   remember(target: EventTarget | null): void {
     if (!(target instanceof HTMLElement)) return;
     this.had = [...this.had.filter((one) => one.isConnected && one !== target), target].slice(-MOST);
   }
 
-  restore(): void {
+  /** While the focus goes from one to the next, nothing has it: who looks then would take it back. */
+  look(): void {
+    this.timer ??= setTimeout(() => {
+      this.timer = undefined;
+      this.restore();
+    });
+  }
+
+  private restore(): void {
     if (!this.byKeyboard || document.activeElement !== document.body) return;
     this.had = this.had.filter((one) => one.isConnected);
     const last = this.had.at(-1);

@@ -9,3 +9,15 @@ export function useTab(): [tab: Tab, open: (tab: Tab, detail?: string) => void, 
   const { tab, detail } = readAddress(path);
   return [tab, (next, detail = "") => navigate(addressOf(next, detail)), detail];
 }
+
+const left = new Map<Tab, string>();
+
+/** Remembers what is looked at in a tab, until it is opened again. */
+export function leave(tab: Tab, detail: string): void {
+  left.set(tab, detail);
+}
+
+/** What was looked at in a tab last. The Task tab knows itself: there, what has begun meanwhile comes first. */
+export function leftAt(tab: Tab): string {
+  return tab === "task" ? "" : (left.get(tab) ?? "");
+}

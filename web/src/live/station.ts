@@ -18,3 +18,8 @@ export const useStation = create<Station>((set) => ({
   at: 0,
   take: (state) => set({ state, at: performance.now() }),
 }));
+
+/** Whether anything runs, which the world may not be changed under. */
+export function useWorks(): boolean {
+  return useStation(({ state }) => (state?.modules.length ?? 0) + (state?.tasks.length ?? 0) > 0);
+}

@@ -3,7 +3,7 @@ import { Matrix4 } from "three";
 import { answer, answerWithTag, api, type Schema } from "../../api/client";
 import { keys } from "../../api/keys";
 import { useMay } from "../../api/session";
-import { useStation } from "../../live/station";
+import { useWorks } from "../../live/station";
 import { crowd } from "../elements/crowd";
 import { poseOf } from "../pose";
 import { type MapPose, type Tool, useTools } from "../tools";
@@ -64,7 +64,7 @@ const NOBODY: readonly Schema<"SimulatedBody">[] = [];
 
 /** Why an element cannot be moved by a tool now. */
 export function useObstacle(tool: Tool, element: ViewElement | undefined): Obstacle {
-  const works = useStation(({ state }) => (state?.modules.length ?? 0) + (state?.tasks.length ?? 0) > 0);
+  const works = useWorks();
   const mayEdit = useMay("change_element");
   const mayMove = useMay("move_body");
   const simulates = useSimulates();
