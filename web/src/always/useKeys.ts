@@ -1,6 +1,6 @@
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
-import { useLayout } from "../app/layout";
+import { toggleView3d } from "../app/layout";
 import { leftAt, useTab } from "../app/useTab";
 import { useSelection } from "../selection/selection";
 import { useDialogs } from "./dialogs";
@@ -17,7 +17,7 @@ export function useKeys(): void {
       if (command === "stop") void stopAll(t("stop.reason"));
       else if (command === "palette") usePalette.getState().open();
       else if (command === "help") useDialogs.getState().open("help");
-      else if (command === "view3d") useLayout.getState().toggle();
+      else if (command === "view3d") toggleView3d();
       else openTab(command.tab, leftAt(command.tab));
     };
     const hear = (event: KeyboardEvent) => {

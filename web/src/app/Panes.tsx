@@ -3,7 +3,7 @@ import { useMediaQuery } from "@mantine/hooks";
 import { lazy } from "react";
 import { useTranslation } from "react-i18next";
 import { Group, Panel, Separator, useDefaultLayout } from "react-resizable-panels";
-import { useLayout } from "./layout";
+import { useView3d } from "./layout";
 import { Part } from "./Part";
 import { PickNotice } from "./PickNotice";
 import { Tabs } from "./Tabs";
@@ -17,7 +17,7 @@ export function Panes() {
   const { t } = useTranslation();
   const { breakpoints } = useMantineTheme();
   const narrow = useMediaQuery(`(max-width: ${breakpoints.sm})`);
-  const view3d = useLayout((layout) => layout.view3d);
+  const view3d = useView3d();
   const layout = useDefaultLayout({
     id: narrow ? "skiros-panes-narrow" : "skiros-panes",
     panelIds: view3d ? BOTH : ONE,

@@ -9,7 +9,7 @@ import {
 } from "@tabler/icons-react";
 import { lazy, type RefObject, useEffect, useLayoutEffect, useRef } from "react";
 import { useTranslation } from "react-i18next";
-import { useLayout } from "./layout";
+import { toggleView3d, useView3d } from "./layout";
 import { Part } from "./Part";
 import classes from "./Tabs.module.css";
 import { leave, leftAt, TABS, type Tab, useTab } from "./useTab";
@@ -75,12 +75,12 @@ function useFocusOn(tab: Tab, list: RefObject<HTMLElement | null>): void {
 
 function View3dButton() {
   const { t } = useTranslation();
-  const { view3d, toggle } = useLayout();
+  const view3d = useView3d();
   const label = view3d ? t("hide3d") : t("show3d");
   const Icon = view3d ? IconLayoutSidebarLeftCollapse : IconLayoutSidebarLeftExpand;
   return (
     <Tooltip label={label}>
-      <ActionIcon aria-label={label} aria-expanded={view3d} onClick={toggle}>
+      <ActionIcon aria-label={label} aria-expanded={view3d} onClick={toggleView3d}>
         <Icon size={18} />
       </ActionIcon>
     </Tooltip>
