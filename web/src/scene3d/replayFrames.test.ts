@@ -19,7 +19,7 @@ const FRAMES: Schema<"ReplayFrames"> = {
 
 function devicesAt(time: number): Devices {
   const into: Devices = { arms: {}, grippers: {}, bases: {} };
-  framesAt(FRAMES, time, into);
+  framesAt({ frames: FRAMES, changes: [] } as unknown as Schema<"Replay">, time, into);
   return into;
 }
 
@@ -37,6 +37,20 @@ describe("devices between two frames of a replay", () => {
   it("stay where they were before the first and after the last", () => {
     expect(devicesAt(0).arms["arm"]).toEqual([0]);
     expect(devicesAt(9).arms["arm"]).toEqual([3]);
+  });
+});
+
+describe("devices while a job was cut off", () => {
+  const anew = { time: 4.00001, author: "", anew: true, view: world([]) };
+  const replay = { frames: FRAMES, changes: [anew] } as unknown as Schema<"Replay">;
+  const angleAt = (time: number) => {
+    const into: Devices = { arms: {}, grippers: {}, bases: {} };
+    framesAt(replay, time, into);
+    return into.arms["arm"]?.[0];
+  };
+
+  it("stay where they were last seen, and then are where they were found", () => {
+    expect([1.5, 2, 3, 3.99, 4, 9].map(angleAt)).toEqual([0.5, 1, 1, 1, 3, 3]);
   });
 });
 
@@ -61,6 +75,22 @@ describe("the world of a replay", () => {
       "gripper",
       "pallet",
     ]);
+  });
+
+  it("is that which was found where the job went on: what is not in it is gone, but shapes that came stay", () => {
+    const beginning = world([element("a"), element("b", { shape: "box" })], { shapes: { box: [] } });
+    const view = world([element("b", { shape: "box", place: "floor" }), element("c", { shape: "rod" })], {
+      shapes: { rod: [] },
+    });
+    const went = { time: 5, author: "", anew: true, view };
+    const past = new PastViews({ beginning, changes: [change(2, "gripper"), went] } as unknown as Schema<"Replay">);
+    expect([...past.at(4.9).elements.keys()]).toEqual(["a", "b"]);
+    expect([...past.at(5).elements.values()].map(({ id, place }) => [id, place])).toEqual([
+      ["b", "floor"],
+      ["c", null],
+    ]);
+    expect(Object.keys(past.at(5).shapes)).toEqual(["box", "rod"]);
+    expect([...past.at(1).elements.keys()]).toEqual(["a", "b"]);
   });
 
   it("is the same object until something changes", () => {

@@ -4,13 +4,20 @@ import type { Schema } from "../api/client";
 import { blend, type Devices } from "./devices";
 import { merged, type View, viewFrom } from "./view";
 
-type Frames = Schema<"ReplayFrames">;
+type Replay = Schema<"Replay">;
 
-/** Writes where the devices were at a moment [s]: on the straight way between the two frames around it. */
-export function framesAt({ times, arms, bases, grippers }: Frames, time: number, into: Devices): void {
+/**
+ * Writes where the devices were at a moment [s]: on the straight way between the two frames around it.
+ *
+ * While the job was held, or no server ran, nobody knows how they came from one to the other: they stay, and are there.
+ */
+export function framesAt(replay: Replay, time: number, into: Devices): void {
+  const { times, arms, bases, grippers } = replay.frames;
   const after = Math.min(firstAfter(times, time), times.length - 1);
   const before = Math.max(after - 1, 0);
-  const share = shareOf(times[before] ?? 0, times[after] ?? 0, time);
+  const [start, end] = [times[before] ?? 0, times[after] ?? 0];
+  const gap = gapWithin(gapsOf(replay), start, end);
+  const share = gap === undefined ? shareOf(start, end, time) : Number(time >= gap);
   for (const [id, track] of Object.entries(arms)) at("arms", id, track[before], track[after]);
   for (const [id, track] of Object.entries(bases)) at("bases", id, track[before], track[after]);
   for (const [id, track] of Object.entries(grippers)) at("grippers", id, [track[before] ?? 0], [track[after] ?? 0]);
@@ -18,6 +25,22 @@ export function framesAt({ times, arms, bases, grippers }: Frames, time: number,
   function at(kind: keyof Devices, id: string, start: readonly number[] = [], end: readonly number[] = []): void {
     blend(kind, start, end, share, (into[kind][id] ??= [...end]));
   }
+}
+
+const ROUNDED = 1e-4; // s: times of frames are rounded, those of changes are not
+const gaps = new WeakMap<Replay, readonly number[]>();
+
+/** When a job went on that was held or cut off [s]. */
+function gapsOf(replay: Replay): readonly number[] {
+  const known = gaps.get(replay);
+  if (known !== undefined) return known;
+  const found = replay.changes.filter(({ anew }) => anew).map((change) => change.time - ROUNDED);
+  gaps.set(replay, found);
+  return found;
+}
+
+function gapWithin(ends: readonly number[], start: number, end: number): number | undefined {
+  return ends.find((one) => start < one && one <= end);
 }
 
 function shareOf(start: number, end: number, time: number): number {
@@ -35,13 +58,19 @@ export function firstAfter(ascending: readonly number[], value: number): number 
   return low;
 }
 
+/** The view after a change; where the whole world is told anew, what is not in it is gone. */
+function changed(view: View, { anew, view: told }: Replay["changes"][number]): View {
+  if (!anew) return merged(view, told);
+  return { ...viewFrom(told), shapes: { ...view.shapes, ...told.shapes } };
+}
+
 /** Tells what was to be seen at a moment; going on is quick, going back begins anew. */
 export class PastViews {
   private view: View;
   private done = 0;
   private readonly times: readonly number[];
 
-  constructor(private readonly replay: Schema<"Replay">) {
+  constructor(private readonly replay: Replay) {
     this.view = viewFrom(replay.beginning);
     this.times = replay.changes.map((change) => change.time);
   }
@@ -49,7 +78,7 @@ export class PastViews {
   at(time: number): View {
     const wanted = firstAfter(this.times, time);
     if (wanted < this.done) this.beginAnew();
-    for (const change of this.replay.changes.slice(this.done, wanted)) this.view = merged(this.view, change.view);
+    for (const change of this.replay.changes.slice(this.done, wanted)) this.view = changed(this.view, change);
     this.done = wanted;
     return this.view;
   }

@@ -19,8 +19,7 @@ export function ConflictAlert({ conflict, skills, again, drop }: Props) {
   const { seen, there } = conflict;
   return (
     <Alert color="orange" role="alert" title={t("conflict.title")} p="xs">
-      <Text size="sm">{t("conflict.seen", { version: seen.version, steps: titles(seen, skills) })}</Text>
-      <Text size="sm">{t("conflict.there", { version: there.version, steps: titles(there, skills) })}</Text>
+      <Versions seen={seen} there={there} skills={skills} />
       <Text size="sm">{t("conflict.wanted", { edit: editText(t, conflict, skills) })}</Text>
       {possible === null && <Text size="sm">{t("conflict.impossible")}</Text>}
       <Group gap="xs" mt={4}>
@@ -30,6 +29,17 @@ export function ConflictAlert({ conflict, skills, again, drop }: Props) {
         {possible !== null && <Button onClick={() => again(possible)}>{t("conflict.again")}</Button>}
       </Group>
     </Alert>
+  );
+}
+
+/** What somebody saw, and what there is now. */
+export function Versions({ seen, there, skills }: Pick<Conflict, "seen" | "there"> & Pick<Props, "skills">) {
+  const { t } = useTranslation("task");
+  return (
+    <>
+      <Text size="sm">{t("conflict.seen", { version: seen.version, steps: titles(seen, skills) })}</Text>
+      <Text size="sm">{t("conflict.there", { version: there.version, steps: titles(there, skills) })}</Text>
+    </>
   );
 }
 
@@ -43,8 +53,6 @@ function editText(t: TFunction<"task">, { edit, seen }: Conflict, skills: Skills
   switch (edit.kind) {
     case "insert":
       return t("conflict.insert", { step: stepTitle({ arguments: {}, ...edit.step }, skills) });
-    case "change":
-      return t("conflict.change", { step, next: stepTitle({ arguments: {}, ...edit.step }, skills) });
     case "remove":
       return t("conflict.remove", { step });
     case "move":

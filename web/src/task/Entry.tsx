@@ -1,4 +1,4 @@
-import { Group, Text, UnstyledButton } from "@mantine/core";
+import { Box, Group, Text, UnstyledButton } from "@mantine/core";
 import type { ReactNode } from "react";
 import classes from "./task.module.css";
 
@@ -14,15 +14,15 @@ interface Props {
 export function Entry({ title, note, state, current, open }: Props) {
   return (
     <UnstyledButton className={classes.entry} aria-current={current || undefined} onClick={open}>
-      <Group gap={4} justify="space-between" wrap="nowrap">
-        <Text size="sm" fw={600} truncate>
-          {title}
-        </Text>
-        {state}
-      </Group>
-      <Text size="xs" truncate>
-        {note}
+      <Text size="sm" fw={600} truncate>
+        {title}
       </Text>
+      <Group gap={6} wrap="nowrap">
+        {state !== undefined && <Box flex="none">{state}</Box>}
+        <Text size="xs" truncate>
+          {note}
+        </Text>
+      </Group>
     </UnstyledButton>
   );
 }

@@ -122,6 +122,7 @@ function Sure({ job, command, close, go }: SureProps) {
 /** Sends a command to the job as it was seen: one that has gone on meanwhile is not meant. */
 function useCommand(job: Schema<"Job">, gone: () => void) {
   const client = useQueryClient();
+  const readAgain = () => void client.invalidateQueries({ queryKey: keys.jobs() });
   return useSingleMutation({
     mutationFn: ({ name, comment }: { name: Command; comment: string }) => {
       // All commands have the same form; the address of each is known to be one.
@@ -130,8 +131,11 @@ function useCommand(job: Schema<"Job">, gone: () => void) {
     },
     onSuccess: (_, { name }) => {
       if (name === "cancel" || name === "clear") gone();
+      else readAgain();
     },
-    onError: notifyProblem,
-    onSettled: () => client.invalidateQueries({ queryKey: keys.jobs() }),
+    onError: (error) => {
+      notifyProblem(error);
+      readAgain();
+    },
   });
 }

@@ -14,7 +14,7 @@ import { Problem } from "./Problem";
 import classes from "./task.module.css";
 import { jobMood } from "./words";
 
-const HEIGHT = 46; // px
+const HEIGHT = 52; // px
 type Kind = "every" | "open" | "good" | "bad";
 const KINDS: Kind[] = ["every", "open", "good", "bad"];
 
@@ -102,10 +102,9 @@ function Jobs({ jobs, current, open }: JobsProps) {
 }
 
 function JobNote({ job }: { job: Schema<"Job"> }) {
-  const { t } = useTranslation("task");
   return (
     <>
-      {t(`job.${momentOf(job)}`)} <Moment at={job[momentOf(job)]} /> · {job.id}
+      <Moment at={job[momentOf(job)]} /> · {job.id}
     </>
   );
 }

@@ -4,18 +4,20 @@ import { useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { keys } from "../api/keys";
+import { GoalText } from "../goal/GoalText";
 import { download } from "../widgets/download";
 import { ElementName } from "../widgets/ElementName";
 import { Moment } from "../widgets/Moment";
 import { notifyProblem } from "../widgets/problems";
 import { Status } from "../widgets/Status";
-import { jobState } from "./jobWords";
-import { printElement } from "./printing";
+import { JobTimes } from "./JobTimes";
+import { jobState, nothingDone } from "./jobWords";
+import { usePrintedAlone } from "./printing";
 import { asMarkdown } from "./report";
 import type { Skills } from "./schedule";
 import { Section } from "./Section";
 import type { Run } from "./trace";
-import { span, STEP_MOODS, stepState, stepTitle } from "./words";
+import { jobMood, span, STEP_MOODS, stepState, stepTitle } from "./words";
 
 interface Props {
   job: Schema<"Job">;
@@ -28,11 +30,13 @@ const ID = "job-report";
 /** What came of a job: conditions, parts, steps, states; to be read, printed and taken away. */
 export function JobReport({ job, run, skills }: Props) {
   const { t } = useTranslation("task");
+  usePrintedAlone(ID, t("report.title", { id: job.id }));
   return (
     <Stack gap="sm" id={ID}>
       <Group gap={6} className="no-print">
         <Exports job={job} run={run} skills={skills} />
       </Group>
+      <Heads job={job} />
       <Section title={t("report.conditions")}>
         <Conditions job={job} />
       </Section>
@@ -40,7 +44,7 @@ export function JobReport({ job, run, skills }: Props) {
         <Parts job={job} />
       </Section>
       <Section title={t("report.steps")}>
-        <Steps run={run} skills={skills} />
+        <Steps run={run} skills={skills} nothing={nothingDone(t, job.outcome)} />
       </Section>
       <Section title={t("report.states")}>
         <Transitions job={job} />
@@ -82,14 +86,28 @@ function Exports({ job, run, skills }: Props) {
       <Button variant="default" leftSection={icon} onClick={() => void json().catch(notifyProblem)}>
         JSON
       </Button>
-      <Button
-        variant="default"
-        leftSection={<IconPrinter size={14} aria-hidden />}
-        onClick={() => printElement(ID, words.title)}
-      >
+      <Button variant="default" leftSection={<IconPrinter size={14} aria-hidden />} onClick={() => window.print()}>
         {t("report.print")}
       </Button>
     </>
+  );
+}
+
+/** What stands above the report on the page, for those who have it on paper. */
+function Heads({ job }: { job: Schema<"Job"> }) {
+  const { t } = useTranslation("task");
+  return (
+    <div className="only-on-paper">
+      <Text fw={600}>
+        <GoalText goal={job.order.goal} plain />
+      </Text>
+      <Text>{job.order.description}</Text>
+      <Status mood={jobMood(job)} text={jobState(t, job)} />
+      <JobTimes job={job} />
+      {job.reasons.map((reason) => (
+        <Text key={reason}>{reason}</Text>
+      ))}
+    </div>
   );
 }
 
@@ -101,7 +119,9 @@ function Conditions({ job }: { job: Schema<"Job"> }) {
       <Table.Tbody>
         {job.conditions.map(({ condition, reached, reason }) => (
           <Table.Tr key={condition}>
-            <Table.Td>{condition}</Table.Td>
+            <Table.Td>
+              <GoalText goal={[condition]} />
+            </Table.Td>
             <Table.Td>
               <Status mood={reached ? "good" : "bad"} text={t(reached ? "report.reached" : "report.notReached")} />
               {reason !== "" && <Text size="sm">{reason}</Text>}
@@ -140,9 +160,9 @@ function Parts({ job }: { job: Schema<"Job"> }) {
   );
 }
 
-function Steps({ run, skills }: { run: Run; skills: Skills }) {
+function Steps({ run, skills, nothing }: { run: Run; skills: Skills; nothing: string }) {
   const { t } = useTranslation("task");
-  if (run.steps.length === 0) return <Text c="dimmed">{t("timeline.empty")}</Text>;
+  if (run.steps.length === 0) return <Text c="dimmed">{nothing}</Text>;
   return (
     <Table verticalSpacing={2}>
       <Table.Thead>
@@ -186,7 +206,7 @@ function Transitions({ job }: { job: Schema<"Job"> }) {
               <Moment at={at} />
             </Table.Td>
             <Table.Td>{t(`jobStates.${state.text}`)}</Table.Td>
-            <Table.Td>{comment || trigger}</Table.Td>
+            <Table.Td>{comment}</Table.Td>
           </Table.Tr>
         ))}
       </Table.Tbody>

@@ -1,15 +1,14 @@
-import { Alert, Anchor, Button, Group, Stack, Text, Title } from "@mantine/core";
+import { Alert, Anchor, Button, Group, Loader, Stack, Text, Title } from "@mantine/core";
 import { IconHistory, IconListNumbers } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { answer, api, type Schema } from "../api/client";
 import { useSingleMutation } from "../api/mutations";
-import { useTab } from "../app/useTab";
 import { GoalText } from "../goal/GoalText";
 import { useReplay } from "../scene3d/replay";
-import { Moment } from "../widgets/Moment";
 import { notifyProblem } from "../widgets/problems";
 import { Status } from "../widgets/Status";
+import { forget, useIsGone } from "./gone";
 import { JobCommands } from "./JobCommands";
 import { JobReport } from "./JobReport";
 import { NewSequenceButton } from "./NewSequenceButton";
@@ -21,10 +20,18 @@ import { TakeUp } from "./TakeUp";
 import type { Run } from "./trace";
 import { useJob, useJobRun, useSkills } from "./useRun";
 import { jobMood } from "./words";
-import { jobState } from "./jobWords";
+import { JobTimes } from "./JobTimes";
+import { jobState, nothingDone } from "./jobWords";
 
 /** One job, present or past. */
 export function JobView({ id }: { id: string }) {
+  const { t } = useTranslation("task");
+  const gone = useIsGone(id);
+  if (gone) return <Text role="status">{t("job.removed", { id })}</Text>;
+  return <There id={id} />;
+}
+
+function There({ id }: { id: string }) {
   const { data: job, error, refetch } = useJob(id);
   if (error !== null && job === undefined) return <Problem error={error} again={refetch} />;
   if (job === undefined) return null;
@@ -33,11 +40,9 @@ export function JobView({ id }: { id: string }) {
 
 function Known({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
-  const [, open] = useTab();
   const [chosen, choose] = useState<string | null>(null);
   const skills = useSkills();
-  const over = job.ended !== null;
-  const { run, error, refetch } = useJobRun(job.id, over);
+  const { run, error, refetch } = useJobRun(job);
   const state = { mood: jobMood(job), text: jobState(t, job) };
   const goal = job.order.goal.join(", ");
   return (
@@ -53,11 +58,11 @@ function Known({ job }: { job: Schema<"Job"> }) {
         {job.id}
       </Text>
       {job.order.description !== "" && <Text size="sm">{job.order.description}</Text>}
-      <Times job={job} />
+      <JobTimes job={job} />
       <Reasons job={job} />
       <Question job={job} />
       <Group gap={6}>
-        <JobCommands job={job} gone={() => open("task")} />
+        <JobCommands job={job} gone={() => forget(job.id)} />
         {job.started !== null && <ReplayButton job={job.id} />}
         {job.plan.length > 0 && <NewSequenceButton from={{ job: job.id }} title={job.id} icon={IconListNumbers} />}
       </Group>
@@ -74,6 +79,7 @@ function Known({ job }: { job: Schema<"Job"> }) {
         from={moment(job.started)}
         to={moment(job.ended)}
         report={<JobReport job={job} run={run} skills={skills} />}
+        nothing={nothingDone(t, job.outcome)}
         chosen={chosen}
         choose={choose}
       />
@@ -83,23 +89,6 @@ function Known({ job }: { job: Schema<"Job"> }) {
 
 function moment(at: string | null): number | null {
   return at === null ? null : Date.parse(at);
-}
-
-function Times({ job }: { job: Schema<"Job"> }) {
-  const { t } = useTranslation("task");
-  return (
-    <Group gap="md" fz="sm" c="dimmed">
-      {(["ordered", "started", "ended"] as const).map(
-        (name) =>
-          job[name] !== null && (
-            <span key={name}>
-              {t(`job.${name}`)} <Moment at={job[name]} />
-            </span>
-          ),
-      )}
-      {job.attempts > 1 && <span>{t("job.attempts", { count: job.attempts })}</span>}
-    </Group>
-  );
 }
 
 function Reasons({ job }: { job: Schema<"Job"> }) {
@@ -128,15 +117,15 @@ function ReplayButton({ job }: { job: string }) {
     },
     onError: notifyProblem,
   });
-  if (shown) return null;
+  // One button for both, not disabled meanwhile, so that who uses the keyboard stays where they are.
   return (
     <Button
-      variant="default"
-      leftSection={<IconHistory size={14} aria-hidden />}
-      loading={isPending}
-      onClick={() => mutate()}
+      variant={shown ? "light" : "default"}
+      leftSection={isPending ? <Loader size={14} /> : <IconHistory size={14} aria-hidden />}
+      aria-busy={isPending}
+      onClick={() => (shown ? useReplay.getState().set({ replay: null, speed: 0 }) : mutate())}
     >
-      {t("replay.show")}
+      {t(shown ? "replay.leave" : "replay.show")}
     </Button>
   );
 }

@@ -42,12 +42,12 @@ export function OutputTable({ rows, label, height, follow = false }: Props) {
       <Table stickyHeader layout="fixed" miw={520} aria-label={label} aria-rowcount={rows.length + 1}>
         <Table.Thead>
           <Table.Tr>
-            <Table.Th w={78} style={CELL}>
+            <Table.Th w={72} style={CELL}>
               {t("columns.time")}
             </Table.Th>
-            <Table.Th w={130}>{t("columns.module")}</Table.Th>
-            <Table.Th w={120}>{t("columns.status")}</Table.Th>
-            <Table.Th w={50}>{t("columns.code")}</Table.Th>
+            <Table.Th w={112}>{t("columns.module")}</Table.Th>
+            <Table.Th w={112}>{t("columns.status")}</Table.Th>
+            <Table.Th w={46}>{t("columns.code")}</Table.Th>
             <Table.Th>{t("columns.description")}</Table.Th>
           </Table.Tr>
         </Table.Thead>

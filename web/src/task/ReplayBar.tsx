@@ -1,4 +1,4 @@
-import { ActionIcon, Alert, Button, Group, Select, Slider, Text, Tooltip } from "@mantine/core";
+import { ActionIcon, Alert, Group, Select, Slider, Text, Tooltip } from "@mantine/core";
 import { IconPlayerPause, IconPlayerPlay, IconPlayerSkipBack, IconPlayerSkipForward } from "@tabler/icons-react";
 import { type KeyboardEvent, type ReactNode, useState } from "react";
 import { useTranslation } from "react-i18next";
@@ -6,7 +6,15 @@ import { useReplay } from "../scene3d/replay";
 import type { Step } from "./trace";
 
 const SPEEDS = ["0.5", "1", "2", "5", "10"];
-const KEY_STEP = 1; // s
+const FINEST = 0.1; // s
+const KEY_STEPS: Readonly<Record<string, number>> = {
+  ArrowRight: 1,
+  ArrowUp: 1,
+  ArrowLeft: -1,
+  ArrowDown: -1,
+  PageUp: 10,
+  PageDown: -10,
+}; // s
 
 /** The time of a replay: play, pause, go anywhere, from step to step; the 3D view shows that moment. */
 export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (step: string) => void }) {
@@ -16,11 +24,19 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
   if (replay === null) return null;
   const [start, end] = [replay.start, replay.end];
   const play = () => set(going > 0 ? { speed: 0 } : { speed, time: time >= end ? start : time });
-  const jump = (step: Step | undefined) => {
-    set({ time: step?.start ?? start });
+  const jump = (step: Step | undefined, otherwise: number) => {
+    set({ time: step?.start ?? otherwise });
     if (step !== undefined) choose(step.key);
   };
+  const go = (to: number) => set({ time: Math.min(Math.max(to, start), end) });
   const keys = (event: KeyboardEvent) => {
+    const by = event.target instanceof Element && event.target.role === "slider" ? KEY_STEPS[event.key] : undefined;
+    if (by !== undefined) {
+      event.preventDefault();
+      event.stopPropagation(); // the slider's own steps are those of the mouse
+      go(time + by);
+      return;
+    }
     if (event.key !== " " || event.target instanceof HTMLButtonElement || event.target instanceof HTMLInputElement)
       return;
     event.preventDefault();
@@ -28,16 +44,32 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
   };
   return (
     // Space plays and pauses wherever in it somebody is; each of its parts is a control of its own.
-    // eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions
-    <div role="group" aria-label={t("replay.label", { job: replay.job })} onKeyDown={keys}>
+
+    <div role="group" aria-label={t("replay.label", { job: replay.job })} onKeyDownCapture={keys}>
       <Group gap={4}>
-        <Tool name={t("replay.before")} act={() => jump(steps.findLast((one) => one.start < time - 0.3))}>
+        <Tool
+          name={t("replay.before")}
+          act={() =>
+            jump(
+              steps.findLast((one) => one.start < time - 0.3),
+              start,
+            )
+          }
+        >
           <IconPlayerSkipBack size={16} />
         </Tool>
         <Tool name={going > 0 ? t("replay.pause") : t("replay.play")} act={play}>
           {going > 0 ? <IconPlayerPause size={16} /> : <IconPlayerPlay size={16} />}
         </Tool>
-        <Tool name={t("replay.next")} act={() => jump(steps.find((one) => one.start > time + 0.01))}>
+        <Tool
+          name={t("replay.next")}
+          act={() =>
+            jump(
+              steps.find((one) => one.start > time + 0.01),
+              end,
+            )
+          }
+        >
           <IconPlayerSkipForward size={16} />
         </Tool>
         <Text size="sm" w={96} ta="right" ml="auto" style={{ fontVariantNumeric: "tabular-nums" }}>
@@ -54,9 +86,6 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
             if (going > 0) set({ speed: chosen });
           }}
         />
-        <Button variant="light" onClick={() => set({ replay: null, speed: 0 })}>
-          {t("replay.leave")}
-        </Button>
       </Group>
       <Slider
         mx="xs"
@@ -64,7 +93,7 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
         size="sm"
         min={start}
         max={end}
-        step={KEY_STEP / 10}
+        step={FINEST}
         value={time}
         label={(value) => `${(value - start).toFixed(1)} s`}
         thumbLabel={t("replay.time")}

@@ -23,6 +23,8 @@ interface Props {
   from: number | null;
   to: number | null;
   report: ReactNode;
+  /** Says why nothing was planned or done, where that is so. */
+  nothing: string;
   /** Key of the step that is looked at. */
   chosen: string | null;
   choose: (step: string | null) => void;
@@ -35,14 +37,15 @@ type Pane = keyof typeof ICONS;
 const PANES = Object.keys(ICONS) as Pane[];
 
 /** What is under way, or was, from its four sides; and the step of it that somebody has chosen. */
-export function RunPanes({ name, run, skills, title, state, paused, from, to, report, chosen, choose }: Props) {
+export function RunPanes({ name, run, skills, title, state, paused, from, to, report, ...rest }: Props) {
+  const { chosen, choose } = rest;
   const { t } = useTranslation("task");
   const [pane, setPane] = useState<Pane>("timeline");
   useEffect(followOutput, []);
   const step = run.steps.find(({ key }) => key === chosen);
   const contents: Record<Pane, ReactNode> = {
-    timeline: <Timeline run={run} skills={skills} paused={paused} name={name} chosen={chosen} choose={choose} />,
-    tree: <TreePane run={run} skills={skills} title={title} state={state} chosen={chosen} choose={choose} />,
+    timeline: <Timeline run={run} skills={skills} paused={paused} name={name} {...rest} />,
+    tree: <TreePane run={run} skills={skills} title={title} state={state} {...rest} />,
     output: <OutputPane name={name} from={from} to={to} />,
     report,
   };

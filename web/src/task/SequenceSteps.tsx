@@ -16,14 +16,15 @@ import {
 import { CSS } from "@dnd-kit/utilities";
 import { ActionIcon, Group, Stack, Text, Tooltip } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconGripVertical, IconPencil, IconTrash } from "@tabler/icons-react";
-import { type ReactNode, useState } from "react";
+import type { ReactNode } from "react";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
 import { useMay } from "../api/session";
 import { Status } from "../widgets/Status";
 import type { Skills } from "./schedule";
-import type { Edit, Sequence } from "./sequences";
-import { StepForm } from "./StepForm";
+import { OpenStepForm } from "./OpenStepForm";
+import { type Edit, fateOf, type Sequence, type useEdits } from "./sequences";
+import type { StepForms } from "./stepForms";
 import classes from "./task.module.css";
 import { stepTitle } from "./words";
 
@@ -31,11 +32,13 @@ interface Props {
   sequence: Sequence;
   skills: Skills;
   pending: boolean;
-  edit: (edit: Edit) => void;
+  edit: ReturnType<typeof useEdits>["edit"];
+  forms: StepForms;
 }
 
 /** The steps of a sequence, each with what speaks against it; put in order by mouse, by keys or by buttons. */
-export function SequenceSteps({ sequence, skills, pending, edit }: Props) {
+export function SequenceSteps(props: Props) {
+  const { sequence, edit } = props;
   const { t } = useTranslation("task");
   const sensors = useSensors(
     useSensor(PointerSensor),
@@ -55,34 +58,70 @@ export function SequenceSteps({ sequence, skills, pending, edit }: Props) {
     >
       <SortableContext items={ids} strategy={verticalListSortingStrategy}>
         <Stack gap={4} component="ol" m={0} p={0} aria-label={t("step.list")}>
-          {sequence.steps.map((step, index) => (
-            <StepRow
-              // Its place and what it is: after each edit all rows are those of the new version.
-              key={`${sequence.version} ${index}`}
-              step={step}
-              index={index}
-              count={sequence.count}
-              skills={skills}
-              pending={pending}
-              edit={edit}
-            />
-          ))}
+          <Rows {...props} />
         </Stack>
       </SortableContext>
     </DndContext>
   );
 }
 
-interface RowProps extends Omit<Props, "sequence"> {
+/** The steps, and below each its form while that is open; at the end those of steps that are gone. */
+function Rows({ sequence, skills, pending, edit, forms }: Props) {
+  const opened = forms.forms.map((form) => ({ form, fate: fateOf(form, sequence) }));
+  const formsOf = (index: number | null) =>
+    opened.filter(({ fate }) => (fate.fate === "removed" ? null : fate.at) === index);
+  const drawn = ({ form, fate }: (typeof opened)[number]) => (
+    <OpenStepForm
+      key={`form ${form.key}`} // beside the rows, so that it stays what it is wherever its step goes
+      form={form}
+      fate={fate}
+      sequence={sequence}
+      skills={skills}
+      pending={pending}
+      edit={edit}
+      close={() => forms.close(form.key)}
+    />
+  );
+  const rows = sequence.steps.flatMap((step, index) => {
+    const own = formsOf(index);
+    const closeAll = () => own.forEach(({ form }) => forms.close(form.key));
+    return [
+      <StepRow
+        // Its place and what it is: after each edit all rows are those of the new version.
+        key={`${sequence.version} ${index}`}
+        step={step}
+        index={index}
+        count={sequence.count}
+        skills={skills}
+        pending={pending}
+        edit={edit}
+        change={() => (own.length > 0 ? closeAll() : forms.open({ seen: sequence, at: index }))}
+        changing={own.length > 0}
+        remove={() => {
+          closeAll();
+          edit({ kind: "remove", at: index });
+        }}
+      />,
+      ...own.map(drawn),
+    ];
+  });
+  return [...rows, ...formsOf(null).map(drawn)];
+}
+
+interface RowProps extends Pick<Props, "skills" | "pending"> {
   step: Schema<"CheckedStep">;
   index: number;
   count: number;
+  edit: (edit: Edit) => void;
+  /** Opens its form, or closes it. */
+  change: () => void;
+  changing: boolean;
+  remove: () => void;
 }
 
-function StepRow({ step, index, count, skills, pending, edit }: RowProps) {
+function StepRow({ step, index, count, skills, pending, edit, change, changing, remove }: RowProps) {
   const { t } = useTranslation("task");
   const may = useMay("move_step");
-  const [changing, setChanging] = useState(false);
   const { setNodeRef, setActivatorNodeRef, attributes, listeners, transform, transition } = useSortable({
     id: String(index + 1),
     disabled: !may || pending,
@@ -124,28 +163,14 @@ function StepRow({ step, index, count, skills, pending, edit }: RowProps) {
         >
           <IconArrowDown size={14} />
         </Tool>
-        <Tool name={t("step.change", { step: title })} disabled={!may || pending} act={() => setChanging(!changing)}>
+        <Tool name={t("step.change", { step: title })} disabled={!may || pending} expanded={changing} act={change}>
           <IconPencil size={14} />
         </Tool>
-        <Tool
-          name={t("step.remove", { step: title })}
-          disabled={!may || pending}
-          act={() => edit({ kind: "remove", at: index })}
-        >
+        <Tool name={t("step.remove", { step: title })} disabled={!may || pending} act={remove}>
           <IconTrash size={14} />
         </Tool>
       </Group>
       {step.works ? null : <Problems step={step} />}
-      {changing && (
-        <StepForm
-          skills={skills}
-          step={step}
-          label={t("step.save")}
-          pending={pending}
-          save={(next) => edit({ kind: "change", at: index, step: next })}
-          cancel={() => setChanging(false)}
-        />
-      )}
     </li>
   );
 }
@@ -170,14 +195,15 @@ function Problems({ step: { problems, agent } }: { step: Schema<"CheckedStep"> }
 interface ToolProps {
   name: string;
   disabled: boolean;
+  expanded?: boolean;
   act: () => void;
   children: ReactNode;
 }
 
-function Tool({ name, disabled, act, children }: ToolProps) {
+function Tool({ name, disabled, expanded, act, children }: ToolProps) {
   return (
     <Tooltip label={name}>
-      <ActionIcon size="sm" aria-label={name} disabled={disabled} onClick={act}>
+      <ActionIcon size="sm" aria-label={name} aria-expanded={expanded} disabled={disabled} onClick={act}>
         {children}
       </ActionIcon>
     </Tooltip>

@@ -17,6 +17,7 @@ import type { Skills } from "./schedule";
 import { isConflict, type Sequence, useEdits, useSequence, type WantedStep } from "./sequences";
 import { SequenceSteps } from "./SequenceSteps";
 import { StepForm } from "./StepForm";
+import { useStepForms } from "./stepForms";
 import { useSkills } from "./useRun";
 
 /** A sequence of steps that a person puts together, changes and runs. */
@@ -30,7 +31,8 @@ export default function SequenceView({ id }: { id: string }) {
 
 function Known({ sequence, skills }: { sequence: Sequence; skills: Skills }) {
   const { t } = useTranslation("task");
-  const { edit, isPending, conflict, drop } = useEdits(sequence);
+  const forms = useStepForms();
+  const { edit, isPending, conflict, drop } = useEdits(sequence, forms.follow);
   const title = sequence.title || sequence.id;
   return (
     <Stack gap="sm" component="article" aria-label={t("sequence.label", { title })}>
@@ -43,7 +45,7 @@ function Known({ sequence, skills }: { sequence: Sequence; skills: Skills }) {
       </Group>
       {conflict !== null && <ConflictAlert conflict={conflict} skills={skills} again={edit} drop={drop} />}
       {sequence.count === 0 && <Text c="dimmed">{t("sequence.empty")}</Text>}
-      <SequenceSteps sequence={sequence} skills={skills} pending={isPending} edit={edit} />
+      <SequenceSteps sequence={sequence} skills={skills} pending={isPending} edit={edit} forms={forms} />
       <NewStep
         skills={skills}
         pending={isPending}

@@ -30,16 +30,18 @@ export function StepDetails({ name, step, run, skills, close }: Props) {
   const title = stepTitle(step, skills);
   return (
     <Stack gap="xs" component="section" aria-label={t("details.label", { title })}>
-      <Group gap="xs">
-        <Title order={4} size="h5">
-          {title}
-        </Title>
-        <Status mood={STEP_MOODS[stepState(step)]} text={t(`stepStates.${stepState(step)}`)} />
-        <Text size="sm" c="dimmed">
-          {`${(step.start - run.begun).toFixed(1)} s${step.end === null ? " …" : ` + ${span(step.end - step.start)}`}`}
-        </Text>
-        <ReplayFrom name={name} step={step} />
-        <CloseButton ml="auto" aria-label={t("details.close")} onClick={close} />
+      <Group gap="xs" wrap="nowrap" align="start" justify="space-between">
+        <Group gap="xs">
+          <Title order={4} size="h5">
+            {title}
+          </Title>
+          <Status mood={STEP_MOODS[stepState(step)]} text={t(`stepStates.${stepState(step)}`)} />
+          <Text size="sm" c="dimmed">
+            {`${(step.start - run.begun).toFixed(1)} s${step.end === null ? " …" : ` + ${span(step.end - step.start)}`}`}
+          </Text>
+          <ReplayFrom name={name} step={step} />
+        </Group>
+        <CloseButton aria-label={t("details.close")} onClick={close} />
       </Group>
       <Text size="sm">{step.text}</Text>
       <Section title={t("details.inputs")}>

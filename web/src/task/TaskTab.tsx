@@ -1,12 +1,15 @@
 import { Stack, Text } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
-import { lazy, useState } from "react";
+import { lazy, useEffect, useLayoutEffect, useState } from "react";
 import { useTranslation } from "react-i18next";
+import { navigate } from "wouter/use-hash-location";
 import { Part } from "../app/Part";
+import { addressOf } from "../app/address";
 import { useTab } from "../app/useTab";
 import { useStation } from "../live/station";
 import { detailOf, type Place, placeOf } from "./address";
 import { JobView } from "./JobView";
+import { comeBack, lastTask, remember } from "./lately";
 import { Lists, ListsDrawer } from "./Lists";
 import classes from "./task.module.css";
 import { TaskView } from "./TaskView";
@@ -17,9 +20,10 @@ const ROOM = 700; // px: with less the list is behind a button
 
 /** What the robots do and did, and sequences of steps that people put together (Fig. 4 of the paper). */
 export default function TaskTab() {
-  const { ref, width } = useElementSize();
+  const { ref, width } = useWidth();
   const [, openTab, detail] = useTab();
   const present = usePresent();
+  useReturn(detail, present);
   const chosen = placeOf(detail);
   const open = (place: Place) => openTab("task", detailOf(place));
   const wide = width >= ROOM;
@@ -41,18 +45,43 @@ export default function TaskTab() {
   );
 }
 
+/** How wide an element is, or was before it was hidden, as the page is while a part of it is printed [px]. */
+function useWidth() {
+  const { ref, width } = useElementSize();
+  const [last, setLast] = useState(width);
+  if (width > 0 && width !== last) setLast(width);
+  return { ref, width: last };
+}
+
+/** Who comes back to the tab finds what was looked at there before. */
+function useReturn(detail: string, task: string | null): void {
+  const [before] = useState(() => (detail === "" ? comeBack(underWay()) : ""));
+  useLayoutEffect(() => {
+    if (before !== "") navigate(addressOf("task", before), { replace: true }); // the way back leads past it
+  }, [before]);
+  useEffect(() => remember({ detail, task }), [detail, task]);
+}
+
+/** Name of what is under way; null for nothing. */
+function underWay({ state } = useStation.getState()): string | null {
+  return state?.tasks[0]?.name ?? null;
+}
+
 /** Name of what is under way, and after its end still of that, so that it can be looked at. */
 function usePresent(): string | null {
-  const present = useStation(({ state }) => state?.tasks[0]?.name ?? null);
-  const [last, setLast] = useState(present);
+  const present = useStation(underWay);
+  const [last, setLast] = useState(present ?? lastTask());
   if (present !== null && present !== last) setLast(present);
   return present ?? last;
 }
 
 /** Nothing was chosen: what is under way is what people want to see. */
 function Nothing({ present }: { present: string | null }) {
+  return present === null ? <Idle /> : <Present name={present} />;
+}
+
+function Idle() {
   const { t } = useTranslation("task");
-  if (present !== null) return <Present name={present} />;
   return (
     <Stack p="md">
       <Text>{t("nothing.idle")}</Text>
@@ -63,8 +92,8 @@ function Nothing({ present }: { present: string | null }) {
 
 /** What is under way now: of a job the job, to which the commands belong. */
 function Present({ name }: { name: string }) {
-  const { data: task } = useTask(name);
-  if (task === undefined) return null;
+  const { data: task, error } = useTask(name);
+  if (task === undefined) return error === null ? null : <Idle />; // forgotten: the server was started anew
   return task.job === "" ? <TaskView key={name} name={name} /> : <JobView key={name} id={task.job} />;
 }
 

@@ -4,6 +4,7 @@ import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
 import { Moment } from "../widgets/Moment";
 import { Status } from "../widgets/Status";
+import { nothingDone } from "./jobWords";
 import { Problem } from "./Problem";
 import { roundsOf, withRound } from "./rounds";
 import { RunPanes } from "./RunPanes";
@@ -66,6 +67,7 @@ function Known({ task }: { task: Schema<"TaskInfo"> }) {
         from={Date.parse(task.begun)}
         to={null}
         report={<TaskReport task={task} />}
+        nothing={nothingDone(t, task.report?.outcome ?? null)}
         chosen={chosen}
         choose={choose}
       />

@@ -21,6 +21,8 @@ interface Props {
   run: Run;
   skills: Skills;
   paused: boolean;
+  /** Says why there is nothing, where that is so. */
+  nothing: string;
   chosen: string | null;
   choose: (step: string) => void;
 }
@@ -39,12 +41,12 @@ function LiveTimeline(props: Props) {
   return <DrawnTimeline {...props} now={Math.max(useNow() + props.run.shift, props.run.begun)} />;
 }
 
-function DrawnTimeline({ name, run, skills, paused, now, chosen, choose }: Props & { now: number }) {
+function DrawnTimeline({ name, run, skills, paused, nothing, now, chosen, choose }: Props & { now: number }) {
   const { t } = useTranslation("task");
   const layout = layOut(run, skills, now, paused);
   const zoom = useZoom(layout, now);
   const [table, showTable] = useState(false);
-  if (layout.lanes.length === 0) return <Text c="dimmed">{t("timeline.empty")}</Text>;
+  if (layout.lanes.length === 0) return <Text c="dimmed">{nothing}</Text>;
   return (
     <Stack gap={4}>
       <Group gap={4}>
@@ -69,6 +71,7 @@ function DrawnTimeline({ name, run, skills, paused, now, chosen, choose }: Props
       {!table && (
         <Text size="xs" c="dimmed">
           {t("timeline.legend")}
+          {layout.lanes.some(({ bars }) => bars.some(({ kind }) => kind === "old")) && ` ${t("timeline.legendOld")}`}
         </Text>
       )}
     </Stack>
@@ -241,13 +244,21 @@ function Axis({ scale, height, origin }: { scale: ScaleLinear<number, number>; h
       {shown.ticks(Math.max(2, right / 80)).map((tick) => (
         <g key={tick}>
           <line className={classes.grid} x1={shown(tick)} x2={shown(tick)} y1={0} y2={height - AXIS} />
-          <text className={classes.tick} x={shown(tick)} y={height - 6} textAnchor={tick === 0 ? "start" : "middle"}>
+          <text className={classes.tick} x={shown(tick)} y={height - 6} textAnchor={anchor(shown(tick), right)}>
             {`${tick} s`}
           </text>
         </g>
       ))}
     </g>
   );
+}
+
+const LABEL = 18; // px: half a label of the axis is not wider
+
+/** Keeps the labels at the ends within the picture. */
+function anchor(x: number, right: number): "start" | "middle" | "end" {
+  if (x < LABEL) return "start";
+  return x > right - LABEL ? "end" : "middle";
 }
 
 /** The moment of a replay of this job; it alone is drawn anew while that goes on. */

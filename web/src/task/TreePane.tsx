@@ -17,19 +17,21 @@ interface Props {
   skills: Skills;
   title: string;
   state: GraphNode["state"] & object;
+  /** Says why there is nothing, where that is so. */
+  nothing: string;
   chosen: string | null;
   choose: (step: string) => void;
 }
 
 /** The live tree of a task: its steps, or what the chosen (else the running) step is doing. */
-export default function TreePane({ run, skills, title, state, chosen, choose }: Props) {
+export default function TreePane({ run, skills, title, state, nothing, chosen, choose }: Props) {
   const { t } = useTranslation("task");
   const [shown, show] = useState<"task" | "skill">("task");
   const present = run.plans.at(-1);
   const slots = present === undefined ? [] : schedule(present, run.steps, skills, 0);
   const step = run.steps.find(({ key }) => key === chosen) ?? run.steps.at(-1);
   const said: Said = { step: (one) => t(`stepStates.${one}`), module: (status) => moduleStatus(t, status) };
-  if (slots.length === 0 && run.steps.length === 0) return <Text c="dimmed">{t("timeline.empty")}</Text>;
+  if (slots.length === 0 && run.steps.length === 0) return <Text c="dimmed">{nothing}</Text>;
   return (
     <Stack gap="xs" h="100%">
       <SegmentedControl
@@ -66,7 +68,7 @@ export default function TreePane({ run, skills, title, state, chosen, choose }: 
   );
 }
 
-interface TaskProps extends Omit<Props, "run"> {
+interface TaskProps extends Omit<Props, "run" | "nothing"> {
   run: Run;
   slots: readonly Slot[];
   said: Said;

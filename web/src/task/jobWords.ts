@@ -20,6 +20,19 @@ export function jobState(t: TFunction<"task">, job: Schema<"Job">): string {
   return job.state.text === "Running" && job.detail === "planning" ? t("job.planning") : said;
 }
 
+/**
+ * Says why nothing was planned or done of a job or a task.
+ *
+ * @param outcome - What came of it; null while it is not over.
+ */
+export function nothingDone(t: TFunction<"task">, outcome: string | null): string {
+  if (outcome === null) return t("nothingDone.yet");
+  if (outcome === "no plan") return t("nothingDone.noPlan");
+  return HELD.includes(outcome) ? t("nothingDone.held") : t("nothingDone.ended");
+}
+
+const HELD: readonly string[] = ["goal already satisfied", "held already"];
+
 function outcomeText(t: TFunction<"task">, outcome: string): string {
   const known = OUTCOMES.find((one) => one === outcome);
   return known === undefined ? outcome : t(`outcomes.${known}`);

@@ -1,12 +1,49 @@
 /** Prints one part of the page alone: what is around it is no part of a report. */
 
+import { useEffect } from "react";
 import "./printing.css";
 
 const PRINTED = "print-only";
+const SCHEME = "data-mantine-color-scheme";
 
-export function printElement(id: string, title: string): void {
+/** While the element is there, whatever is printed from the page is that, below a title. */
+export function usePrintedAlone(id: string, title: string): void {
+  useEffect(() => {
+    let restore: (() => void) | undefined;
+    const end = () => {
+      restore?.();
+      restore = undefined;
+    };
+    const begin = () => {
+      end();
+      restore = putAlone(id, title);
+    };
+    window.addEventListener("beforeprint", begin);
+    window.addEventListener("afterprint", end);
+    return () => {
+      window.removeEventListener("beforeprint", begin);
+      window.removeEventListener("afterprint", end);
+      end();
+    };
+  }, [id, title]);
+}
+
+/** Puts a copy beside all else, in the colours of paper; returns how to take it away again. */
+function putAlone(id: string, title: string): (() => void) | undefined {
   const element = document.getElementById(id);
-  if (element === null) return;
+  if (element === null) return undefined;
+  const copy = copyOf(element, title);
+  const root = document.documentElement;
+  const scheme = root.getAttribute(SCHEME);
+  document.body.append(copy);
+  root.setAttribute(SCHEME, "light");
+  return () => {
+    copy.remove();
+    if (scheme !== null) root.setAttribute(SCHEME, scheme);
+  };
+}
+
+function copyOf(element: HTMLElement, title: string): HTMLElement {
   const copy = document.createElement("div");
   copy.className = PRINTED;
   const heading = document.createElement("h1");
@@ -14,8 +51,5 @@ export function printElement(id: string, title: string): void {
   const content = element.cloneNode(true) as HTMLElement;
   content.removeAttribute("id");
   copy.append(heading, content);
-  document.body.append(copy);
-  const end = () => copy.remove();
-  window.addEventListener("afterprint", end, { once: true });
-  window.print();
+  return copy;
 }

@@ -1,4 +1,4 @@
-import { type Conflict, onto, type Sequence } from "./sequences";
+import { type Conflict, fateOf, onto, type Sequence } from "./sequences";
 
 function sequence(version: number, places: string[]): Sequence {
   const steps = places.map((Location) => {
@@ -19,7 +19,7 @@ test("a change that came too late is made to the step that was meant, wherever i
 });
 
 test("a change of a step that somebody else has changed or removed cannot be made any more", () => {
-  expect(onto(conflict({ kind: "change", at: 0, step: STEP }, ["kit_1"]))).toBeNull();
+  expect(onto(conflict({ kind: "move", at: 0, to: 1 }, ["kit_1"]))).toBeNull();
 });
 
 test("what is inserted never comes behind the end", () => {
@@ -28,4 +28,21 @@ test("what is inserted never comes behind the end", () => {
     at: 1,
     step: STEP,
   });
+});
+
+test("a step whose form is open is found where somebody else moved it, the nearest of several", () => {
+  expect(fateOf({ seen: SEEN, at: 1 }, sequence(2, ["pallet_b", "pallet_a", "kit_1"]))).toEqual({
+    fate: "stays",
+    at: 2,
+  });
+  const twice = sequence(1, ["kit_1", "pallet_a", "kit_1"]);
+  expect(fateOf({ seen: twice, at: 2 }, sequence(2, ["kit_1", "pallet_a", "kit_1", "kit_1"]))).toEqual({
+    fate: "stays",
+    at: 2,
+  });
+});
+
+test("a step that somebody else has changed or removed meanwhile is told to be so", () => {
+  expect(fateOf({ seen: SEEN, at: 0 }, sequence(2, ["pallet_b", "kit_1"]))).toEqual({ fate: "changed", at: 0 });
+  expect(fateOf({ seen: SEEN, at: 0 }, sequence(2, ["kit_1"]))).toEqual({ fate: "removed" });
 });

@@ -16,9 +16,9 @@ export type Edit =
   | { kind: "remove"; at: number }
   | { kind: "move"; at: number; to: number };
 
-/** A change that was not made, because somebody else had changed the sequence. */
+/** A change that was not made, because somebody else had changed the sequence; of a step its form says so. */
 export interface Conflict {
-  edit: Edit;
+  edit: Exclude<Edit, { kind: "change" }>;
   /** What it was based on, and what is there now. */
   seen: Sequence;
   there: Sequence;
@@ -37,7 +37,8 @@ function read(id: string): Promise<Sequence> {
   return answer(api.GET("/api/v1/sequences/{id}", { params: { path: { id } } }));
 }
 
-export function useEdits(sequence: Sequence) {
+/** @param made - Called with what there is after a change that was made from here. */
+export function useEdits(sequence: Sequence, made: (there: Sequence) => void) {
   const client = useQueryClient();
   const [conflict, setConflict] = useState<Conflict | null>(null);
   const take = (there: Sequence) => {
@@ -48,13 +49,14 @@ export function useEdits(sequence: Sequence) {
     mutationFn: (edit: Edit) => send(sequence, edit),
     onSuccess: (there) => {
       take(there);
+      made(there);
       setConflict(null);
     },
     onError: async (error, edit) => {
       if (!isConflict(error)) return notifyProblem(error);
       const there = await read(sequence.id);
       take(there);
-      setConflict({ edit, seen: sequence, there });
+      if (edit.kind !== "change") setConflict({ edit, seen: sequence, there });
     },
   });
   return { edit: mutate, isPending, conflict, drop: () => setConflict(null) };
@@ -86,12 +88,36 @@ function send({ id, version }: Sequence, edit: Edit): Promise<Sequence> {
 }
 
 /** What an edit would do, once more, to what is there now; null where that step is not the same any more. */
-export function onto({ edit, seen, there }: Conflict): Edit | null {
+export function onto({ edit, seen, there }: Conflict): Conflict["edit"] | null {
   if (edit.kind === "insert") return { ...edit, at: Math.min(edit.at, there.steps.length) };
-  const meant = seen.steps[edit.at];
-  const at = there.steps.findIndex((step) => meant !== undefined && isSame(step, meant));
-  if (at < 0) return null;
+  const at = sameStep({ seen, at: edit.at }, there);
+  if (at === null) return null;
   return edit.kind === "move" ? { ...edit, at, to: Math.min(edit.to, there.steps.length - 1) } : { ...edit, at };
+}
+
+/** A step as somebody saw it. */
+export interface SeenStep {
+  seen: Sequence;
+  /** From 0. */
+  at: number;
+}
+
+/** Where a step is by now that is the same as it was; of several the nearest; null where there is none. */
+function sameStep({ seen, at }: SeenStep, there: Sequence): number | null {
+  const meant = seen.steps[at];
+  if (meant === undefined) return null;
+  const same = there.steps.flatMap((step, index) => (isSame(step, meant) ? [index] : []));
+  return same.sort((one, other) => Math.abs(one - at) - Math.abs(other - at))[0] ?? null;
+}
+
+/** What has become of a step since somebody saw it. */
+export type Fate = { fate: "stays" | "changed"; at: number } | { fate: "removed" };
+
+export function fateOf(step: SeenStep, there: Sequence): Fate {
+  if (step.seen.version === there.version) return { fate: "stays", at: step.at };
+  const at = sameStep(step, there);
+  if (at !== null) return { fate: "stays", at };
+  return step.seen.count === there.count ? { fate: "changed", at: step.at } : { fate: "removed" };
 }
 
 function isSame(one: WantedStep, other: WantedStep): boolean {

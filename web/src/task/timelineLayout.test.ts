@@ -80,6 +80,14 @@ test("of a plan that was given up only what was never begun stays, as old", () =
   expect(layOut(run, SKILLS, 31, false).replanned).toEqual([31]);
 });
 
+test("what was given up makes a timeline no longer than what was done instead", () => {
+  const other = { skill: "drive", arguments: { Base: "base_1", Location: "kit_1" } };
+  const run = readRun([...GOOD, plan(31, [other]), entry(35, "finished")]);
+  const late = [...GOOD.slice(0, 1), plan(12, [DRIVE, PICK, DRIVE, PICK, DRIVE]), ...GOOD.slice(2)];
+  const longer = readRun([...late, plan(31, [other]), entry(35, "finished")]);
+  expect(layOut(longer, SKILLS, 35, false).end).toBe(layOut(run, SKILLS, 35, false).end);
+});
+
 test("a timeline that is over has no expected end", () => {
   expect(layOut(readRun([...GOOD, entry(31, "finished")]), SKILLS, 99, false).eta).toBeNull();
 });

@@ -42,7 +42,8 @@ export function layOut(run: Run, skills: Skills, now: number, paused: boolean): 
   const eta = run.end === null ? finish(slots) : null;
   const bars = [...planBars(slots, skills), ...oldBars(run, skills), ...actualBars(run, skills, now, paused)];
   if (run.end === null) bars.push(...expectedBars(slots, skills));
-  const end = Math.max(run.end ?? now, ...bars.map(({ bar }) => bar.end), run.begun + SHORTEST);
+  const shown = bars.filter(({ bar }) => bar.kind !== "old"); // what was given up may have been planned for long after
+  const end = Math.max(run.end ?? now, ...shown.map(({ bar }) => bar.end), run.begun + SHORTEST);
   return {
     start: run.begun,
     end,

@@ -1,12 +1,15 @@
 /** What happened in a task, read from the entries of its trace. */
 
 import type { Schema } from "../api/client";
+import { evened, type Shifts } from "./runTime";
 
 export type PlannedStep = Schema<"PlannedStep">;
 
 export interface TraceEntry {
   /** Run time [s]; after {@link evened} it never steps back. */
   time: number;
+  /** How much later that is than the server said [s]. */
+  shift: number;
   what: string;
   text: string;
   step: number | null;
@@ -48,6 +51,8 @@ export interface Step {
   implementation: string | null;
   /** Numbers of the changes of the world that it made. */
   changes: number[];
+  /** How much later its times are than the server said [s]. */
+  shift: number;
 }
 
 export interface Plan {
@@ -76,6 +81,7 @@ const ENDS: readonly string[] = ["ended", "failed", "broken off"];
 export function readEntry(raw: Record<string, unknown>): TraceEntry {
   return {
     time: typeof raw.time === "number" ? raw.time : 0,
+    shift: 0,
     what: String(raw.what ?? ""),
     text: String(raw.text ?? ""),
     step: typeof raw.step === "number" ? raw.step : null,
@@ -98,20 +104,14 @@ export function joined(kept: readonly TraceEntry[], lately: readonly TraceEntry[
   return from < 0 ? [...kept, ...lately] : [...kept.slice(0, from), ...lately];
 }
 
-/** Makes run time go on where the server was started anew: it begins at zero again with each start. */
-export function evened(told: readonly TraceEntry[]): { entries: TraceEntry[]; shift: number } {
-  let shift = 0;
-  let last = 0;
-  const entries = told.map((entry) => {
-    if (entry.time + shift < last) shift = last - entry.time;
-    last = entry.time + shift;
-    return shift === 0 ? entry : { ...entry, time: last };
-  });
-  return { entries, shift };
-}
-
-export function readRun(told: readonly TraceEntry[]): Run {
-  const { entries, shift } = evened(told);
+/**
+ * Reads what happened.
+ *
+ * @param shifts - Those of a replay of it, where one is shown: then both have the same times.
+ */
+export function readRun(told: readonly TraceEntry[], shifts: Shifts = []): Run {
+  const entries = evened(told, shifts);
+  const shift = entries.at(-1)?.shift ?? 0;
   const run: Run = { begun: entries[0]?.time ?? 0, end: null, shift, steps: [], plans: [], entries };
   let attempt = 0;
   for (const entry of entries) {
@@ -125,6 +125,20 @@ export function readRun(told: readonly TraceEntry[]): Run {
     else if (entry.what === "finished") run.end = entry.time;
   }
   return run;
+}
+
+/**
+ * Ends what nobody does any more though nobody ended it: the server was ended.
+ *
+ * @param until - As far as a replay knows it [s]; else it is known up to its last entry.
+ */
+export function cutOff(run: Run, until = 0): Run {
+  const last = run.entries.at(-1);
+  if (last === undefined || run.end !== null) return run;
+  const end = Math.max(last.time, until);
+  const steps = run.steps.map((step) => ({ ...step }));
+  breakOff(steps, end);
+  return { ...run, steps, end };
 }
 
 function started(entry: TraceEntry, attempt: number, number: number): Step {
@@ -142,6 +156,7 @@ function started(entry: TraceEntry, attempt: number, number: number): Step {
     conditions: conditionRows(entry.data),
     implementation: null,
     changes: numbers(entry.data.changes),
+    shift: entry.shift,
   };
 }
 

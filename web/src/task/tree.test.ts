@@ -101,3 +101,16 @@ test("steps hang on those that they wait for, without what those wait for themse
     { from: "step 1", to: "step 2" },
   ]);
 });
+
+test("steps of plans that were given up hang one below the other as they were done", () => {
+  const told = [10, 20].flatMap((time, index) => [
+    readEntry({ time, what: "started", step: index + 1, skill: "pick", agent: "arm_1" }),
+    readEntry({ time: time + 5, what: "failed", step: index + 1, skill: "pick", agent: "arm_1" }),
+  ]);
+  const others = readRun(told).steps;
+  const task = { title: "kit", state: { mood: "running" as const, text: "runs" }, slots: [], others };
+  expect(taskTree(task, new Map(), SAID).edges).toEqual([
+    { from: "task", to: "ran 0.1" },
+    { from: "ran 0.1", to: "ran 0.2" },
+  ]);
+});

@@ -44,8 +44,13 @@ export function bodyLines(implementation: Schema<"Implementation"> | undefined):
   });
 }
 
-/** Returns the messages of the parts of a step while it ran (or runs). */
+/**
+ * Returns the messages of the parts of a step while it ran (or runs).
+ *
+ * @param shift - How much later the times of the present are than those that the server says now [s].
+ */
 export function messagesOf(step: Step, rows: readonly OutputRow[], shift: number): OutputRow[] {
+  if (step.shift !== shift) return []; // it ran before the server was started anew, and messages are not kept so long
   const [start, end] = [step.start - shift, (step.end ?? Number.POSITIVE_INFINITY) - shift];
   return rows.filter((row) => row.time >= start - EDGE && row.time <= end + EDGE && isOf(step, row));
 }
@@ -85,12 +90,13 @@ export function taskTree(task: Task, skills: Skills, said: Said): { nodes: Graph
   const edges: GraphEdge[] = [];
   for (const step of task.others) {
     const state = stepState(step);
+    const before = task.others.findLast(({ end }) => end !== null && end <= step.start);
     nodes.push({
       id: `ran ${step.key}`,
       title: stepTitle(step, skills),
       state: { mood: STEP_MOODS[state], text: said.step(state) },
     });
-    edges.push({ from: "task", to: `ran ${step.key}` });
+    edges.push({ from: before === undefined ? "task" : `ran ${before.key}`, to: `ran ${step.key}` });
   }
   for (const slot of task.slots) {
     const state = stepState(slot.runs.at(-1));

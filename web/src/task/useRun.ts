@@ -5,8 +5,9 @@ import { useMemo } from "react";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
 import { keys } from "../api/keys";
 import { useStation } from "../live/station";
+import { useReplay } from "../scene3d/replay";
 import type { Skills } from "./schedule";
-import { joined, NO_RUN, readEntry, readRun, type Run, type TraceEntry } from "./trace";
+import { cutOff, joined, NO_RUN, readEntry, readRun, type Run, type TraceEntry } from "./trace";
 
 const PAGE = 1000;
 const MOST_PAGES = 10;
@@ -26,23 +27,46 @@ export function useTask(name: string) {
   });
 }
 
-/** What happened for a job; of one that is over it is read once. */
-export function useJobRun(id: string, over: boolean) {
+/** What happened for a job, in the time of its replay while that is shown; of one that is over it is read once. */
+export function useJobRun({ id, number, ended }: Schema<"Job">) {
+  const over = ended !== null;
   const query = useQuery({
-    queryKey: over ? keys.jobs("trace", id) : keys.tasks("trace of job", id),
-    queryFn: async () => joined(await entriesOfJob(id), await entriesOfTask(id)),
+    queryKey: over ? ["past trace", id, number] : keys.tasks("trace of job", id), // no event makes the past old
+    queryFn: () => (over ? pastOf(id) : happenings(id)),
     placeholderData: (before) => before,
   });
-  return { ...query, run: useRead(query.data) };
+  const replay = useReplay((shown) => (shown.replay?.job === id ? shown.replay : null));
+  const run = useMemo(() => readHappenings(query.data, replay), [query.data, replay]);
+  return { ...query, run };
+}
+
+interface Happenings {
+  entries: TraceEntry[];
+  /** Whether somebody has it in hand; what was cut off by a restart nobody has. */
+  inHand: boolean;
+}
+
+async function pastOf(job: string): Promise<Happenings> {
+  return { entries: await entriesOfJob(job), inHand: false };
+}
+
+async function happenings(job: string): Promise<Happenings> {
+  const kept = await entriesOfJob(job);
+  const { items } = await answer(api.GET("/api/v1/tasks", { params: { query: { active: true, limit: PAGE } } }));
+  const inHand = items.some(({ name }) => name === job);
+  return { entries: inHand ? joined(kept, await entriesOfTask(job)) : kept, inHand };
+}
+
+function readHappenings(told: Happenings | undefined, replay: Schema<"Replay"> | null): Run {
+  if (told === undefined) return NO_RUN;
+  const run = readRun(told.entries, replay?.shifts);
+  return told.inHand ? run : cutOff(run, replay?.end);
 }
 
 export function useTaskRun(name: string) {
   const query = useQuery({ queryKey: keys.tasks("trace", name), queryFn: () => entriesOfTask(name) });
-  return { ...query, run: useRead(query.data) };
-}
-
-function useRead(entries: TraceEntry[] | undefined): Run {
-  return useMemo(() => (entries === undefined ? NO_RUN : readRun(entries)), [entries]);
+  const run = useMemo(() => (query.data === undefined ? NO_RUN : readRun(query.data)), [query.data]);
+  return { ...query, run };
 }
 
 async function entriesOfJob(id: string): Promise<TraceEntry[]> {
@@ -59,7 +83,7 @@ async function entriesOfJob(id: string): Promise<TraceEntry[]> {
   return entries;
 }
 
-/** What a task remembers; nothing where it is forgotten, as all are when the server has been started anew. */
+/** What a task remembers; nothing where it was forgotten just now. */
 async function entriesOfTask(name: string): Promise<TraceEntry[]> {
   try {
     const trace = await answer(api.GET("/api/v1/tasks/{name}/trace", { params: { path: { name } } }));

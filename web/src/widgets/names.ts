@@ -44,7 +44,7 @@ export function classTree(class_: string) {
 
 const ELEMENT = "sk:Element";
 
-/** The labels of all classes by name; empty until they are known. */
+/** The labels of all classes by name, also without prefix, as conditions say them; empty until they are known. */
 export function useClassLabels(): ReadonlyMap<string, string> {
   const { data } = useQuery({ ...classTree(ELEMENT), select: labelsOf });
   return data ?? NONE;
@@ -53,7 +53,8 @@ export function useClassLabels(): ReadonlyMap<string, string> {
 const NONE: ReadonlyMap<string, string> = new Map();
 
 function labelsOf(root: ClassNode): ReadonlyMap<string, string> {
-  return new Map(classesOf(root).map((node) => [node.name, node.label]));
+  const classes = classesOf(root).map(({ name, label }): [string, string] => [name, label]);
+  return new Map([...classes, ...classes.map(([name, label]): [string, string] => [localName(name), label])]);
 }
 
 /** What an element is called; its id until that is known. Of a class or of nothing: null. */

@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,7 @@ def replay_text(lines: Iterable[Line], *, over: bool) -> bytes:
         "start": first.head["time"],
         "end": parts[-1].end,
         "complete": whole,
-        "shifts": [[_start(part), part.shift] for part in parts if part.shift],
+        "shifts": [[_start(part), part.shift] for before, part in pairwise(parts) if part.shift != before.shift],
     }
     pieces = [
         json.dumps(head).encode()[:-1],

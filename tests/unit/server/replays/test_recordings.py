@@ -117,6 +117,14 @@ def test_what_goes_on_after_a_restart_follows_in_time_with_the_world_anew(tmp_pa
     assert not replay.complete
 
 
+def test_shifts_are_told_where_they_change_also_back_to_none(tmp_path: Path, world: World) -> None:
+    begun(tmp_path / "one", world, 50.0).end(60.0)
+    begun(tmp_path / "one", world, 1.0, run="second").end(3.0)
+    begun(tmp_path / "one", world, 5.0, run="second").end(6.0)
+    begun(tmp_path / "one", world, 500.0, run="third").end(501.0)
+    assert told(tmp_path / "one").shifts == ((61.0, 60.0), (500.0, 0.0))
+
+
 def test_a_job_that_was_held_and_went_on_is_complete(tmp_path: Path, world: World) -> None:
     begun(tmp_path / "one", world, 10.0).end(11.0)
     begun(tmp_path / "one", world, 20.0).end(21.0)
