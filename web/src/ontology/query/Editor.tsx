@@ -1,10 +1,11 @@
 import { autocompletion, type CompletionContext, completionKeymap } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
-import { bracketMatching, defaultHighlightStyle, syntaxHighlighting } from "@codemirror/language";
+import { bracketMatching, syntaxHighlighting } from "@codemirror/language";
 import { EditorState } from "@codemirror/state";
 import { drawSelection, EditorView, keymap, lineNumbers } from "@codemirror/view";
 import { SparqlLanguage, sparql } from "codemirror-lang-sparql";
 import { useEffect, useRef } from "react";
+import { COLOURS } from "./colours";
 import classes from "./Editor.module.css";
 
 interface Props {
@@ -65,7 +66,7 @@ function stateOf(label: string, latest: Latest): EditorState {
       history(),
       drawSelection(),
       bracketMatching(),
-      syntaxHighlighting(defaultHighlightStyle),
+      syntaxHighlighting(COLOURS),
       sparql(),
       SparqlLanguage.data.of({ autocomplete: offer }),
       autocompletion(),

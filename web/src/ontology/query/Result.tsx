@@ -1,5 +1,5 @@
-import { Button, Code, Group, Stack, Table, Text } from "@mantine/core";
-import { IconDownload } from "@tabler/icons-react";
+import { Button, Code, Group, Stack, Table, Text, UnstyledButton } from "@mantine/core";
+import { IconChevronDown, IconChevronUp, IconDownload, IconSelector } from "@tabler/icons-react";
 import { useMutation } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
@@ -8,6 +8,7 @@ import { download } from "../../widgets/download";
 import { notifyProblem } from "../../widgets/problems";
 import { Status } from "../../widgets/Status";
 import { Cell, useKnown } from "./Cell";
+import { columns, type Order, sorted } from "./console";
 
 type SelectAnswer = Schema<"SelectAnswer">;
 export type Answer = SelectAnswer | Schema<"AskAnswer"> | Schema<"ConstructAnswer">;
@@ -60,12 +61,15 @@ function Turtle({ turtle, count }: { turtle: string; count: number }) {
 }
 
 const FEW = 200;
+const COLUMN = 110; // px: narrower, words fall to pieces
 
 function Rows({ result, ...asked }: { result: SelectAnswer } & Omit<Props, "result">) {
   const { t } = useTranslation("ontology");
   const [shown, setShown] = useState(FEW);
   const known = useKnown();
-  const rows = useMemo(() => result.rows.slice(0, shown), [result, shown]);
+  const [order, setOrder] = useState<Order | null>(null);
+  const names = useMemo(() => columns(asked.query, result.variables), [asked.query, result]);
+  const rows = useMemo(() => sorted(result.rows, order).slice(0, shown), [result, order, shown]);
   return (
     <Stack gap={6}>
       <Group gap="xs">
@@ -78,16 +82,16 @@ function Rows({ result, ...asked }: { result: SelectAnswer } & Omit<Props, "resu
         <Table aria-label={t("query.result")} striped verticalSpacing={2}>
           <Table.Thead>
             <Table.Tr>
-              {result.variables.map((name) => (
-                <Table.Th key={name}>{name}</Table.Th>
+              {names.map((name) => (
+                <Heading key={name} name={name} order={order} sort={setOrder} />
               ))}
             </Table.Tr>
           </Table.Thead>
           <Table.Tbody>
             {rows.map((row, index) => (
               <Table.Tr key={index}>
-                {result.variables.map((name) => (
-                  <Table.Td key={name}>
+                {names.map((name) => (
+                  <Table.Td key={name} miw={COLUMN}>
                     <Cell value={row[name]} known={known} />
                   </Table.Td>
                 ))}
@@ -102,6 +106,26 @@ function Rows({ result, ...asked }: { result: SelectAnswer } & Omit<Props, "resu
         </Button>
       )}
     </Stack>
+  );
+}
+
+interface HeadingProps {
+  name: string;
+  order: Order | null;
+  sort: (order: Order | null) => void;
+}
+
+/** The name of a column; pressed, it sorts by it: rising, falling, as it came. */
+function Heading({ name, order, sort }: HeadingProps) {
+  const mine = order?.column === name ? order : null;
+  const next = mine === null ? { column: name, falling: false } : mine.falling ? null : { ...mine, falling: true };
+  const Icon = mine === null ? IconSelector : mine.falling ? IconChevronDown : IconChevronUp;
+  return (
+    <Table.Th aria-sort={mine === null ? "none" : mine.falling ? "descending" : "ascending"}>
+      <UnstyledButton fz="sm" fw={700} onClick={() => sort(next)}>
+        {name} <Icon size={12} aria-hidden />
+      </UnstyledButton>
+    </Table.Th>
   );
 }
 

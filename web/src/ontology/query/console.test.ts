@@ -1,4 +1,4 @@
-import { history, placeOf, remember } from "./console";
+import { columns, history, placeOf, remember, sorted } from "./console";
 
 beforeEach(() => localStorage.clear());
 
@@ -19,4 +19,17 @@ test("what was asked before comes first once, and twenty are kept", () => {
 test("a broken history is an empty one", () => {
   localStorage.setItem("skiros-queries", "{");
   expect(history()).toEqual([]);
+});
+
+test("the columns of SELECT * come as the question names them", () => {
+  expect(columns("SELECT * WHERE { ?s ?p ?o }", ["o", "p", "s"])).toEqual(["s", "p", "o"]);
+  expect(columns("select distinct * { ?thing sk:in ?t }", ["t", "thing"])).toEqual(["thing", "t"]);
+  expect(columns("SELECT ?o ?s WHERE { ?s ?p ?o }", ["o", "s"])).toEqual(["o", "s"]);
+});
+
+test("rows are sorted by what their numbers are worth, both ways", () => {
+  const rows = [{ n: 10 }, { n: 9 }, { n: null }, { n: 100 }];
+  expect(sorted(rows, { column: "n", falling: false }).map(({ n }) => n)).toEqual([null, 9, 10, 100]);
+  expect(sorted(rows, { column: "n", falling: true }).map(({ n }) => n)).toEqual([100, 10, 9, null]);
+  expect(sorted(rows, null)).toBe(rows);
 });

@@ -10,6 +10,39 @@ export function placeOf(detail: string): { line: number; column: number } | null
   return { line: Number(found[1]), column: Number(found[2] ?? 1) };
 }
 
+/**
+ * Names of an answer's columns in the order in which the question says them.
+ *
+ * `SELECT *` leaves the order to the server; who asks expects that of the question.
+ */
+export function columns(query: string, variables: readonly string[]): string[] {
+  const at = (name: string) => {
+    const found = query.search(new RegExp(`[?$]${name}\\b`));
+    return found < 0 ? query.length : found;
+  };
+  return /select\s+((distinct|reduced)\s+)?\*/i.test(query)
+    ? variables.toSorted((one, other) => at(one) - at(other))
+    : [...variables];
+}
+
+/** Rows sorted by a column, numbers by what they are worth; as they came for no column. */
+export function sorted<Row extends Record<string, unknown>>(rows: readonly Row[], by: Order | null): readonly Row[] {
+  if (by === null) return rows;
+  const compare = (one: Row, other: Row) => COMPARE(textOf(one[by.column]), textOf(other[by.column]));
+  return rows.toSorted(by.falling ? (one, other) => compare(other, one) : compare);
+}
+
+export interface Order {
+  column: string;
+  falling: boolean;
+}
+
+const COMPARE = new Intl.Collator(undefined, { numeric: true }).compare;
+
+function textOf(value: unknown): string {
+  return typeof value === "string" ? value : JSON.stringify(value ?? "");
+}
+
 /** Questions that were asked in this browser, the latest first. */
 export function history(): string[] {
   try {
