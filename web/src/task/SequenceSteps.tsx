@@ -1,4 +1,5 @@
 import {
+  type Announcements,
   closestCenter,
   DndContext,
   type DragEndEvent,
@@ -16,14 +17,14 @@ import {
 import { CSS } from "@dnd-kit/utilities";
 import { ActionIcon, Group, Stack, Text, Tooltip } from "@mantine/core";
 import { IconArrowDown, IconArrowUp, IconGripVertical, IconPencil, IconTrash } from "@tabler/icons-react";
-import type { ReactNode } from "react";
+import { type ReactNode, type RefObject, useEffect, useRef } from "react";
 import { useTranslation } from "react-i18next";
 import type { Schema } from "../api/client";
 import { useMay } from "../api/session";
 import { Status } from "../widgets/Status";
 import type { Skills } from "./schedule";
 import { OpenStepForm } from "./OpenStepForm";
-import { type Edit, fateOf, type Sequence, type useEdits } from "./sequences";
+import { fateOf, type Sequence, type useEdits } from "./sequences";
 import type { StepForms } from "./stepForms";
 import classes from "./task.module.css";
 import { stepTitle } from "./words";
@@ -38,35 +39,64 @@ interface Props {
 
 /** The steps of a sequence, each with what speaks against it; put in order by mouse, by keys or by buttons. */
 export function SequenceSteps(props: Props) {
-  const { sequence, edit } = props;
+  const { sequence, edit, pending } = props;
   const { t } = useTranslation("task");
   const sensors = useSensors(
     useSensor(PointerSensor),
     useSensor(KeyboardSensor, { coordinateGetter: sortableKeyboardCoordinates }),
   );
+  const list = useRef<HTMLDivElement>(null);
+  const follow = useFocusFollowing(list, sequence.version, pending);
+  const move = (at: number, to: number, by: Mover) => {
+    follow({ at: to, by });
+    edit({ kind: "move", at, to });
+  };
   const ids = sequence.steps.map((_, index) => String(index + 1)); // "0" would be no id
   const end = ({ active, over }: DragEndEvent) => {
     if (over === null || active.id === over.id) return;
-    edit({ kind: "move", at: Number(active.id) - 1, to: Number(over.id) - 1 });
+    move(Number(active.id) - 1, Number(over.id) - 1, "drag");
+  };
+  const said: Announcements = {
+    onDragStart: ({ active }) => t("step.lifted", { at: active.id }),
+    onDragOver: ({ over }) => (over === null ? undefined : t("step.over", { at: over.id })),
+    onDragEnd: ({ over }) => (over === null ? t("step.left") : t("step.dropped", { at: over.id })),
+    onDragCancel: () => t("step.left"),
   };
   return (
     <DndContext
       sensors={sensors}
       collisionDetection={closestCenter}
       onDragEnd={end}
-      accessibility={{ screenReaderInstructions: { draggable: t("step.howToMove") } }}
+      accessibility={{ announcements: said, screenReaderInstructions: { draggable: t("step.howToMove") } }}
     >
       <SortableContext items={ids} strategy={verticalListSortingStrategy}>
-        <Stack gap={4} component="ol" m={0} p={0} aria-label={t("step.list")}>
-          <Rows {...props} />
+        <Stack gap={4} component="ol" m={0} p={0} aria-label={t("step.list")} ref={list}>
+          <Rows {...props} move={move} />
         </Stack>
       </SortableContext>
     </DndContext>
   );
 }
 
+/** With what a step is moved. */
+type Mover = "drag" | "up" | "down";
+type Move = (at: number, to: number, by: Mover) => void;
+
+/** Returns what has the focus go with a step that is moved, once the new order is drawn: it can be moved on from there. */
+function useFocusFollowing(list: RefObject<HTMLElement | null>, version: number, pending: boolean) {
+  const wanted = useRef<{ at: number; by: Mover; version: number } | null>(null);
+  useEffect(() => {
+    if (pending || wanted.current === null || wanted.current.version === version) return;
+    const { at, by } = wanted.current;
+    wanted.current = null;
+    const tools = (name: Mover) => list.current?.querySelector<HTMLElement>(`[data-mover="${name} ${at}"]:enabled`);
+    (tools(by) ?? tools("drag"))?.focus();
+  }, [list, version, pending]);
+  return (to: { at: number; by: Mover }) => void (wanted.current = { ...to, version });
+}
+
 /** The steps, and below each its form while that is open; at the end those of steps that are gone. */
-function Rows({ sequence, skills, pending, edit, forms }: Props) {
+function Rows({ sequence, skills, pending, edit, forms, move }: Props & { move: Move }) {
   const opened = forms.forms.map((form) => ({ form, fate: fateOf(form, sequence) }));
   const formsOf = (index: number | null) =>
     opened.filter(({ fate }) => (fate.fate === "removed" ? null : fate.at) === index);
@@ -94,7 +124,7 @@ function Rows({ sequence, skills, pending, edit, forms }: Props) {
         count={sequence.count}
         skills={skills}
         pending={pending}
-        edit={edit}
+        move={move}
         change={() => (own.length > 0 ? closeAll() : forms.open({ seen: sequence, at: index }))}
         changing={own.length > 0}
         remove={() => {
@@ -112,14 +142,14 @@ interface RowProps extends Pick<Props, "skills" | "pending"> {
   step: Schema<"CheckedStep">;
   index: number;
   count: number;
-  edit: (edit: Edit) => void;
+  move: Move;
   /** Opens its form, or closes it. */
   change: () => void;
   changing: boolean;
   remove: () => void;
 }
 
-function StepRow({ step, index, count, skills, pending, edit, change, changing, remove }: RowProps) {
+function StepRow({ step, index, count, skills, pending, move, change, changing, remove }: RowProps) {
   const { t } = useTranslation("task");
   const may = useMay("move_step");
   const { setNodeRef, setActivatorNodeRef, attributes, listeners, transform, transition } = useSortable({
@@ -128,7 +158,6 @@ function StepRow({ step, index, count, skills, pending, edit, change, changing, 
   });
   const title = stepTitle(step, skills);
   const style = { transform: CSS.Transform.toString(transform), transition, listStyle: "none" };
-  const move = (to: number) => edit({ kind: "move", at: index, to });
   return (
     <li ref={setNodeRef} style={style} className={classes.step} aria-label={`${index + 1}. ${title}`}>
       <Group gap={6} wrap="nowrap">
@@ -137,6 +166,7 @@ function StepRow({ step, index, count, skills, pending, edit, change, changing, 
           {...attributes}
           {...listeners}
           className={classes.handle}
+          data-mover={`drag ${index}`}
           size="sm"
           aria-label={t("step.drag", { step: title })}
           disabled={!may}
@@ -152,14 +182,16 @@ function StepRow({ step, index, count, skills, pending, edit, change, changing, 
         <Tool
           name={t("step.up", { step: title })}
           disabled={!may || pending || index === 0}
-          act={() => move(index - 1)}
+          mover={`up ${index}`}
+          act={() => move(index, index - 1, "up")}
         >
           <IconArrowUp size={14} />
         </Tool>
         <Tool
           name={t("step.down", { step: title })}
           disabled={!may || pending || index === count - 1}
-          act={() => move(index + 1)}
+          mover={`down ${index}`}
+          act={() => move(index, index + 1, "down")}
         >
           <IconArrowDown size={14} />
         </Tool>
@@ -196,14 +228,22 @@ interface ToolProps {
   name: string;
   disabled: boolean;
   expanded?: boolean;
+  mover?: string;
   act: () => void;
   children: ReactNode;
 }
 
-function Tool({ name, disabled, expanded, act, children }: ToolProps) {
+function Tool({ name, disabled, expanded, mover, act, children }: ToolProps) {
   return (
     <Tooltip label={name}>
-      <ActionIcon size="sm" aria-label={name} aria-expanded={expanded} disabled={disabled} onClick={act}>
+      <ActionIcon
+        size="sm"
+        aria-label={name}
+        aria-expanded={expanded}
+        data-mover={mover}
+        disabled={disabled}
+        onClick={act}
+      >
         {children}
       </ActionIcon>
     </Tooltip>

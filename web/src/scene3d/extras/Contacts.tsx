@@ -63,7 +63,7 @@ interface Standing {
 function standing(): Standing[] {
   const found: Standing[] = [];
   for (const { element, frame, matrix, sure } of crowd.items()) {
-    const bounds = crowd.shapeOf(element.id)?.bounds;
+    const bounds = element.shape === null ? undefined : crowd.shapeOf(element.id)?.bounds; // no mark casts any
     if (bounds === undefined || !sure || frame.on !== "map" || element.kind === "floor") continue;
     if (Math.abs((matrix.elements[14] ?? 0) + bounds.min.z) <= LOW) found.push({ pose: matrix.clone(), bounds });
   }
