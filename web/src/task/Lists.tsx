@@ -111,7 +111,7 @@ function SequenceList({ current, open }: ListProps) {
   });
   return (
     <>
-      <NewSequenceButton from={{}} title="" />
+      <NewSequenceButton from={{}} title="" made={(id) => open({ kind: "sequence", id })} />
       {error !== null && <Problem error={error} again={refetch} />}
       {data?.items.length === 0 && <Text c="dimmed">{t("list.noSequences")}</Text>}
       <ScrollArea flex={1} mih={0}>

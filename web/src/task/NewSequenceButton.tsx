@@ -17,11 +17,13 @@ interface Props {
   from: Pick<Schema<"NewSequence">, "job" | "task" | "preview">;
   /** Name that is proposed. */
   title: string;
+  /** Shows it when it was made; else the tab does. */
+  made?: (id: string) => void;
   icon?: TablerIcon;
 }
 
 /** Makes a sequence: empty, of a goal, or of the plan of something. */
-export function NewSequenceButton({ from, title, icon: Icon = IconPlus }: Props) {
+export function NewSequenceButton({ from, title, made, icon: Icon = IconPlus }: Props) {
   const { t } = useTranslation("task");
   const [opened, { open, close }] = useDisclosure(false);
   const copies = Object.keys(from).length > 0;
@@ -36,13 +38,13 @@ export function NewSequenceButton({ from, title, icon: Icon = IconPlus }: Props)
         {t(copies ? "sequence.ofPlan" : "sequence.new")}
       </MayButton>
       <Modal opened={opened} onClose={close} title={t(copies ? "sequence.ofPlan" : "sequence.new")} centered>
-        <Form from={from} title={title} copies={copies} close={close} />
+        <Form from={from} title={title} copies={copies} close={close} made={made} />
       </Modal>
     </>
   );
 }
 
-function Form({ from, title: proposed, copies, close }: Props & { copies: boolean; close: () => void }) {
+function Form({ from, title: proposed, copies, close, made }: Props & { copies: boolean; close: () => void }) {
   const { t } = useTranslation("task");
   const { t: common } = useTranslation();
   const [, openTab] = useTab();
@@ -61,7 +63,8 @@ function Form({ from, title: proposed, copies, close }: Props & { copies: boolea
     onSuccess: ({ id }) => {
       void client.invalidateQueries({ queryKey: keys.sequences() });
       close();
-      openTab("task", detailOf({ kind: "sequence", id }));
+      if (made === undefined) openTab("task", detailOf({ kind: "sequence", id }));
+      else made(id);
     },
   });
   return (
