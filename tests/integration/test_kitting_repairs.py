@@ -116,9 +116,10 @@ def test_one_robot_only_is_said_of_a_place_that_drivers_want_to_be_empty() -> No
     assert "pallet_a takes one robot only" in found.reasons[0]
 
 
-def test_a_place_taken_by_what_the_same_goal_wants_there_is_explained_though_its_removal_is_tried() -> None:
+def test_of_a_place_taken_by_what_the_same_goal_wants_there_it_is_said_that_it_takes_one_thing() -> None:
     with kitting([("starter_1", "sk:in", "kit_1_a")]) as session:
         found = unplanned(session, "ObjectAtLocation(starter_1, kit_1_a) and ObjectAtLocation(relay_box_1, kit_1_a)")
 
-    assert "starter_1 is in kit_1_a" in found.reasons[0]
+    assert "kit_1_a takes one part only" in found.reasons[0]
+    assert found.repairs[0].instead
     assert any(repair.without for repair in found.repairs)

@@ -249,6 +249,19 @@ def test_a_preview_that_is_not_there_says_so(api):
     problem(api.get("/previews/4711"), 404)
 
 
+def test_who_listens_hears_that_a_template_was_written_and_removed(api):
+    place = {"after": api.get("/events/recent", params={"limit": 1000}).json()["next"]}
+    tag = api.put("/goal-templates/told", json=FILL).headers["etag"]
+    api.delete("/goal-templates/told", headers={"If-Match": tag})
+
+    heard = api.get("/events/recent", params={"kind": "document", **place}).json()["items"]
+
+    assert [(one["type"], one["subject"], one["data"]["kind"]) for one in heard] == [
+        ("written", "told", "goal template"),
+        ("removed", "told", "goal template"),
+    ]
+
+
 # ------------------------------------------------------------------ the client
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py.geometry import Pose
 from skiros_py.runtime import Options, Session
 from skiros_py.skills.respawn import respawn
 from skiros_py.world.change import Writer
@@ -28,7 +29,11 @@ def test_a_simulation_starts_with_the_part_where_it_was_taken_and_the_robot_anyw
     leave_a_part_in_the_gripper(tmp_path / "data")
     with open_data(tmp_path / "data", create=False) as directory:
         world = directory.world
+        with world.transaction("grasp", "it is between the fingers", writer=Writer.SKILL) as tx:
+            tx.relate("starter_1", "sk:poseFrame", "gripper_1")
+            tx.set("starter_1", "sk:pose", Pose((0.0, 0.0, 0.1)))
         respawn(world, directory.journal)
+        assert (world.value("starter_1", "sk:pose"), world.objects("starter_1", "sk:poseFrame")) == (None, ())
         assert (world.placement("starter_1").relation, world.placement("starter_1").place) == ("sk:in", "pallet_a")
         assert world.placement("robot_1").place == "unknown_location"
         assert world.changes[-1].writer is Writer.SYSTEM

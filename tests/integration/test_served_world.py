@@ -165,4 +165,4 @@ def test_a_server_takes_less_time_for_a_query_and_says_so(
     code, _, err = refused(monkeypatch, capfd, *query, "--data", str(twins.served))
 
     assert code == 2
-    assert "time_limit: Input should be less than or equal to 60" in err
+    assert "time_limit: must be at most 60" in err

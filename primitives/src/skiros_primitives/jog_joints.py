@@ -19,6 +19,8 @@ __all__ = ["JogJoints"]
 
 _FARTHEST = 0.2
 """Farthest turn of one joint in one step [rad]."""
+_SHOWN = 0.0005
+"""A joint that turns less is not told of [rad]."""
 _SPEED = 0.3
 """Share of the joint speeds that is used."""
 _DETOUR = 0.02
@@ -61,7 +63,13 @@ class JogJoints(ArmPrimitive):
             refusal = yield from self._go(goal)
         if refusal is not None:
             return Failure(f"{self.params.arm} cannot turn so: {refusal.reason}")
-        return Success(f"turned by {', '.join(f'{delta:g}' for delta in self.params.deltas)} rad")
+        return Success(self._turned())
+
+    def _turned(self) -> str:
+        """Says which joints were turned, and by how much."""
+        ways = zip(self.arm_spec.joints, self.params.deltas, strict=True)
+        turned = [f"{joint} by {delta:.3f} rad" for joint, delta in ways if abs(delta) >= _SHOWN]
+        return f"turned {', '.join(turned)}" if turned else "nothing to turn"
 
     def _go(self, goal: tuple[float, ...]) -> Execution[NoMotion | None]:
         planned = yield from self.plan([(JointMove(goal),)], speed=_SPEED)

@@ -11,7 +11,7 @@ from skiros_py.api.wire import Answer
 
 __all__ = ["EventInfo", "EventKind", "EventPage", "ResetInfo"]
 
-EventKind = Literal["world", "module", "task", "job", "alarm", "system"]
+EventKind = Literal["world", "module", "task", "job", "alarm", "document", "system"]
 
 
 class EventInfo(Answer):
@@ -28,11 +28,12 @@ class EventInfo(Answer):
         description="What happened: `scene` or `learned` of the world; the status of a module, and `paused` or"
         " `resumed` of one that was started by itself; what happened in a task;"
         " the state of a job, as jobs name it (`Running`); `raised`, `changed`, `acknowledged`, `answered`, `cleared`"
-        " of an alarm; `opened`, `closed`, `halted`, `reset` of the station.",
+        " of an alarm; `written`, `removed` of a document; `opened`, `closed`, `halted`, `reset` of the station.",
         examples=["Running"],
     )
     subject: str = Field(
-        description="What it happened to: id of a job or alarm, name of a task or module.", examples=["kit-17"]
+        description="What it happened to: id of a job or alarm, name of a task, module or document.",
+        examples=["kit-17"],
     )
     job: str = Field(description="Id of the job that it belongs to; empty where there is none.", examples=["kit-17"])
     data: dict[str, Any] = Field(

@@ -319,7 +319,7 @@ class JobExplanation(Answer):
 
     reasons: tuple[str, ...] = Field(description="Why, in sentences; empty where there is a plan.")
     causes: tuple[dict[str, Any], ...] = Field(description="The same as data: kind, text, conditions, elements, ….")
-    repairs: tuple[dict[str, Any], ...] = Field(description="Smallest changes that would help: text, edits, without.")
+    repairs: tuple[dict[str, Any], ...] = Field(description="Smallest changes that would help: text, edits, …")
     conditions: tuple[ConditionActual, ...] = Field(description="The conditions that were not reached.")
 
 

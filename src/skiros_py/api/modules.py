@@ -238,6 +238,9 @@ class ModuleRunInfo(Answer):
     repeat: int = Field(description="How often it shall be done.", examples=[1])
     done: int = Field(description="How often it has ended.", examples=[1])
     succeeded: int = Field(description="How often it worked.", examples=[1])
+    cut_off: bool = Field(
+        default=False, description="Whether the last round was broken off by a stop: it says nothing of the module."
+    )
     rounds: list[ModuleRound] = Field(description="How it ended each time; of very many the last 100.")
     progress: list[ModuleProgress] = Field(description="What it reported; of very many the last 500.")
     changes: list[dict[str, Any]] = Field(description="What it wrote into the world; of very many the last 100.")

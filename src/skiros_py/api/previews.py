@@ -10,7 +10,7 @@ from pydantic import Field
 from skiros_py.api.jobs import PlannedStep
 from skiros_py.api.wire import Answer, Moment
 
-__all__ = ["AppliedRepair", "Preview", "PreviewPage", "PreviewState", "Repair"]
+__all__ = ["AppliedRepair", "Exchange", "Preview", "PreviewPage", "PreviewState", "Repair"]
 
 
 class PreviewState(enum.StrEnum):
@@ -26,6 +26,13 @@ class PreviewState(enum.StrEnum):
     """The planner broke, or the server ended the work."""
 
 
+class Exchange(Answer):
+    """A condition of the goal that is to be wanted otherwise."""
+
+    condition: str = Field(description="As it was wanted.", examples=["ObjectAtLocation(Starter, kit_1_a)"])
+    by: str = Field(description="What to want instead.", examples=["ObjectAtLocation(Starter, kit_1_d)"])
+
+
 class Repair(Answer):
     """A smallest change after which there would be a plan."""
 
@@ -33,7 +40,9 @@ class Repair(Answer):
     text: str = Field(description="What to do, in words.", examples=["put starter_1 in pallet_a"])
     edits: tuple[str, ...] = Field(description="The changes to the world.")
     without: tuple[str, ...] = Field(description="The conditions to take out of the goal.")
-    applicable: bool = Field(description="Whether the server can make it: it consists of changes to the world alone.")
+    instead: tuple[Exchange, ...] = Field(description="The conditions to want otherwise.")
+    elements: tuple[str, ...] = Field(description="Ids of the elements that its changes to the world name.")
+    applicable: bool = Field(description="Whether there are changes to the world in it, which the server can make.")
 
 
 class Preview(Answer):

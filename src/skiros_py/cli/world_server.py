@@ -181,6 +181,7 @@ def _value(told: Any) -> Value:
 def _question(sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Query:
     from pydantic import ValidationError
 
+    from skiros_py.api.faults import fault_words
     from skiros_py.api.queries import Query
 
     bound = {name: _bound(value) for name, value in bindings.items()}
@@ -191,7 +192,9 @@ def _question(sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, t
     except ValidationError as error:
         first = error.errors()[0]
         where = first["loc"][0]
-        raise UsageError(f"{where}: {first['msg']} (a server owns the data directory, and takes no more)") from None
+        raise UsageError(
+            f"{where}: {fault_words(first)} (a server owns the data directory, and takes no more)"
+        ) from None
 
 
 def _bound(value: Binding) -> object:

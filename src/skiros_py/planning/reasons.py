@@ -11,7 +11,7 @@ from skiros_py.world.change import Writer
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
-__all__ = ["Cause", "CauseKind", "Edit", "Repair"]
+__all__ = ["Cause", "CauseKind", "Edit", "Exchange", "Repair"]
 
 
 class CauseKind(enum.StrEnum):
@@ -46,6 +46,7 @@ class Cause:
         skill: The skill that would bring it about; None where there is none.
         precondition: What that skill needs and never gets, in words; empty where that is not it.
         elements: The elements and classes it is about, ids or CURIEs.
+        why: The heart of it, without the conditions and without the way down to it; empty where they say all.
     """
 
     kind: CauseKind
@@ -54,12 +55,14 @@ class Cause:
     skill: str | None = None
     precondition: str = ""
     elements: tuple[str, ...] = ()
+    why: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """Returns it as plain data."""
         return {
             "kind": str(self.kind),
             "text": self.text,
+            "why": self.why,
             "conditions": [str(condition) for condition in self.conditions],
             "skill": self.skill,
             "precondition": self.precondition,
@@ -74,27 +77,54 @@ class Edit(Protocol):
         """Says it as an instruction: "put starter_2 in pallet_a"."""
         ...
 
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Ids of the elements that it speaks of."""
+        ...
+
     def write(self, tx: Transaction) -> None:
         """Writes it into a transaction."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
+class Exchange:
+    """A condition of the goal that is wanted otherwise.
+
+    Attributes:
+        condition: The condition, as it was wanted.
+        by: What to want instead.
+    """
+
+    condition: Condition
+    by: Condition
+
+    def __str__(self) -> str:
+        return f"want {self.by} instead of {self.condition}"
+
+    def as_json(self) -> dict[str, str]:
+        """Returns it as plain data."""
+        return {"condition": str(self.condition), "by": str(self.by)}
+
+
+@dataclass(frozen=True, slots=True)
 class Repair:
     """A smallest change after which there is a plan.
 
-    What has edits or gives conditions up was tried out. What has neither cannot be done in the scene: it says what
+    What has edits or changes the goal was tried out. What does neither cannot be done in the scene: it says what
     somebody has to see to, such as a skill that a robot lacks.
 
     Attributes:
         text: What to do, in the operator's words.
         edits: The changes to the world.
         without: Conditions to take out of the goal.
+        instead: Conditions to want otherwise.
     """
 
     text: str
     edits: tuple[Edit, ...] = ()
     without: tuple[Condition, ...] = ()
+    instead: tuple[Exchange, ...] = ()
 
     def apply(self, world: World, author: str = "repair", writer: Writer = Writer.PERSON, holder: str = "") -> None:
         """Makes the changes to the world, as one transaction; the goal is the caller's.
@@ -121,4 +151,6 @@ class Repair:
             "text": self.text,
             "edits": [str(edit) for edit in self.edits],
             "without": [str(condition) for condition in self.without],
+            "instead": [exchange.as_json() for exchange in self.instead],
+            "elements": list(dict.fromkeys(name for edit in self.edits for name in edit.elements)),
         }

@@ -84,6 +84,7 @@ class ModuleRun:
         progress: What it reported.
         changes: What it wrote into the world.
         ended_as: How it ended; None while it goes on.
+        cut_off: True when the last round was broken off, and says nothing of the module.
         begun: True when it has its devices, in this round.
     """
 
@@ -101,6 +102,7 @@ class ModuleRun:
         self.progress: deque[ModuleEvent] = deque(maxlen=_PROGRESS)
         self.changes: deque[Change] = deque(maxlen=_CHANGES)
         self.ended_as: Literal["stopped", "succeeded", "failed"] | None = None
+        self.cut_off = False
         self.stop_wanted = False
         self.begun = False
         self.since = 0.0
@@ -166,9 +168,19 @@ class ModuleRun:
         self.done += 1
         self.succeeded += not isinstance(outcome, Failure)
         stopped = self.stop_wanted or self._was_stopped
+        self.cut_off = stopped and isinstance(outcome, Failure) and not self._broke_by_itself
         if stopped or self.refusal or self.done >= self.wish.repeat:
             good = self.succeeded == self.wish.repeat
             self.ended_as = "succeeded" if good else "stopped" if stopped and not self.refusal else "failed"
+
+    def leave(self) -> None:
+        """Notes that there is no further round, because everything was stopped after the last one."""
+        self.ended_as = "stopped"
+
+    @property
+    def _broke_by_itself(self) -> bool:
+        """True when it had come to an end before it could be broken off."""
+        return self.running is not None and self.running.done and self.running.status != "stopped"
 
     @property
     def _was_stopped(self) -> bool:
@@ -289,6 +301,9 @@ class ModuleRuns:
             self._again(run, session)
 
     def _again(self, run: ModuleRun, session: Session) -> None:
+        if session.cycle.halted:
+            run.leave()
+            return
         try:
             manager = session.managers[run.wish.agent]
             _require_startable(session, manager, run.wish.module)

@@ -208,6 +208,7 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
         repeat=run.wish.repeat,
         done=run.done,
         succeeded=run.succeeded,
+        cut_off=run.cut_off,
         rounds=[_round(one) for one in tuple(run.rounds)],
         progress=[_progress(event) for event in tuple(run.progress)] if in_full else [],
         changes=[change.as_json() for change in tuple(run.changes)] if in_full else [],

@@ -203,8 +203,8 @@ def _planned(preview: Preview, planners: Planners, options: Options, capabilitie
 
 
 def is_applicable(repair: Repair) -> bool:
-    """Tells whether a repair can be made by changing the world, and nothing else."""
-    return bool(repair.edits) and not repair.without
+    """Tells whether there is anything of a repair to be made in the world; what it changes in the goal is not."""
+    return bool(repair.edits)
 
 
 def _planners(session: Session) -> Planners:

@@ -14,6 +14,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException
 
+from skiros_py.api.faults import fault_limit, fault_words
 from skiros_py.api.problem import ProblemDetails
 from skiros_py.errors import (
     Busy,
@@ -181,9 +182,16 @@ def _where(place: Sequence[str | int]) -> str:
 
 
 def _of_validation(error: RequestValidationError) -> Problem:
-    fields = [{"field": _where(one["loc"]), "message": str(one["msg"])[:_LONGEST]} for one in error.errors()[:100]]
+    fields = [_field(one) for one in error.errors()[:100]]
     detail = "; ".join(f"{one['field']}: {one['message']}" for one in fields[:10])
     return Problem(422, "InvalidRequest", detail[:_LONGEST], errors=fields)
+
+
+def _field(fault: Mapping[str, Any]) -> dict[str, Any]:
+    """Says of one field what is wrong; kind and limit let a page say the same in its own language."""
+    limit = fault_limit(fault)
+    said = {"field": _where(fault["loc"]), "message": fault_words(fault)[:_LONGEST], "kind": str(fault["type"])}
+    return said if limit is None else {**said, "limit": limit}
 
 
 _LONGEST = 4000

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
 from types import TracebackType
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from fastapi import Depends, Request
 from platformdirs import user_cache_path
@@ -20,6 +20,7 @@ from skiros_py.server.alarm_sources import AlarmSources
 from skiros_py.server.alarms import Alarms
 from skiros_py.server.bodies import Bodies
 from skiros_py.server.control import ControlThread, OpenSession
+from skiros_py.server.events.event import Kind
 from skiros_py.server.events.live import LiveState
 from skiros_py.server.events.log import EventLog
 from skiros_py.server.events.sources import EventSources
@@ -41,7 +42,7 @@ from skiros_py.server.scenes import SceneShelf
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.simulation import Simulation
 from skiros_py.server.stops import Stops
-from skiros_py.server.store import DocumentStore
+from skiros_py.server.store import Document, DocumentStore
 from skiros_py.server.task_book import TaskBook
 from skiros_py.server.webhooks.office import WebhookOffice
 from skiros_py.server.webhooks.setup import open_office
@@ -165,7 +166,7 @@ class Services:
             self.control.start()  # which takes the data directory, so that no other server has its files open
             self._stack.callback(self.desk.close)
             self._stack.callback(self.previews.close)
-            self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db")))
+            self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db", self._document)))
             self.webhooks, self._office = open_office(self, self._stack)
         except BaseException:
             self.close()
@@ -175,6 +176,11 @@ class Services:
         """Tells that there may be something to be sent; quick, and for any thread."""
         if self._office is not None:
             self._office.wake()
+
+    def _document(self, what: Literal["written", "removed"], document: Document) -> None:
+        """Tells those who listen what became of a document; what it says is read where it is kept."""
+        data = {"kind": document.kind, "name": document.name, "version": document.version}
+        self.events.append(Kind.DOCUMENT, what, document.name, data=data)
 
     def on_close(self, callback: Callable[[], object]) -> None:
         """Has something done when the server ends."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from skiros_py.database import Database, Schema
 from skiros_py.errors import FileError, StaleVersion, UnknownName
@@ -41,17 +42,27 @@ class Document:
     data: Any
 
 
+Tell = Callable[[Literal["written", "removed"], Document], None]
+"""Hears of a document as it was written, or of one that is gone."""
+
+
+def _nobody(_what: str, _document: Document) -> None:
+    """Hears of it, and does nothing."""
+
+
 class DocumentStore:
     """The documents of a data directory; used by any thread. Close it.
 
     Args:
         path: The file; made where it is missing.
+        tell: Called with what became of a document, by whoever wrote or removed it.
 
     Raises:
         FileError: It cannot be opened or made, or is damaged.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, tell: Tell = _nobody) -> None:
+        self._tell = tell
         self._database = Database(path, _SCHEMA, durable=True)
         self._path = path
 
@@ -96,7 +107,9 @@ class DocumentStore:
                 "INSERT OR REPLACE INTO documents (kind, name, version, data) VALUES (?, ?, ?, ?)",
                 (kind, name, version, text),
             )
-        return Document(kind, name, int(version), data)
+        document = Document(kind, name, int(version), data)
+        self._tell("written", document)
+        return document
 
     def remove(self, kind: str, name: str, *, expects: int | None = None) -> None:
         """Removes a document; where there is none, nothing happens.
@@ -106,7 +119,11 @@ class DocumentStore:
         """
         with self._database.transaction() as connection:
             self._check(kind, name, expects)
-            connection.execute("DELETE FROM documents WHERE kind = ? AND name = ?", (kind, name))
+            gone = connection.execute(
+                "DELETE FROM documents WHERE kind = ? AND name = ? RETURNING version", (kind, name)
+            ).fetchall()
+        for (version,) in gone:
+            self._tell("removed", Document(kind, name, int(version), None))
 
     def close(self) -> None:
         """Closes the file; may be called twice."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from skiros_py.skills.surroundings import set_pose
 from skiros_py.world import vocabulary as v
 from skiros_py.world.change import PlacementEdit, Writer
 from skiros_py.world.element import Placement
@@ -40,11 +41,13 @@ def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] =
     with world.transaction("simulation", "it starts anew", writer=Writer.SYSTEM) as tx:
         for part in lost:
             tx.place(part, v.ON, anywhere)
-            tx.set(part, v.POSE, None)
+            set_pose(tx, world, part, None)
             tx.set(part, v.MISSING, True)
         for part, placement in held.items():
             tx.place(part, placement.relation, placement.place)
-            tx.set(part, v.POSE, None)  # where in its place nobody knows any more
+            set_pose(
+                tx, world, part, None
+            )  # where in its place nobody knows any more; the gripper carries it no longer
         for robot in robots:
             tx.place(robot, v.AT, anywhere)
         check(tx.view)

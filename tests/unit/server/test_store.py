@@ -1,5 +1,7 @@
 """Documents outlive the process, and nobody overwrites what they have not seen."""
 
+from contextlib import closing
+
 import pytest
 
 from skiros_py.errors import StaleVersion, UnknownName
@@ -50,3 +52,14 @@ def test_what_is_not_there_is_named_with_what_is_like_it(store):
     store.put("sequence", "fill kit", 1)
     with pytest.raises(UnknownName, match="Did you mean 'fill kit'"):
         store.find("sequence", "fil kit")
+
+
+def test_who_listens_hears_of_what_was_written_and_removed(tmp_path):
+    heard = []
+    told = DocumentStore(tmp_path / "told.db", lambda what, one: heard.append((what, one.name, one.version)))
+    with closing(told):
+        told.put("sequence", "a", {})
+        told.remove("sequence", "a")
+        told.remove("sequence", "a")
+
+    assert heard == [("written", "a", 1), ("removed", "a", 1)]

@@ -35,7 +35,7 @@ def test_a_template_that_can_make_goals_is_fine(ontology):
             r"goal\[0\]\.not\.condition: unknown condition",
         ),
         ({"goal": [{"condition": "In", "arguments": ["x"]}]}, r"goal\[0\]\.arguments: In takes 2 \(.*\), got 1"),
-        ({"goal": [{"condition": "In"}]}, r"goal\[0\].*arguments: Field required"),
+        ({"goal": [{"condition": "In"}]}, r"goal\[0\].*arguments: is missing"),
         ({"per_material": {"condition": "In", "arguments": 3}}, r"per_material.*arguments"),
         (
             {"parameters": [{"name": "a", "class": "Slt"}], "goal": [{"condition": "Free", "arguments": ["x"]}]},

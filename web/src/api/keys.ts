@@ -8,6 +8,7 @@ export const keys = {
   scenes: (...rest: unknown[]) => ["scenes", ...rest] as const,
   jobs: (...rest: unknown[]) => ["jobs", ...rest] as const,
   tasks: (...rest: unknown[]) => ["tasks", ...rest] as const,
+  templates: (...rest: unknown[]) => ["templates", ...rest] as const,
   sequences: (...rest: unknown[]) => ["sequences", ...rest] as const,
   modules: (...rest: unknown[]) => ["modules", ...rest] as const,
   moduleRuns: (...rest: unknown[]) => ["module-runs", ...rest] as const,

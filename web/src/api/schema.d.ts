@@ -2314,7 +2314,7 @@ export interface components {
             at: string;
             time: number;
             /** @enum {string} */
-            kind: "world" | "module" | "task" | "job" | "alarm" | "system";
+            kind: "world" | "module" | "task" | "job" | "alarm" | "document" | "system";
             type: string;
             subject: string;
             job: string;
@@ -2326,6 +2326,10 @@ export interface components {
             items: components["schemas"]["EventInfo"][];
             next: string;
             reset?: components["schemas"]["ResetInfo"] | null;
+        };
+        Exchange: {
+            condition: string;
+            by: string;
         };
         GivenPose: {
             position: [
@@ -2654,7 +2658,7 @@ export interface components {
             expires?: string | null;
         };
         /** @enum {string} */
-        Kind: "world" | "module" | "task" | "job" | "alarm" | "system";
+        Kind: "world" | "module" | "task" | "job" | "alarm" | "document" | "system";
         Learned: {
             id: string;
             class: string;
@@ -2820,6 +2824,8 @@ export interface components {
             repeat: number;
             done: number;
             succeeded: number;
+            /** @default false */
+            cut_off: boolean;
             rounds: components["schemas"]["ModuleRound"][];
             progress: components["schemas"]["ModuleProgress"][];
             changes: {
@@ -3157,6 +3163,8 @@ export interface components {
             text: string;
             edits: string[];
             without: string[];
+            instead: components["schemas"]["Exchange"][];
+            elements: string[];
             applicable: boolean;
         };
         Replay: {

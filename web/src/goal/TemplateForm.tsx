@@ -14,7 +14,7 @@ import { ConditionText } from "./ConditionText";
 import type { Verdict as Told } from "./checks";
 import { type Filled, useDraft } from "./draft";
 import classes from "./goal.module.css";
-import { rowOf } from "./goals";
+import { rowOf, whyAlone } from "./goals";
 import { Materials } from "./Materials";
 import { classOf, type Template, TEMPLATES } from "./templates";
 import { Verdict } from "./Verdict";
@@ -95,7 +95,13 @@ export function TemplateForm({ template, filled, verdict }: Props) {
           {verdict.conditions.map((condition) => (
             <li key={condition.text} className={classes.row} aria-label={condition.text}>
               <ConditionText condition={condition} />
-              <Verdict verdict={{ state: condition.holds ? "holds" : "open", why: condition.why, conditions: [] }} />
+              <Verdict
+                verdict={{
+                  state: condition.holds ? "holds" : "open",
+                  why: whyAlone(condition),
+                  conditions: [condition],
+                }}
+              />
             </li>
           ))}
         </ul>

@@ -3,6 +3,8 @@ import { IconAlertTriangle, IconCheck, IconCircleDashed, IconPencil, type Tabler
 import { useTranslation } from "react-i18next";
 import type { Verdict as Told } from "./checks";
 import classes from "./goal.module.css";
+import { namesIn } from "./goals";
+import { Said } from "./Said";
 
 const LOOKS: Record<Told["state"], { icon: TablerIcon; color: string }> = {
   incomplete: { icon: IconPencil, color: "dimmed" },
@@ -13,15 +15,20 @@ const LOOKS: Record<Told["state"], { icon: TablerIcon; color: string }> = {
 };
 
 /** Whether a condition holds already, and why or why not. */
-export function Verdict({ verdict: { state, why } }: { verdict: Told }) {
+export function Verdict({ verdict: { state, why, conditions } }: { verdict: Told }) {
   const { t } = useTranslation("goal");
   const { icon: Icon, color } = LOOKS[state];
+  const named = conditions.flatMap(namesIn);
   return (
     <Text size="xs" c={color} className={classes.verdict} component="div">
       <Icon size={14} aria-hidden className={classes.icon} />
       <span>
         <strong>{t(`verdict.${state}`)}</strong>
-        {why && <span className={classes.why}>: {why}</span>}
+        {why && (
+          <span className={classes.why}>
+            : <Said text={why} named={named} />
+          </span>
+        )}
       </span>
     </Text>
   );

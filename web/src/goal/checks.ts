@@ -4,7 +4,7 @@ import { useQueries, useQuery } from "@tanstack/react-query";
 import { answer, api, ApiProblem } from "../api/client";
 import { keys } from "../api/keys";
 import { problemText } from "../widgets/problems";
-import { type CheckedCondition, type GoalOrder, goalOf, type Row } from "./goals";
+import { type CheckedCondition, type GoalOrder, goalOf, type Row, whyAlone } from "./goals";
 
 export interface Verdict {
   state: "incomplete" | "asking" | "holds" | "open" | "wrong";
@@ -50,6 +50,6 @@ function verdict({ data, error }: Asked): Verdict {
   if (error && (data === undefined || error instanceof ApiProblem))
     return { state: "wrong", why: problemText(error), conditions: [] };
   if (data === undefined) return { state: "asking", why: "", conditions: [] };
-  const why = data.conditions.filter(({ holds }) => holds === data.holds).map((one) => one.why);
+  const why = data.conditions.filter(({ holds }) => holds === data.holds).map(whyAlone);
   return { state: data.holds ? "holds" : "open", why: why.join("; "), conditions: data.conditions };
 }

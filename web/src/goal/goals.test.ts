@@ -1,4 +1,15 @@
-import { type CheckedCondition, goalOf, goalOrder, isSame, keyed, readRow, rowOf, textOf, without } from "./goals";
+import {
+  type CheckedCondition,
+  goalOf,
+  goalOrder,
+  isSame,
+  keyed,
+  readRow,
+  repaired,
+  rowOf,
+  textOf,
+  whyAlone,
+} from "./goals";
 
 const IN_KIT = { condition: "InKit", arguments: ["kitting:Starter", "kit_1"] };
 const FOR_ALL = { for_all: "c", class: "kitting:Compartment", holds: IN_KIT };
@@ -40,9 +51,25 @@ test("giving up a condition leaves the others", () => {
     checked("InKit(kitting:Starter, kit_1)", IN_KIT),
     checked("A(x)", { condition: "A", arguments: ["x"] }),
   ];
-  expect(without(conditions, ["InKit(Starter, kit_1)"])).toEqual([
+  expect(repaired(conditions, { without: ["InKit(Starter, kit_1)"], instead: [] })).toEqual([
     { kind: "word", word: "A", arguments: ["x"], not: false },
   ]);
+});
+
+test("wanting a condition otherwise keeps the names of classes whole, and the others as they are", () => {
+  const conditions = [
+    checked("InKit(kitting:Starter, kit_1)", IN_KIT),
+    checked("A(x)", { condition: "A", arguments: ["x"] }),
+  ];
+  const instead = [{ condition: "InKit(Starter, kit_1)", by: "InKit(Starter, kit_2)" }];
+  expect(repaired(conditions, { without: [], instead })).toEqual([
+    { kind: "word", word: "InKit", arguments: ["kitting:Starter", "kit_2"], not: false },
+    { kind: "word", word: "A", arguments: ["x"], not: false },
+  ]);
+});
+
+test("a proposal about what is not wanted any more cannot be taken", () => {
+  expect(repaired([], { without: ["A(x)"], instead: [] })).toBeNull();
 });
 
 test("a condition as the server writes it is read as a sentence, and what is more than one word stays text", () => {
@@ -50,4 +77,10 @@ test("a condition as the server writes it is read as a sentence, and what is mor
   expect(readRow("not ObjectAtLocation(kitting:Starter, kit_1_a)")).toEqual(word);
   const all = "for all c: Compartment (not LocationEmpty(c))";
   expect(readRow(all)).toEqual({ kind: "text", text: all });
+});
+
+test("why a condition does not hold is told without the condition itself", () => {
+  const text = "InKit(kitting:Starter, kit_1)";
+  expect(whyAlone({ text, why: "InKit(Starter, kit_1): no Starter makes it true" })).toBe("no Starter makes it true");
+  expect(whyAlone({ text, why: "it lies elsewhere" })).toBe("it lies elsewhere");
 });

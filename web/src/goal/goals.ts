@@ -106,7 +106,43 @@ export function isSame(text: string, other: string): boolean {
   return shortText(text).replaceAll(/\s+/g, "") === shortText(other).replaceAll(/\s+/g, "");
 }
 
-/** The conditions that are left when some are given up. */
-export function without(conditions: readonly CheckedCondition[], givenUp: readonly string[]): NewRow[] {
-  return conditions.filter(({ text }) => !givenUp.some((one) => isSame(one, text))).map(rowOf);
+/** A condition that the server writes in short, as a row: of one that is wanted, with all that is known of it. */
+export function rowSaid(text: string, conditions: readonly CheckedCondition[]): NewRow {
+  const same = conditions.find((one) => isSame(one.text, text));
+  if (same !== undefined) return rowOf(same);
+  const row = readRow(text);
+  return row.kind === "text" ? row : { ...row, arguments: row.arguments.map((name) => wholeName(name, conditions)) };
+}
+
+/** A name with the prefix of its ontology, where one of the conditions says it so. */
+function wholeName(name: string | null, conditions: readonly CheckedCondition[]): string | null {
+  return conditions.flatMap(namesIn).find((one) => shortText(one) === name) ?? name;
+}
+
+/** The elements and classes that a condition names; of more than one word, none is known. */
+export function namesIn(condition: Pick<CheckedCondition, "data" | "text">): string[] {
+  const row = rowOf(condition);
+  return row.kind === "word" ? row.arguments.filter((name) => name !== null) : [];
+}
+
+/** Why a condition holds or not, without saying the condition once more. */
+export function whyAlone({ text, why }: Pick<CheckedCondition, "text" | "why">): string {
+  const itself = `${shortText(text)}: `;
+  return why.startsWith(itself) ? why.slice(itself.length) : why;
+}
+
+interface Changed {
+  without: readonly string[];
+  instead: readonly { condition: string; by: string }[];
+}
+
+/** What is wanted after a proposal: less, or something else; null where it speaks of what is not wanted any more. */
+export function repaired(conditions: readonly CheckedCondition[], { without, instead }: Changed): NewRow[] | null {
+  const spoken = [...without, ...instead.map(({ condition }) => condition)];
+  if (!spoken.every((one) => conditions.some(({ text }) => isSame(text, one)))) return null;
+  const left = conditions.filter(({ text }) => !without.some((one) => isSame(one, text)));
+  return left.map((condition) => {
+    const exchange = instead.find((one) => isSame(one.condition, condition.text));
+    return exchange === undefined ? rowOf(condition) : rowSaid(exchange.by, conditions);
+  });
 }

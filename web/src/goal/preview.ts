@@ -22,7 +22,7 @@ export function usePreview(order: GoalOrder | null) {
       change({ preview: { id, asked: at ?? "", order: JSON.stringify(wanted) } }),
     onError: notifyProblem,
   });
-  const { data, error } = useQuery({
+  const { data, error, isPending } = useQuery({
     queryKey: ["previews", asked?.id, asked?.asked],
     queryFn: ({ signal }) => look(asked?.id ?? "", asked?.asked ?? "", signal),
     enabled: asked !== null,
@@ -34,7 +34,7 @@ export function usePreview(order: GoalOrder | null) {
     preview: data,
     /** It is kept no longer. */
     lost: error instanceof ApiProblem,
-    planning: ask.isPending || data?.state === "planning",
+    planning: ask.isPending || (asked !== null && isPending) || data?.state === "planning",
     /** It is the plan for what is wanted now. */
     fits: asked !== null && asked.order === JSON.stringify(order),
   };

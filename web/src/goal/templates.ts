@@ -10,7 +10,7 @@ import type { ConditionWord } from "./sentence";
 export type Template = Schema<"GoalTemplate">;
 type Content = Schema<"GoalTemplateContent">;
 
-export const TEMPLATES = keys.goals("templates");
+export const TEMPLATES = keys.templates();
 
 export function useTemplates(): readonly Template[] {
   const { data } = useQuery({

@@ -18,7 +18,7 @@ interface Connection {
 
 export const useConnection = create<Connection>(() => ({ status: "connecting", since: null, silent: null }));
 
-const KINDS = ["world", "module", "task", "job", "alarm", "system"];
+const KINDS = ["world", "module", "task", "job", "alarm", "document", "system"];
 const STATE_RATE = 20; // Hz, the most that there is
 const FORGOTTEN_AFTER = 60_000; // ms: after a longer gap all is read anew, which is less than all the events
 

@@ -11,7 +11,22 @@ const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
   task: ["tasks"],
   job: ["jobs", "tasks"],
   alarm: ["alarms", "jobs"],
-  system: ["station", "modules", "robots", "goals", "alarms", "tasks", "jobs", "scenes", "ontology", "world", "me"],
+  document: ["templates", "sequences", "world"], // a sequence is read with the state of the world
+  system: [
+    "station",
+    "modules",
+    "robots",
+    "goals",
+    "alarms",
+    "tasks",
+    "jobs",
+    "scenes",
+    "ontology",
+    "world",
+    "templates",
+    "sequences",
+    "me",
+  ],
 };
 /** What people call things: asked for one by one, therefore only after a change that may have renamed some. */
 const NAMES = "names";

@@ -13,7 +13,7 @@ export interface Listener {
   postMessage: (told: Told) => void;
 }
 
-const KINDS = ["world", "module", "task", "job", "alarm", "system", "reset", "state"];
+const KINDS = ["world", "module", "task", "job", "alarm", "document", "system", "reset", "state"];
 
 interface Shared {
   source: EventSource;

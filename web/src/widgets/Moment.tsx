@@ -12,7 +12,10 @@ export function Moment({ at }: { at: string | number | null | undefined }) {
 
 export function momentText(moment: Date, language: string, now = Date.now()): string {
   const near = Math.abs(now - moment.getTime()) < DAY / 2;
-  return moment.toLocaleString(regional(language), near ? { timeStyle: "medium" } : { dateStyle: "medium", timeStyle: "short" });
+  return moment.toLocaleString(
+    regional(language),
+    near ? { timeStyle: "medium" } : { dateStyle: "medium", timeStyle: "short" },
+  );
 }
 
 /** The language as it is written where the reader lives, if the browser knows: it tells how clocks and days are said. */

@@ -1,6 +1,7 @@
 /** Values of properties: what kind they are of, and how they are written for people. */
 
 import { numbersOf } from "../scene3d/pose";
+import { localName } from "../widgets/names";
 
 export type ValueKind = "number" | "integer" | "boolean" | "pose" | "vector" | "json" | "class" | "text";
 
@@ -55,7 +56,7 @@ function poseText(pose: PoseValue): string {
 }
 
 function objectText(value: object): string {
-  if ("relation" in value && "place" in value) return `${value.relation} ${value.place}`;
+  if ("relation" in value && "place" in value) return `${localName(String(value.relation))} ${String(value.place)}`;
   return JSON.stringify(value);
 }
 

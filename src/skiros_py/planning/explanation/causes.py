@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.contradictions import Contradictions
 from skiros_py.planning.explanation.everyone import with_everyone
+from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.found import Found
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.obstacles import Obstacles
@@ -50,9 +54,47 @@ def finding_causes(task: PlanningTask, view: WorldView) -> Work[tuple[Found, ...
         if atom is not None:
             found.append(_unreachable(condition, obstacles.of(atom), view))
             yield
-    hopeless = {condition for condition, atom in missing if atom is not None}
-    together = Contradictions(relaxed, view.ontology).found()
-    return (*found, *(one for one in together if not hopeless.intersection(one.cause.conditions)))
+    cleared = yield from _cleared(found, relaxed, view)
+    return _main_first(found, Contradictions(cleared, view.ontology).found())
+
+
+def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Work[Relaxation]:
+    """Returns what could become true if the places that are taken were empty: what excludes each other then, does."""
+    obstacles = [one.obstacle for one in found if one.obstacle is not None and one.obstacle.kind is CauseKind.FULL]
+    empty = [atom for o in obstacles if (atom := o.missing) is not None and not any(map(is_variable, atom.arguments))]
+    if not empty:
+        return relaxed
+    problem = relaxed.task.problem
+    supposed = replace(problem, init=problem.init.union(empty))
+    return (yield from relaxing(replace(relaxed.task, problem=supposed), view.ontology))
+
+
+def _main_first(hopeless: Sequence[Found], together: Sequence[Found]) -> tuple[Found, ...]:
+    """Puts before all else that conditions want one place, for that is so however the place is cleared.
+
+    Of conditions that would be hopeless in any place or in that one, that reason is told only; and of a place that is
+    wanted by several, not also that one of these has it.
+    """
+    obstacles = {one.cause.conditions[0]: one.obstacle for one in hopeless}
+    rivals = [one for one in together if one.shortage is not None and _is_rivalry(one.cause, obstacles)]
+    taken = [one for one in hopeless if not any(_covers(rivalry.cause, one) for rivalry in rivals)]
+    rest = [one for one in together if one not in rivals and not obstacles.keys() & set(one.cause.conditions)]
+    return (*rivals, *taken, *rest)
+
+
+def _is_rivalry(cause: Cause, obstacles: Mapping[Condition, Obstacle | None]) -> bool:
+    """Tells whether several conditions want one place in which each of them could be fulfilled by itself one day."""
+    known = [obstacle for condition in cause.conditions if (obstacle := obstacles.get(condition)) is not None]
+    one_day = all(obstacle.kind in (CauseKind.FULL, CauseKind.MISSING_FACT) for obstacle in known)
+    return cause.kind is CauseKind.CONTRADICTION and len(cause.conditions) > 1 and one_day
+
+
+def _covers(rivalry: Cause, one: Found) -> bool:
+    """Tells whether a place is taken by what is wanted there by another of the conditions that want it."""
+    obstacle = one.obstacle
+    if obstacle is None or obstacle.kind is not CauseKind.FULL:
+        return False
+    return one.cause.conditions[0] in rivalry.conditions and set(obstacle.elements) <= set(rivalry.elements)
 
 
 def _first(atoms: tuple[Atom, ...], relaxed: Relaxation) -> Atom | None:
@@ -61,8 +103,9 @@ def _first(atoms: tuple[Atom, ...], relaxed: Relaxation) -> Atom | None:
 
 def _unreachable(condition: Condition, obstacle: Obstacle, view: WorldView) -> Found:
     full = _full(condition, obstacle, view)
-    text = f"{condition} cannot be reached: {''.join(f'{whole} is full: ' for whole in full)}{obstacle.text}"
-    parts = obstacle.skill, obstacle.precondition, (*full, *obstacle.elements)
+    said = "".join(f"{whole} is full: " for whole in full)
+    parts = obstacle.skill, obstacle.precondition, (*full, *obstacle.elements), said + (obstacle.core or obstacle.text)
+    text = f"{condition} cannot be reached: {said}{obstacle.text}"
     return Found(Cause(obstacle.kind, text, (condition,), *parts), obstacle)
 
 

@@ -210,16 +210,15 @@ def _narrowest(demand: Demand) -> tuple[int, str, str]:
 def _contradiction(conditions: Sequence[Condition], why: str, elements: Iterable[str]) -> Cause:
     said = list(dict.fromkeys(map(str, conditions)))
     text = f"{listed(said)} {'exclude each other' if len(said) > 1 else 'cannot be reached'}: {why}"
-    return Cause(
-        CauseKind.CONTRADICTION, text, tuple(dict.fromkeys(conditions)), elements=tuple(dict.fromkeys(elements))
-    )
+    named = tuple(dict.fromkeys(elements))
+    return Cause(CauseKind.CONTRADICTION, text, tuple(dict.fromkeys(conditions)), elements=named, why=why)
 
 
 def _together(kind: CauseKind, demands: Sequence[Demand], why: str, elements: Iterable[str]) -> Cause:
     conditions = tuple(dict.fromkeys(demand.condition for demand in demands))
     together = " together" if len(conditions) > 1 else ""
     text = f"{listed(map(str, conditions))} cannot be reached{together}: {why}"
-    return Cause(kind, text, conditions, elements=tuple(dict.fromkeys(elements)))
+    return Cause(kind, text, conditions, elements=tuple(dict.fromkeys(elements)), why=why)
 
 
 def _around(constants: Iterable[Value]) -> list[Value | None]:

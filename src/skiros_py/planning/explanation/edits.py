@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 from dataclasses import dataclass
 
 from skiros_py.planning.explanation.supposition import Supposition
@@ -11,7 +12,7 @@ from skiros_py.world.names import local_name
 from skiros_py.world.stock import is_token, take
 from skiros_py.world.transaction import Transaction
 
-__all__ = ["Add", "Assign", "Move", "Relate", "Remove", "SceneEdit", "needed_by"]
+__all__ = ["Add", "Assign", "Move", "Relate", "Remove", "SceneEdit"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,11 @@ class Move:
     def __str__(self) -> str:
         return f"put {self.element} {local_name(self.relation)} {self.place}"
 
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """The elements that must be there for it."""
+        return self.element, self.place
+
     def suppose(self, view: Supposition) -> None:
         """Makes it in imagination."""
         view.place(self.element, self.relation, self.place)
@@ -48,6 +54,11 @@ class Remove:
 
     def __str__(self) -> str:
         return f"remove {self.element} from the scene"
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """The elements that must be there for it."""
+        return (self.element,)
 
     def suppose(self, view: Supposition) -> None:
         """Makes it in imagination."""
@@ -72,6 +83,11 @@ class Add:
 
     def __str__(self) -> str:
         return f"bring one more {local_name(self.class_)}, {local_name(self.placement.relation)} {self.placement.place}"
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """The elements that must be there for it."""
+        return (self.placement.place,)
 
     def suppose(self, view: Supposition) -> None:
         """Makes it in imagination."""
@@ -105,6 +121,11 @@ class Assign:
         value = str(self.value).lower() if isinstance(self.value, bool) else shown(self.value)
         return f"see to it that the {name} of {self.element} is {value}, and say so"
 
+    @builtins.property  # the class has a field of that name
+    def elements(self) -> tuple[str, ...]:
+        """The elements that must be there for it."""
+        return (self.element, self.source) if self.source else (self.element,)
+
     def suppose(self, view: Supposition) -> None:
         """Makes it in imagination."""
         view.set_value(self.element, self.property, self.value)
@@ -129,6 +150,11 @@ class Relate:
     def __str__(self) -> str:
         return f"state that {self.subject} {local_name(self.relation)} {self.object}"
 
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """The elements that must be there for it."""
+        return self.subject, self.object
+
     def suppose(self, view: Supposition) -> None:
         """Makes it in imagination."""
         view.set_relation(self.subject, self.relation, self.object)
@@ -140,19 +166,6 @@ class Relate:
 
 SceneEdit = Move | Remove | Add | Assign | Relate
 """Any of them."""
-
-
-def needed_by(edit: SceneEdit) -> tuple[str, ...]:
-    """Returns the elements that must be there for a change."""
-    match edit:
-        case Move(element, _, place):
-            return element, place
-        case Add(_, placement):
-            return (placement.place,)
-        case Relate(subject, _, object_):
-            return subject, object_
-        case Remove(element) | Assign(element):
-            return (element,)
 
 
 def _individual(tx: Transaction, name: str) -> str:

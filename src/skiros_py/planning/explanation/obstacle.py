@@ -18,6 +18,7 @@ class Obstacle:
     Attributes:
         kind: What kind of thing.
         text: The way down to it in words.
+        core: The last of that by itself: what is the case instead of what would be needed.
         skill: The skill that would give what is lacking; None where there is none.
         precondition: What that skill needs and never gets, in words.
         elements: Elements and classes it is about.
@@ -32,3 +33,4 @@ class Obstacle:
     elements: tuple[str, ...] = ()
     missing: Atom | None = None
     types: Mapping[str, str] = field(default_factory=dict)
+    core: str = ""

@@ -11,7 +11,7 @@ from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.leaves import Leaves
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.relaxation import Relaxation
-from skiros_py.planning.explanation.wording import Wording, listed
+from skiros_py.planning.explanation.wording import Wording, listed, some
 from skiros_py.planning.reasons import CauseKind
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Family
@@ -143,7 +143,8 @@ class Obstacles:
             if not self._relaxed.fits(value, types[variable]):
                 class_ = types[variable]
                 text = f"{value} is not a {local_name(class_)}, which skill '{action.skill}' needs"
-                return Obstacle(CauseKind.NO_SKILL, text, action.skill, text, (value, class_))
+                core = f"{value} is not {some(self._label(class_))}: skill '{action.skill}' can do it with those only"
+                return Obstacle(CauseKind.NO_SKILL, text, action.skill, text, (value, class_), core=core)
         missing = (types[v.name] for v in action.parameters if v.name not in start)
         lacking = [class_ for class_ in missing if not self._relaxed.is_some(class_)]
         if not lacking:
@@ -152,6 +153,10 @@ class Obstacles:
         return replace(
             self._leaves.none_of(class_), skill=action.skill, precondition=f"there is a {local_name(class_)}"
         )
+
+    def _label(self, class_: str) -> str:
+        known = self._ontology.classes.get(class_)
+        return local_name(class_) if known is None else known.label
 
     def _stuck(self, action: Action, start: Mapping[str, str], types: Types) -> _Try:
         pre = self._givens_first(action, start, types)
@@ -189,13 +194,13 @@ class Obstacles:
         if one.action.skill is None:
             return found
         if need.predicate.startswith(CAN):
-            return replace(found, text=f"skill '{one.action.skill}' would do it, but {found.text}")
+            core = found.text.replace("have it", f"have the skill '{one.action.skill}'")
+            return replace(found, text=f"skill '{one.action.skill}' would do it, but {found.text}", core=core)
         words = self._wording.atom(need, one.types)
         joint = "; " if need.predicate in self._given and found.skill is not None else ", and "
         text = f"skill '{one.action.skill}' would do it, but needs that {words}{joint}{found.text}"
-        if found.skill is not None:
-            return replace(found, text=text)
-        return replace(found, text=text, skill=one.action.skill, precondition=words)
+        found = replace(found, text=text, core=found.core or found.text)
+        return found if found.skill is not None else replace(found, skill=one.action.skill, precondition=words)
 
     def _below(self, one: _Try, stuck: Atom, chain: Chain) -> tuple[Atom, Obstacle]:
         """Returns the precondition as precisely as the ways so far tell it, and why it never holds."""

@@ -8,12 +8,13 @@ from itertools import combinations, islice, product
 
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, compared
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
+from skiros_py.planning.explanation.elsewhere import exchanges
 from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.found import Found, Shortage
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.room import Room
 from skiros_py.planning.explanation.wording import listed
-from skiros_py.planning.reasons import Cause, CauseKind
+from skiros_py.planning.reasons import Cause, CauseKind, Exchange
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.comparison import Comparison, Constant
 from skiros_py.world.names import local_name
@@ -35,17 +36,19 @@ class Remedy:
         cost: How much of a change it is; the smallest is offered first.
         edits: What it changes in the scene.
         without: Conditions to give up.
+        instead: Conditions to want otherwise.
     """
 
     cost: int
     edits: tuple[SceneEdit, ...] = ()
     without: tuple[Condition, ...] = ()
+    instead: tuple[Exchange, ...] = ()
 
 
-def remedies(found: Found, view: WorldView, room: Room) -> list[Remedy]:
+def remedies(found: Found, goal: Sequence[Condition], view: WorldView, room: Room) -> list[Remedy]:
     """Returns what could be done about a cause, smallest changes first."""
-    edits = _edits(found, view, room)
-    return sorted((*edits, *_given_up(found)), key=lambda remedy: remedy.cost)
+    otherwise = (Remedy(1, instead=(exchange,)) for exchange in exchanges(found, goal, view, room))
+    return sorted((*otherwise, *_edits(found, view, room), *_given_up(found)), key=lambda remedy: remedy.cost)
 
 
 def _given_up(found: Found) -> Iterator[Remedy]:
@@ -131,7 +134,8 @@ def _away(thing: str, places: Sequence[str], view: WorldView, room: Room) -> Ite
     """Takes a thing out of places: to where such things lie, else to the floor, else out of the scene."""
     homes = room.homes(view.element(thing).type, view, besides=places)
     yield from (Remedy(1, (Move(thing, home.relation, home.place),)) for home in homes[:1])
-    yield from (Remedy(2, (Move(thing, ON, floor),)) for floor in view.instances(FLOOR)[:1])
+    if not homes:
+        yield from (Remedy(2, (Move(thing, ON, floor),)) for floor in view.instances(FLOOR)[:1])
     yield Remedy(3, (Remove(thing),))
 
 

@@ -9,7 +9,7 @@ from itertools import count
 
 from skiros_py.errors import SkirosError
 from skiros_py.planning.explanation.causes import finding_causes
-from skiros_py.planning.explanation.edits import Add, Move, Remove, SceneEdit, needed_by
+from skiros_py.planning.explanation.edits import Add, Move, Remove, SceneEdit
 from skiros_py.planning.explanation.found import Found
 from skiros_py.planning.explanation.remedies import Remedy, advice, remedies
 from skiros_py.planning.explanation.room import Room
@@ -17,7 +17,7 @@ from skiros_py.planning.explanation.supposition import Supposition
 from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.pieces import Work
 from skiros_py.planning.problem.task import Capability, build_task
-from skiros_py.planning.reasons import Repair
+from skiros_py.planning.reasons import Exchange, Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
@@ -41,19 +41,32 @@ class _Change:
         cost: How much of a change that is.
         edits: What they change in the scene.
         without: Conditions given up.
+        instead: Conditions wanted otherwise.
     """
 
     cost: int = 0
     edits: tuple[SceneEdit, ...] = ()
     without: tuple[Condition, ...] = ()
+    instead: tuple[Exchange, ...] = ()
 
     def and_(self, remedy: Remedy) -> _Change | None:
-        """Returns the change with one more remedy; None where that is nothing new, or moves a thing once more."""
+        """Returns the change with one more remedy.
+
+        None where that is nothing new, moves a thing once more, or changes what is wanted otherwise already.
+        """
         edits = tuple(e for e in remedy.edits if isinstance(e, Add) or e not in self.edits)
         without = tuple(c for c in remedy.without if c not in self.without)
-        if not (edits or without) or _placed(edits) & _placed(self.edits):
+        if not (edits or without or remedy.instead) or _placed(edits) & _placed(self.edits):
             return None
-        return _Change(self.cost + remedy.cost, self.edits + edits, self.without + without)
+        if {exchange.by for exchange in self.instead}.intersection(without, (e.condition for e in remedy.instead)):
+            return None
+        both = self.edits + edits, self.without + without, self.instead + remedy.instead
+        return _Change(self.cost + remedy.cost, *both)
+
+    def wanted(self, goal: Sequence[Condition]) -> list[Condition]:
+        """Returns what is wanted after it."""
+        by = {exchange.condition: exchange.by for exchange in self.instead}
+        return [by.get(condition, condition) for condition in goal if condition not in self.without]
 
     def leaving_out(self) -> Iterator[_Change]:
         """Yields the changes that do one thing less."""
@@ -61,21 +74,30 @@ class _Change:
             yield replace(self, edits=self.edits[:i] + self.edits[i + 1 :])
         for condition in self.without:
             yield replace(self, without=tuple(c for c in self.without if c is not condition))
+        for exchange in self.instead:
+            yield replace(self, instead=tuple(e for e in self.instead if e is not exchange))
 
     @property
-    def key(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    def key(self) -> tuple[tuple[str, ...], ...]:
         """The same for changes that come to the same."""
-        return tuple(sorted(map(str, self.edits))), tuple(sorted(map(str, self.without)))
+        return tuple(tuple(sorted(map(str, each))) for each in (self.edits, self.without, self.instead))
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether it leaves all as it is."""
+        return not (self.edits or self.without or self.instead)
 
     def includes(self, offer: Repair) -> bool:
-        """Tells whether it does all that an offer does."""
-        return set(offer.edits) <= set(self.edits) and set(offer.without) <= set(self.without)
+        """Tells whether it does all that an offer does; one other place is as good as another."""
+        otherwise = {exchange.condition for exchange in offer.instead}
+        also = otherwise <= {exchange.condition for exchange in self.instead}
+        return also and set(offer.edits) <= set(self.edits) and set(offer.without) <= set(self.without)
 
     def repair(self) -> Repair:
         """Returns it as an offer."""
         given_up = [f"give up {listed(map(str, self.without))}"] if self.without else []
-        text = " and ".join([*map(str, dict.fromkeys(self.edits)), *given_up])
-        return Repair(text, self.edits, self.without)
+        text = " and ".join([*map(str, self.instead), *map(str, dict.fromkeys(self.edits)), *given_up])
+        return Repair(text, self.edits, self.without, self.instead)
 
 
 def _placed(edits: Sequence[SceneEdit]) -> set[str]:
@@ -110,7 +132,19 @@ def find_repairs(
         yield
     outside = [Repair(text) for text in dict.fromkeys(advice(one.cause) for one in found) if text]
     needed = outside if not any(repair.edits for repair in search.offers) else []
-    return (*needed, *search.offers)[:_OFFERED]
+    return (*needed, *_simplest(search.offers))[:_OFFERED]
+
+
+def _simplest(offers: Sequence[Repair]) -> list[Repair]:
+    """Leaves out what changes more than is needed, or the scene and the goal as well where one of both is enough."""
+    fewest = min((_size(offer) for offer in offers), default=0)
+    short = [offer for offer in offers if _size(offer) <= fewest + 1]
+    simple = [offer for offer in short if sum(map(bool, (offer.edits, offer.without, offer.instead))) < 2]
+    return simple or short
+
+
+def _size(offer: Repair) -> int:
+    return len(offer.edits) + len(offer.without) + len(offer.instead)
 
 
 class _Search:
@@ -133,8 +167,8 @@ class _Search:
     def extend(self, change: _Change, found: Sequence[Found], view: WorldView) -> None:
         """Puts everything that could be done about the first of the causes that are left into the queue."""
         made = set(view.further) if isinstance(view, Supposition) else set[str]()
-        for remedy in remedies(found[0], view, self._room):
-            if made.intersection(name for edit in remedy.edits for name in needed_by(edit)):
+        for remedy in remedies(found[0], change.wanted(self._goal), view, self._room):
+            if made.intersection(name for edit in remedy.edits for name in edit.elements):
                 continue  # what is only brought by the change has no name yet
             further = change.and_(remedy)
             if further is not None and self._is_new(further):
@@ -177,12 +211,12 @@ class _Search:
         view = Supposition(self._view)
         for edit in change.edits:
             edit.suppose(view)
-        return view, [condition for condition in self._goal if condition not in change.without]
+        return view, change.wanted(self._goal)
 
     def _reduced(self, change: _Change) -> Work[_Change]:
         """Leaves out of a change that works everything without which it works still."""
         for smaller in change.leaving_out():
-            if (smaller.edits or smaller.without) and (yield from self._works(smaller)):
+            if not smaller.is_nothing and (yield from self._works(smaller)):
                 return (yield from self._reduced(smaller))
         return change
 

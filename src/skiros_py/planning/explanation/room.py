@@ -53,6 +53,11 @@ class Room:
         """Tells whether one more thing can be put somewhere."""
         return not (self.keeps_one(placement, view) and view.subjects(placement.relation, placement.place))
 
+    def is_free(self, place: str, view: WorldView) -> bool:
+        """Tells whether skills keep a place to one thing, and nothing is there."""
+        relations = {r for r, c in self._kept if self._ontology.is_a(view.element(place).type, c)}
+        return bool(relations) and not any(view.subjects(relation, place) for relation in relations)
+
     def keeps_one(self, placement: Placement, view: WorldView) -> bool:
         """Tells whether skills keep a place to one thing."""
         type_ = view.element(placement.place).type

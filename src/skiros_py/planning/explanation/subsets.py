@@ -36,8 +36,9 @@ def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> Work
 def conflict_of(conditions: Sequence[Condition]) -> Cause:
     """Returns the cause that conditions cannot be reached together although nothing is lacking for each."""
     if len(conditions) > 1:
-        text = f"{listed(map(str, conditions))} could each be reached, but not all of them together"
+        why, text = "", f"{listed(map(str, conditions))} could each be reached, but not all of them together"
     else:
-        text = f"{conditions[0]} cannot be reached: whatever is done for it undoes something else that it needs"
+        why = "whatever is done for it undoes something else that it needs"
+        text = f"{conditions[0]} cannot be reached: {why}"
     arguments = dict.fromkeys(argument for condition in conditions for argument in condition.arguments)
-    return Cause(CauseKind.CONFLICT, text, tuple(conditions), elements=tuple(arguments))
+    return Cause(CauseKind.CONFLICT, text, tuple(conditions), elements=tuple(arguments), why=why)

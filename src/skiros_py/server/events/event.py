@@ -33,6 +33,8 @@ class Kind(enum.StrEnum):
     """A job has a new version."""
     ALARM = "alarm"
     """An alarm came, was answered, acknowledged, or went."""
+    DOCUMENT = "document"
+    """A goal template or a sequence was written, or removed."""
     SYSTEM = "system"
     """The station itself: opened anew, halted, reset."""
 

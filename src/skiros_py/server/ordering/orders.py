@@ -7,6 +7,7 @@ import secrets
 
 from pydantic import ValidationError
 
+from skiros_py.api.faults import fault_words
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder as Ordered
 from skiros_py.errors import UsageError
@@ -84,7 +85,7 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
             materials=tuple(Material(**material.model_dump()) for material in ordered.materials),
         )
     except ValidationError as error:
-        faults = ((".".join(map(str, one["loc"])), one["msg"]) for one in error.errors())
+        faults = ((".".join(map(str, one["loc"])), fault_words(one)) for one in error.errors())
         raise UsageError("; ".join(f"{field}: {_said(field, words)}" for field, words in faults)) from None
 
 

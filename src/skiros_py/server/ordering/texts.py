@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
+from skiros_py.api.faults import fault_words
 from skiros_py.errors import UsageError
 from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Said, Word
 
@@ -48,7 +49,7 @@ def _said(data: Sequence[object], *, alone: bool) -> list[Said]:
     try:
         fields = GOALS.validate_python(list(data))
     except ValidationError as error:
-        problems = (f"goal{_path(one['loc'][alone:])}: {one['msg']}" for one in error.errors()[:20])
+        problems = (f"goal{_path(one['loc'][alone:])}: {fault_words(one)}" for one in error.errors()[:20])
         raise UsageError("; ".join(problems)) from None
     return [one.said() for one in fields]
 

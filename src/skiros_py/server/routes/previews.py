@@ -68,14 +68,14 @@ def apply_repair(
     services: ServicesDep,
     caller: CallerDep,
 ) -> AppliedRepair:
-    """Makes the changes to the world that a repair consists of, as one transaction by the caller."""
+    """Makes what a repair changes in the world, as one transaction by the caller; the goal is left to them."""
     with found():
         repair = services.previews.find(id).repair(number)
     if not is_applicable(repair):
         raise Problem(
             409,
             "RepairNotApplicable",
-            f"'{repair.text}' is no change of the world alone: see to it, or order otherwise",
+            f"'{repair.text}' is no change of the world: see to it, or order otherwise",
         )
     world = services.session.world
     repair.apply(world, caller.name, Writer.PERSON, caller.holder)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from itertools import islice
 from typing import Any
@@ -10,12 +9,11 @@ from typing import Any
 import pyoxigraph as ox
 
 from skiros_py.errors import UsageError
+from skiros_py.world.store.parse_faults import parse_fault
 from skiros_py.world.store.store import NO_FUNCTIONS, UNLIMITED, Answer, Functions, Most, Rows, Term
 
 __all__ = ["OxigraphStore"]
 
-_PLACE = re.compile(r"^error at (\d+):\d+: ")
-"""The engine's columns are not those of the text that somebody wrote: names were written out since."""
 _LONGEST_FAULT = 200
 
 _PIECE = 100_000
@@ -73,8 +71,7 @@ class OxigraphStore:
             result = self._store.query(text, use_default_graph_as_union=True, custom_functions=own or None)
             return _materialised(result, most)
         except SyntaxError as error:
-            said = _PLACE.sub(r"line \1: ", error.msg)
-            raise UsageError(f"the query does not parse: {said[:_LONGEST_FAULT]}") from None
+            raise UsageError(f"the query does not parse: {parse_fault(text, error.msg)[:_LONGEST_FAULT]}") from None
         except (RuntimeError, ValueError, OSError) as error:
             raise UsageError(f"the query cannot be answered: {error}") from None
 

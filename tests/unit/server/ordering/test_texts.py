@@ -69,7 +69,7 @@ def test_texts_stay_as_they_are_and_the_order_is_kept():
 @pytest.mark.parametrize(
     ("goal", "said"),
     [
-        ({"condition": "In"}, r"goal\.arguments: Field required"),
+        ({"condition": "In"}, r"goal\.arguments: is missing"),
         ([{"not": {"all_of": []}}], r"goal\[0\]\.not\.all_of"),
         ([{"what": 1}], r"goal\[0\]: expected an object with one of the fields condition, not"),
         ({"condition": "In(x) or On", "arguments": ["x"]}, r"unknown condition 'In\(x\) or On'"),

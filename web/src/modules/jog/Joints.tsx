@@ -4,6 +4,7 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { useStation } from "../../live/station";
 import type { Robot } from "../queries";
+import { told } from "./hand";
 import { JointRow } from "./JointRow";
 import { useRest } from "./live";
 import { hand, jog } from "./robotHand";
@@ -23,7 +24,11 @@ export function Joints({ robot, arm, disabled }: Props) {
   const [targets, setTargets] = useState<Readonly<Record<number, number>>>({});
   const rest = useRest(arm.id);
   const turn = (deltas: number[]) => jog(robot, { joints: { arm: arm.id, deltas } });
-  const turnOne = (joint: number, by: number) => turn(arm.joints.map((_, at) => (at === joint ? by : 0)));
+  const turnOne = (joint: number, degrees: number) =>
+    told(
+      turn(arm.joints.map((_, at) => (at === joint ? degrees * DEGREE : 0))),
+      t("jog.turned", { joint: arm.joints[joint]?.name, degrees }),
+    );
   const go = () => {
     const now = useStation.getState().state?.arms[arm.id]?.positions ?? [];
     const steps = stepsTo(
@@ -32,7 +37,7 @@ export function Joints({ robot, arm, disabled }: Props) {
     );
     hand.all(() => {
       const [next] = steps.splice(0, 1);
-      return next === undefined ? null : turn(next);
+      return next === undefined ? null : told(turn(next), t("jog.turnedAll"));
     });
     setTargets({});
   };
@@ -49,7 +54,7 @@ export function Joints({ robot, arm, disabled }: Props) {
           target={targets[index]}
           rest={rest[index] ?? 0}
           setTarget={(angle) => setTargets({ ...targets, [index]: angle })}
-          step={(sign) => turnOne(index, sign * size * DEGREE)}
+          step={(sign) => turnOne(index, sign * size)}
           disabled={disabled}
         />
       ))}

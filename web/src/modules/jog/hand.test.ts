@@ -1,5 +1,5 @@
 import type { Run } from "../queries";
-import { makeHand, type Step } from "./hand";
+import { makeHand, type Step, told } from "./hand";
 
 /** A robot that does a step whenever the test says so. */
 function robot() {
@@ -110,4 +110,14 @@ test("what the server refuses at once is said, and the next step may come", asyn
   hand.once(step("a"));
   await end();
   expect(done).toEqual(["a"]);
+});
+
+test("a step that went well is told in its own words, one that did not in those of the module", async () => {
+  const { step, end, hand } = robot();
+  hand.once(told(step("a"), "joint 1 turned by 2°"));
+  await end("succeeded", "turned by 0.035 rad");
+  expect(hand.useHand.getState().said).toEqual({ good: true, text: "joint 1 turned by 2°" });
+  hand.once(told(step("a"), "joint 1 turned by 2°"));
+  await end("failed", "something is in the way");
+  expect(hand.useHand.getState().said).toEqual({ good: false, text: "something is in the way" });
 });

@@ -4,7 +4,16 @@ import { create } from "zustand";
 import type { Run } from "../queries";
 
 /** Starts one step; it is over when its run is. */
-export type Step = () => Promise<Run>;
+export interface Step {
+  (): Promise<Run>;
+  /** What it has done when it went well, for people; where that is missing, the module's own words are told. */
+  done?: string;
+}
+
+/** The step with words for what it has done. */
+export function told(step: Step, done: string): Step {
+  return Object.assign(() => step(), { done });
+}
 
 /** How steps are followed and stopped: the server, or a script in tests. */
 export interface Follower {
@@ -75,7 +84,8 @@ export function makeHand(follower: Follower, words: (error: unknown) => string) 
     if (stopped) await follower.stop(id);
     const run = await follower.over(id);
     const ended = run.status === "succeeded";
-    useHand.setState({ said: { good: ended, text: run.rounds.at(-1)?.text ?? run.status } });
+    const words = run.rounds.at(-1)?.text ?? run.status;
+    useHand.setState({ said: { good: ended, text: (ended && step.done) || words } });
     return ended;
   }
 

@@ -9,7 +9,7 @@ import { Status } from "../../widgets/Status";
 import { type Run, useRun } from "../queries";
 import { changeLines, shown } from "./changes";
 import { RunControls } from "./RunControls";
-import { isCutOff, isOver, MOODS, successRate } from "./states";
+import { isOver, MOODS, successRate } from "./states";
 
 /** One run: how far it is, what it reported, how each round ended, what it wrote into the world. */
 export function RunView({ id }: { id: string }) {
@@ -92,7 +92,7 @@ function Rounds({ run }: { run: Run }) {
               <Table.Tr key={round.start}>
                 <Table.Td>{run.done - run.rounds.length + index + 1}</Table.Td>
                 <Table.Td>
-                  <RoundStatus success={round.success} cut={isCutOff(run) && index === run.rounds.length - 1} />
+                  <RoundStatus success={round.success} cut={run.cut_off && index === run.rounds.length - 1} />
                 </Table.Td>
                 <Table.Td>{`${(round.end - round.start).toFixed(1)} s`}</Table.Td>
                 <Table.Td>{round.text}</Table.Td>

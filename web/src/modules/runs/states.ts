@@ -14,13 +14,12 @@ export function isOver({ status }: Run): boolean {
   return status === "succeeded" || status === "failed" || status === "stopped";
 }
 
-/** Whether the last round was cut off, by whoever stopped the run or everything: it says nothing of the module. */
-export function isCutOff({ status, rounds }: Pick<Run, "status" | "rounds">): boolean {
-  return status === "stopped" && rounds.at(-1)?.success === false;
-}
-
-/** Returns how many of the rounds that have come to an end worked [%]; null before the first. */
-export function successRate(run: Pick<Run, "status" | "rounds" | "done" | "succeeded">): number | null {
-  const ended = run.done - (isCutOff(run) ? 1 : 0);
+/**
+ * Returns how many of the rounds that have come to an end worked [%]; null before the first.
+ *
+ * One that was cut off, by whoever stopped the run or everything, says nothing of the module.
+ */
+export function successRate(run: Pick<Run, "cut_off" | "done" | "succeeded">): number | null {
+  const ended = run.done - (run.cut_off ? 1 : 0);
   return ended === 0 ? null : Math.round((100 * run.succeeded) / ended);
 }

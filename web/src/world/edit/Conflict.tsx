@@ -1,10 +1,10 @@
 import { Button, Group, Modal, Stack, Table, Text } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { Status } from "../../widgets/Status";
-import type { Tagged } from "../queries";
+import { type Tagged, useClass } from "../queries";
 import { useWords } from "../useWords";
 import { written } from "../values";
-import { type Difference, differences, draftOf } from "./draft";
+import { type Difference, differences, draftOf, LABEL, PLACEMENT } from "./draft";
 import type { Editing } from "./useEditing";
 
 interface Props {
@@ -21,7 +21,7 @@ export function Conflict({ editing, theirs, onDone }: Props) {
     <Modal opened onClose={editing.goOn} title={t("conflict.title")} size="lg">
       <Stack>
         <Text size="sm">{t("conflict.text", { label: theirs.data.id, version: theirs.data.version })}</Text>
-        <Comparison found={found} />
+        <Comparison found={found} class_={theirs.data.class} />
         <Group justify="end">
           <Button variant="default" onClick={editing.goOn}>
             {t("conflict.goOn")}
@@ -36,8 +36,16 @@ export function Conflict({ editing, theirs, onDone }: Props) {
   );
 }
 
-function Comparison({ found }: { found: readonly Difference[] }) {
+interface ComparisonProps {
+  found: readonly Difference[];
+  class_: string;
+}
+
+function Comparison({ found, class_ }: ComparisonProps) {
   const { t } = useTranslation("world");
+  const { data } = useClass(class_);
+  const labels = new Map(data?.properties.map(({ name, label }) => [name, label]));
+  labels.set(LABEL, t("edit.name")).set(PLACEMENT, t("edit.placement"));
   return (
     <Table aria-label={t("conflict.table")} verticalSpacing={4}>
       <Table.Thead>
@@ -51,23 +59,25 @@ function Comparison({ found }: { found: readonly Difference[] }) {
       </Table.Thead>
       <Table.Tbody>
         {found.map((one) => (
-          <Line key={one.field} one={one} />
+          <Line key={one.field} name={labels.get(one.field) ?? one.field} one={one} />
         ))}
       </Table.Tbody>
     </Table>
   );
 }
 
-function Line({ one }: { one: Difference }) {
+function Line({ name, one }: { name: string; one: Difference }) {
   const { t } = useTranslation("world");
   const words = useWords();
   return (
     <Table.Tr>
-      <Table.Th scope="row">{one.field}</Table.Th>
+      <Table.Th scope="row">{name}</Table.Th>
       <Table.Td>{written(one.was, words)}</Table.Td>
       <Table.Td>{written(one.theirs, words)}</Table.Td>
-      <Table.Td>{written(one.mine, words)}</Table.Td>
-      <Table.Td>{one.clash && <Status mood="warning" text={t("conflict.clash")} />}</Table.Td>
+      <Table.Td>{one.byMe ? written(one.mine, words) : t("conflict.left")}</Table.Td>
+      <Table.Td style={{ whiteSpace: "nowrap" }}>
+        {one.clash && <Status mood="warning" text={t("conflict.clash")} />}
+      </Table.Td>
     </Table.Tr>
   );
 }

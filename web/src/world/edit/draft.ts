@@ -71,6 +71,8 @@ export interface Difference {
   was: unknown;
   theirs: unknown;
   mine: unknown;
+  /** I changed it: what I did not stays as the others have it. */
+  byMe: boolean;
   /** Both of us changed it, and not to the same. */
   clash: boolean;
 }
@@ -84,6 +86,7 @@ export function differences(before: Draft, theirs: Draft, mine: Draft): Differen
     was: before[field],
     theirs: theirs[field],
     mine: mine[field],
+    byMe: byMe.has(field),
     clash: byThem.has(field) && byMe.has(field) && !same(theirs[field], mine[field]),
   }));
 }

@@ -1,6 +1,7 @@
 /** What a refusal says of each field, in words for whoever has filled it in. */
 
 import { ApiProblem } from "../../api/client";
+import { type FieldFault, faultText } from "../../widgets/faults";
 import { problemText } from "../../widgets/problems";
 import { type Draft, LABEL, PLACEMENT, reasons } from "./draft";
 
@@ -19,20 +20,21 @@ interface Fault {
 /**
  * Returns what a refusal says.
  *
- * @param notAccepted - Says that a value is none that the server takes.
+ * @param notAccepted - Says of a field that its value is none that the server takes.
  */
-export function refusalOf(error: Error | null, draft: Draft, notAccepted: (value: unknown) => string): Refusal {
+export function refusalOf(error: Error | null, draft: Draft, notAccepted: (field: string) => string): Refusal {
   if (error === null) return { byField: {}, rest: [] };
   const told = error instanceof ApiProblem ? (error.details?.errors ?? []) : [];
   if (told.length === 0) return reasons(problemText(error), Object.keys(draft));
   const faults = new Map<string, Fault[]>();
   const rest: string[] = [];
-  for (const { field, message } of told) {
-    const [name, place] = placeOf(String(field), draft);
-    if (name === undefined) rest.push(`${String(field).replace(/^body\./, "")}: ${String(message)}`);
-    else faults.set(name, [...(faults.get(name) ?? []), { place, message: String(message) }]);
+  for (const fault of told as unknown as FieldFault[]) {
+    const [name, place] = placeOf(fault.field, draft);
+    const message = faultText(fault);
+    if (name === undefined) rest.push(`${fault.field.replace(/^body\./, "")}: ${message}`);
+    else faults.set(name, [...(faults.get(name) ?? []), { place, message }]);
   }
-  const byField = [...faults].map(([name, all]) => [name, wordsOf(all) ?? notAccepted(draft[name])]);
+  const byField = [...faults].map(([name, all]) => [name, wordsOf(all) ?? notAccepted(name)]);
   return { byField: Object.fromEntries(byField), rest };
 }
 

@@ -6,10 +6,9 @@ import { ApiProblem } from "../../api/client";
 import { isUnanswered, notifyProblem } from "../../widgets/problems";
 import { changeSince, notifyChange } from "../../widgets/undo";
 import { readElement, type Tagged } from "../queries";
-import { useWords } from "../useWords";
-import { written } from "../values";
 import { changedFields, type Draft, draftOf, onTop, patchOf, unfitFields } from "./draft";
 import { refusalOf } from "./refusals";
+import { useNotAccepted } from "./useNotAccepted";
 import { useQueryClient } from "@tanstack/react-query";
 
 const STALE = 412;
@@ -52,7 +51,6 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
   const [draft, setDraft] = useState(before);
   const [reason, setReason] = useState("");
   const [theirs, setTheirs] = useState<Tagged | null>(null);
-  const words = useWords();
   const [refusal, setRefusal] = useState<Error | null>(null);
   const write = useSingleMutation({
     mutationFn: (order: Order) => patch(id, order, reason),
@@ -78,9 +76,8 @@ export function useEditing(tagged: Tagged, onDone: () => void): Editing {
     write.mutate({ before: now, after, tag: theirs.tag });
   };
   const unfit = unfitFields(draft);
-  const { byField, rest } = refusalOf(refusal, { ...before, ...draft }, (value) =>
-    t("edit.notAccepted", { value: written(value, words) }),
-  );
+  const notAccepted = useNotAccepted(tagged.data.class, draft);
+  const { byField, rest } = refusalOf(refusal, { ...before, ...draft }, notAccepted);
   return {
     before,
     draft,

@@ -3,6 +3,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api } from "../../api/client";
 import { useSingleMutation } from "../../api/mutations";
+import { useWorks } from "../../live/station";
 import { useSelection } from "../../selection/selection";
 import { problemText, problemTitle } from "../../widgets/problems";
 import { notifyDone } from "../../widgets/toasts";
@@ -25,12 +26,14 @@ export function LoadDialog({ scene, onClose }: Props) {
   const { t } = useTranslation(["world", "common"]);
   const { data: present } = usePresent();
   const load = useLoad(scene, onClose);
+  const works = useWorks();
   if (present === undefined) return null;
   const { name, changed } = present.data;
   return (
     <Modal opened onClose={onClose} title={t("load.title", { name: scene.name })} size="lg">
       <Stack>
         <Text size="sm">{t("load.text")}</Text>
+        {works && <Alert color="orange">{t("load.works")}</Alert>}
         {changed === null && <Alert color="orange">{t("load.neverSaved")}</Alert>}
         {changed && (
           <Alert color="orange" title={t("load.lost")}>
@@ -46,7 +49,12 @@ export function LoadDialog({ scene, onClose }: Props) {
           <Button variant="default" onClick={onClose} data-autofocus>
             {t("common:cancel")}
           </Button>
-          <Button color={changed ? "red" : undefined} loading={load.isPending} onClick={() => load.mutate(present.tag)}>
+          <Button
+            color={changed ? "red" : undefined}
+            disabled={works}
+            loading={load.isPending}
+            onClick={() => load.mutate(present.tag)}
+          >
             {changed ? t("load.anyway") : t("scenes.load")}
           </Button>
         </Group>

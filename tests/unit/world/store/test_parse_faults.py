@@ -1,0 +1,32 @@
+"""What is wrong with a query that does not parse is said with its place, and without the engine's list of signs."""
+
+from __future__ import annotations
+
+import pyoxigraph as ox
+import pytest
+
+from skiros_py.world.store.parse_faults import parse_fault
+
+
+@pytest.mark.parametrize(
+    ("query", "words"),
+    [
+        (
+            "SELECT * WHERE {",
+            "line 1: the query ends too early; expected a variable, a name, a value, '{', '}' or '('",
+        ),
+        ("SELECT ?x { ?x ?y ?z } LIMIT", "line 1: the query ends too early; expected a number"),
+        ("SELECT * {\n ?x a <http://a/b#Kit>\n ?y }", "line 3: something is wrong near 'Kit ?y }'"),
+        ("SELECT * { ?s ?p }", "line 1: something is wrong near '?s ?p }'"),
+        ("SELECT WHERE { ?x ?y ?z }", "line 1: something is wrong near 'SELECT WHERE { ?x ?y'"),
+    ],
+)
+def test_it_is_said_where_and_what_was_expected(query: str, words: str) -> None:
+    with pytest.raises(SyntaxError) as raised:
+        ox.Store().query(query)
+
+    assert parse_fault(query, raised.value.msg) == words
+
+
+def test_what_the_engine_says_otherwise_is_told_as_it_is() -> None:
+    assert parse_fault("ASK {}", "too deep") == "too deep"

@@ -1,0 +1,49 @@
+import { List, Text } from "@mantine/core";
+import { useTranslation } from "react-i18next";
+import { causeOf } from "./causes";
+import { type CheckedCondition, rowSaid } from "./goals";
+import type { Preview } from "./preview";
+import { RowText } from "./RowText";
+import { Said } from "./Said";
+
+interface Props {
+  cause: Preview["causes"][number];
+  /** The conditions that are wanted. */
+  conditions: readonly CheckedCondition[];
+}
+
+/** One reason: what kind of thing is in the way, of which conditions, and why. */
+export function Reason({ cause: data, conditions }: Props) {
+  const { t } = useTranslation("goal");
+  const cause = causeOf(data);
+  const heading = cause.kind && t(`cause.${cause.kind}`, { count: cause.conditions.length });
+  return (
+    <div>
+      {heading && (
+        <Text size="sm" fw={600}>
+          {heading}
+        </Text>
+      )}
+      <List size="sm" aria-label={t("cause.conditions")}>
+        {cause.conditions.map((text) => (
+          <List.Item key={text}>
+            <RowText row={rowSaid(text, conditions)} />
+          </List.Item>
+        ))}
+      </List>
+      {cause.why && (
+        <Text size="sm">
+          <Said text={cause.why} named={cause.named} />
+        </Text>
+      )}
+      {!cause.text.endsWith(`: ${cause.why}`) && cause.text !== cause.why && cause.why !== "" && (
+        <details>
+          <Text component="summary" size="xs">
+            {t("cause.whole")}
+          </Text>
+          <Text size="xs">{cause.text}</Text>
+        </details>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,111 @@
+import { Button, Card, Group, Text } from "@mantine/core";
+import { Trans, useTranslation } from "react-i18next";
+import { answer, api } from "../api/client";
+import { useSingleMutation } from "../api/mutations";
+import { MayButton } from "../widgets/MayButton";
+import { notifyProblem } from "../widgets/problems";
+import { notifyChange } from "../widgets/undo";
+import { useDraft } from "./draft";
+import { type CheckedCondition, type GoalOrder, goalOrder, keyed, repaired, rowSaid } from "./goals";
+import type { Preview } from "./preview";
+import { RowText } from "./RowText";
+import { Said } from "./Said";
+
+type Repair = Preview["repairs"][number];
+
+interface Props {
+  preview: string;
+  repair: Repair;
+  conditions: readonly CheckedCondition[];
+  /** What the causes are about: it may be spoken of. */
+  named: readonly string[];
+  again: (order?: GoalOrder | null) => void;
+}
+
+/** A change that would help, with a button that makes it. */
+export function RepairCard({ preview, repair, conditions, named, again }: Props) {
+  return (
+    <Card withBorder padding="xs" role="group" aria-label={repair.text}>
+      <Group justify="space-between" wrap="nowrap" align="start">
+        <Changes repair={repair} conditions={conditions} named={named} />
+        <Make preview={preview} repair={repair} conditions={conditions} again={again} />
+      </Group>
+    </Card>
+  );
+}
+
+/** What it changes, each by itself. */
+function Changes({ repair, conditions, named }: Pick<Props, "repair" | "conditions" | "named">) {
+  const { t } = useTranslation("goal");
+  const { edits, without, instead, elements, text } = repair;
+  const condition = (said: string) => <RowText key={said} row={rowSaid(said, conditions)} />;
+  return (
+    <div>
+      {instead.map(({ condition: old, by }) => (
+        <Text key={by} size="sm">
+          <Trans t={t} i18nKey="repair.instead" components={{ by: condition(by), old: condition(old) }} />
+        </Text>
+      ))}
+      {edits.map((edit, index) => (
+        <Text key={index} size="sm">
+          <Said text={edit} named={elements} />
+        </Text>
+      ))}
+      {without.map((said) => (
+        <Text key={said} size="sm">
+          <Trans t={t} i18nKey="repair.without" components={{ condition: condition(said) }} />
+        </Text>
+      ))}
+      {edits.length + instead.length + without.length === 0 && (
+        <Text size="sm">
+          <Said text={text} named={named} />
+        </Text>
+      )}
+    </div>
+  );
+}
+
+function Make({ preview, repair, conditions, again }: Omit<Props, "named">) {
+  const { t } = useTranslation("goal");
+  const { setRows } = useDraft();
+  const rows = repaired(conditions, repair);
+  const want = () => {
+    if (rows === null) return;
+    if (repair.without.length + repair.instead.length === 0) return again();
+    setRows(rows);
+    again(goalOrder(keyed(rows)));
+  };
+  const make = useSingleMutation({
+    mutationFn: () =>
+      answer(
+        api.POST("/api/v1/previews/{id}/repairs/{number}/apply", {
+          params: { path: { id: preview, number: repair.id } },
+        }),
+      ),
+    onSuccess: ({ text, world }) => {
+      notifyChange(t("repair.done", { text }), world);
+      want();
+    },
+    onError: notifyProblem,
+  });
+  const onlyLess = repair.edits.length + repair.instead.length === 0;
+  const label = t(onlyLess ? "repair.leaveOut" : "repair.do");
+  const look = { "aria-label": `${label}: ${repair.text}`, flex: "none" };
+  if (repair.applicable && rows !== null)
+    return (
+      <MayButton operation="apply_repair" loading={make.isPending} onClick={() => make.mutate()} {...look}>
+        {label}
+      </MayButton>
+    );
+  if (onlyLess ? repair.without.length === 0 : rows === null)
+    return (
+      <Text size="xs" c="dimmed">
+        {t("repair.byHand")}
+      </Text>
+    );
+  return (
+    <Button variant="default" disabled={rows === null || rows.length === 0} onClick={want} {...look}>
+      {label}
+    </Button>
+  );
+}

@@ -1,0 +1,24 @@
+import { Fragment } from "react";
+import { useLiveView } from "../scene3d/view";
+import { ElementName } from "../widgets/ElementName";
+import { useClassLabels } from "../widgets/names";
+import { namedIn } from "./causes";
+
+interface Props {
+  text: string;
+  /** Names of classes that it may speak of, and of elements that are nowhere to be seen. */
+  named?: readonly string[];
+}
+
+const NONE: readonly string[] = [];
+
+/** A sentence of the server in which things are called as people call them, and can be clicked. */
+export function Said({ text, named = NONE }: Props) {
+  const classes = useClassLabels();
+  const elements = useLiveView(({ view }) => view?.elements);
+  return namedIn(text, named, (word) => elements?.has(word) ?? false).map((piece, index) => {
+    if ("text" in piece) return <Fragment key={index}>{piece.text}</Fragment>;
+    const class_ = classes.get(piece.name);
+    return class_ === undefined ? <ElementName key={index} id={piece.name} /> : <em key={index}>{class_}</em>;
+  });
+}

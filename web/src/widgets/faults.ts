@@ -1,0 +1,46 @@
+/** What is wrong with a field, in the language of the page where it has words for that. */
+
+import i18n from "../i18n";
+
+/** As the server tells it. */
+export interface FieldFault {
+  field: string;
+  message: string;
+  /** The kind of fault, for programs. */
+  kind?: string;
+  /** The bound that is broken, where it is one. */
+  limit?: number;
+}
+
+const OURS = {
+  bool_type: "bool",
+  bool_parsing: "bool",
+  int_type: "whole",
+  int_parsing: "whole",
+  int_from_float: "whole",
+  float_type: "number",
+  float_parsing: "number",
+  finite_number: "number",
+  string_type: "text",
+  list_type: "list",
+  tuple_type: "list",
+  missing: "missing",
+  greater_than_equal: "atLeast",
+  greater_than: "moreThan",
+  less_than_equal: "atMost",
+  less_than: "lessThan",
+  string_too_short: "shortest",
+  string_too_long: "longest",
+  too_short: "fewest",
+  too_long: "most",
+} as const;
+
+/** Says what is wrong, to be read after the name of the field. */
+export function faultText({ message, kind, limit }: FieldFault): string {
+  if (kind === undefined || !isOurs(kind)) return message;
+  return i18n.t(`fault.${OURS[kind]}`, { limit });
+}
+
+function isOurs(kind: string): kind is keyof typeof OURS {
+  return kind in OURS;
+}
