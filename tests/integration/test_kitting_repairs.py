@@ -123,3 +123,10 @@ def test_of_a_place_taken_by_what_the_same_goal_wants_there_it_is_said_that_it_t
     assert "kit_1_a takes one part only" in found.reasons[0]
     assert found.repairs[0].instead
     assert any(repair.without for repair in found.repairs)
+
+
+def test_where_there_is_no_robot_that_is_the_cause_and_not_the_parts():
+    with kitting([("robot_1",)]) as session:
+        outcome = unplanned(session, "ObjectAtLocation(Alternator, kit_1_b)")
+        assert outcome.reasons == ("ObjectAtLocation(Alternator, kit_1_b) cannot be reached: there is no Robot",)
+        assert [repair.text for repair in outcome.repairs] == ["see to it that there is a Robot"]

@@ -16,6 +16,7 @@ from skiros_py.planning.reasons import CauseKind
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ROBOT
 
 __all__ = ["Obstacles"]
 
@@ -69,6 +70,7 @@ class Obstacles:
     def __init__(self, relaxation: Relaxation, view: WorldView) -> None:
         self._relaxed = relaxation
         self._task = relaxation.task
+        self._view = view
         self._ontology = view.ontology
         self._wording = Wording(view.ontology)
         self._leaves = Leaves(relaxation.task, view, self._wording)
@@ -149,9 +151,13 @@ class Obstacles:
         lacking = [class_ for class_ in missing if not self._relaxed.is_some(class_)]
         if not lacking:
             return None
-        class_ = lacking[0]
+        nowhere = [class_ for class_ in lacking if not self._view.instances(class_)]
+        if not nowhere and self._view.instances(ROBOT):  # the task speaks only of what some skill has to do with
+            text = f"no skill of the robots that are there has to do with {some(self._label(lacking[0]))}"
+            return Obstacle(CauseKind.NO_SKILL, text, action.skill, elements=(lacking[0],))
+        class_ = nowhere[0] if nowhere and ROBOT not in nowhere else ROBOT
         return replace(
-            self._leaves.none_of(class_), skill=action.skill, precondition=f"there is a {local_name(class_)}"
+            self._leaves.none_of(class_), skill=action.skill, precondition=f"there is {some(local_name(class_))}"
         )
 
     def _label(self, class_: str) -> str:

@@ -13,7 +13,7 @@ from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.found import Found, Shortage
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.room import Room
-from skiros_py.planning.explanation.wording import listed
+from skiros_py.planning.explanation.wording import listed, some
 from skiros_py.planning.reasons import Cause, CauseKind, Exchange
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.comparison import Comparison, Constant
@@ -65,7 +65,7 @@ def advice(cause: Cause) -> str:
     if cause.kind is CauseKind.NO_SKILL and cause.skill is not None and not cause.precondition:
         return f"give {listed(cause.elements, 'or')} the skill '{cause.skill}', or start a robot that has it"
     if cause.kind is CauseKind.MISSING_ELEMENT:
-        return f"see to it that there is a {local_name(cause.elements[0])}"
+        return f"see to it that there is {some(local_name(cause.elements[0]))}"
     if cause.kind is CauseKind.MISSING_FACT and cause.precondition:
         return f"see to it that {cause.precondition}"
     return ""
