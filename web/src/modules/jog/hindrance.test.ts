@@ -21,6 +21,13 @@ test("modules of this robot are in the way, unless this hand started them; those
   expect(hindranceOf(state({ modules: running("arm_1", "ended") }), ROBOT, false, true)).toBeNull();
 });
 
+test("of work that is paused neither waiting nor pausing helps, and it says so", () => {
+  const paused = state({ modules: running("arm_1", "paused") });
+  expect(hindranceOf(paused, ROBOT, false, true)).toEqual({ why: "paused", modules: ["pick (arm_1)"] });
+  const also = state({ modules: [...running("arm_1", "paused"), ...running("base_1")] });
+  expect(hindranceOf(also, ROBOT, false, true)).toMatchObject({ why: "atWork" });
+});
+
 test("a task that goes on is in the way of an only robot; a paused or waiting one is not", () => {
   const at = (status: string) => state({ tasks: [{ name: "kit-17", status }] });
   expect(hindranceOf(at("running"), ROBOT, false, true)).toEqual({ why: "task", tasks: ["kit-17"] });

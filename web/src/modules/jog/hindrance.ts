@@ -6,7 +6,7 @@ import type { Robot } from "../queries";
 export type Hindrance =
   | { why: "unknown" }
   | { why: "halted"; text: string }
-  | { why: "atWork"; modules: string[] }
+  | { why: "atWork" | "paused"; modules: string[] }
   | { why: "task"; tasks: string[] };
 
 /**
@@ -20,7 +20,8 @@ export function hindranceOf(state: StationState | null, robot: Robot, own: boole
   if (state.halted) return { why: "halted", text: state.halted };
   const modules = state.modules.filter(({ agent, status }) => robot.agents.includes(agent) && status !== "ended");
   if (modules.length > 0 && !own) {
-    return { why: "atWork", modules: modules.map(({ agent, module }) => `${module} (${agent})`) };
+    const why = modules.every(({ status }) => status === "paused") ? "paused" : "atWork";
+    return { why, modules: modules.map(({ agent, module }) => `${module} (${agent})`) };
   }
   const tasks = state.tasks.filter(({ status }) => status === "planning" || status === "running");
   if (alone && tasks.length > 0) return { why: "task", tasks: tasks.map(({ name }) => name) };

@@ -18,7 +18,8 @@ export function useHindrance(robot: Robot, alone: boolean): string {
       case "halted":
         return t("jog.hindrance.halted", { why: hindrance.text });
       case "atWork":
-        return t("jog.hindrance.atWork", { modules: hindrance.modules.join(", ") });
+      case "paused":
+        return t(`jog.hindrance.${hindrance.why}`, { modules: hindrance.modules.join(", ") });
       case "task":
         return t("jog.hindrance.task", { tasks: hindrance.tasks.join(", ") });
     }
