@@ -1,20 +1,20 @@
-import { ActionIcon, Alert, Button, Group, List, Stack, Text, Title, Tooltip } from "@mantine/core";
-import { IconCheck, IconListCheck, IconPlayerStop, IconX } from "@tabler/icons-react";
+import { ActionIcon, Alert, Box, Button, Group, List, Stack, Text, Title, Tooltip } from "@mantine/core";
+import { IconCheck, IconListCheck, IconX } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { useTranslation } from "react-i18next";
 import { answer, api, ApiProblem, type Schema } from "../api/client";
 import { keys } from "../api/keys";
-import { useSingleMutation } from "../api/mutations";
 import { useTab } from "../app/useTab";
-import { MayButton } from "../widgets/MayButton";
-import { notifyProblem } from "../widgets/problems";
 import { Status } from "../widgets/Status";
+import { JobCommands } from "../task/JobCommands";
 import { jobState } from "../task/jobWords";
 import { Question } from "../task/Question";
 import { jobMood } from "../task/words";
 import classes from "./goal.module.css";
 import { intoView } from "../widgets/intoView";
+import { GoalText } from "./GoalText";
 import { Progress } from "./Progress";
+import { Said } from "./Said";
 
 type Job = Schema<"Job">;
 
@@ -70,29 +70,15 @@ export function JobPanel({ id, onClose }: Props) {
 const SAID = new Set(["", "queued", "planning", "running", "paused", "waits for leave to start"]);
 
 function Course({ job }: { job: Job }) {
-  const { t } = useTranslation("goal");
-  const { t: words } = useTranslation("task");
-  const stop = useSingleMutation({
-    mutationFn: () => answer(api.POST("/api/v1/jobs/{id}/stop", { params: { path: { id: job.id } } })),
-    onError: notifyProblem,
-  });
+  const { t } = useTranslation("task");
   return (
     <>
       <Group gap="xs">
-        <Status mood={jobMood(job)} text={jobState(words, job)} />
+        <Status mood={jobMood(job)} text={jobState(t, job)} />
         {job.choices.length === 0 && !SAID.has(job.detail) && <Text size="sm">{job.detail}</Text>}
-        {job.commands.includes("stop") && (
-          <MayButton
-            operation="stop_job"
-            color="red"
-            leftSection={<IconPlayerStop size={16} aria-hidden />}
-            loading={stop.isPending}
-            onClick={() => stop.mutate()}
-            ml="auto"
-          >
-            {t("job.stop")}
-          </MayButton>
-        )}
+        <Box ml="auto">
+          <JobCommands job={job} only="stop" />
+        </Box>
       </Group>
       {job.outcome === null && job.plan.length > 0 && <Progress job={job.id} />}
       <Question job={job} />
@@ -100,7 +86,9 @@ function Course({ job }: { job: Job }) {
         <Alert color={jobMood(job) === "good" ? "blue" : "red"}>
           <List size="sm">
             {job.reasons.map((reason) => (
-              <List.Item key={reason}>{reason}</List.Item>
+              <List.Item key={reason}>
+                <Said text={reason} />
+              </List.Item>
             ))}
           </List>
         </Alert>
@@ -125,8 +113,12 @@ function Ends({ conditions }: { conditions: Job["conditions"] }) {
             )
           }
         >
-          {condition}
-          {reason && `: ${reason}`}
+          <GoalText goal={[condition]} />
+          {reason && (
+            <>
+              : <Said text={reason} />
+            </>
+          )}
         </List.Item>
       ))}
     </List>

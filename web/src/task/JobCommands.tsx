@@ -39,14 +39,23 @@ function isCommand(name: string): name is Command {
   return Object.hasOwn(COMMANDS, name);
 }
 
+interface Props {
+  job: Schema<"Job">;
+  /** Called when it was removed. */
+  gone?: () => void;
+  /** The one that is shown; all where none is said. */
+  only?: Command;
+}
+
 /** The commands that a job takes in its state; those that end something are asked for once more. */
-export function JobCommands({ job, gone }: { job: Schema<"Job">; gone: () => void }) {
+export function JobCommands({ job, gone = () => undefined, only }: Props) {
   const { t } = useTranslation("task");
   const [asking, ask] = useState<Grave | null>(null);
   const command = useCommand(job, gone);
+  const commands = job.commands.filter(isCommand).filter((name) => only === undefined || name === only);
   return (
     <Group gap={6} role="group" aria-label={t("commands.label")}>
-      {job.commands.filter(isCommand).map((name) => {
+      {commands.map((name) => {
         const { operation, icon: Icon } = COMMANDS[name];
         const grave = GRAVE.find((one) => one === name);
         return (
