@@ -259,14 +259,15 @@ def _memory(browser: Browser, options: argparse.Namespace) -> list[Figure]:
             print(f"{minutes:5.1f} min  {held[-1][1]:5.1f} MiB", file=sys.stderr, flush=True)
         page.context.close()
     settled = [used for at, used in held if at >= options.settled]
-    first, last = settled[0], max(settled[-3:])
+    first, last = median(settled[:_TRIES]), median(settled[-_TRIES:])
     return [
         Figure(
             f"memory of the page after {options.minutes:g} minutes of jobs",
             f"{last / first:.3f} x",
             "<= 1.1 x",
             last <= 1.1 * first,
-            f"{last:.1f} MiB against {first:.1f} MiB after {options.settled:g} minutes; {jobs} jobs",
+            f"{last:.1f} MiB against {first:.1f} MiB after {options.settled:g} minutes (medians of {_TRIES} readings);"
+            f" at most {max(settled):.1f} MiB; {jobs} jobs",
         )
     ]
 

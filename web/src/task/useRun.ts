@@ -10,6 +10,7 @@ import type { Skills } from "./schedule";
 import { cutOff, joined, NO_RUN, readEntry, readRun, type Run, type TraceEntry } from "./trace";
 
 const PAGE = 1000;
+const FORGOTTEN_AFTER = 30_000; // ms: they are long, and quickly read again
 const MOST_PAGES = 10;
 const TICKS = 2; // per second of run time: how often what moves with time is drawn
 
@@ -34,6 +35,7 @@ export function useJobRun({ id, number, ended }: Schema<"Job">) {
     queryKey: over ? ["past trace", id, number] : keys.tasks("trace of job", id), // no event makes the past old
     queryFn: () => (over ? pastOf(id) : happenings(id)),
     placeholderData: (before) => before,
+    gcTime: FORGOTTEN_AFTER,
   });
   const replay = useReplay((shown) => (shown.replay?.job === id ? shown.replay : null));
   const run = useMemo(() => readHappenings(query.data, replay), [query.data, replay]);
