@@ -13,8 +13,8 @@ function button(id: string): HTMLButtonElement {
   return document.getElementById(id) as HTMLButtonElement;
 }
 
-function press(): void {
-  document.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter" }));
+function press(key = "Enter"): void {
+  document.dispatchEvent(new KeyboardEvent("keydown", { key }));
 }
 
 /** The keeper looks after the present task. */
@@ -80,4 +80,41 @@ test("on its way from one to the next the focus is not taken back, whatever chan
   button("three").focus();
   await told();
   expect(document.activeElement).toBe(button("three"));
+});
+
+test("who goes on while it is disabled is not called back to it", async () => {
+  button("one").focus();
+  button("two").focus();
+  press();
+  button("two").blur(); // as browsers do with what is disabled
+  button("two").disabled = true;
+  await told();
+  press(" ");
+  button("two").disabled = false;
+  await told();
+  expect(document.activeElement).toBe(document.body);
+});
+
+test("a modifier alone is no work by keyboard", async () => {
+  button("two").focus();
+  document.dispatchEvent(new Event("pointerdown"));
+  button("two").focus();
+  button("two").blur();
+  press("Control");
+  button("three").remove();
+  await told();
+  expect(document.activeElement).toBe(document.body);
+});
+
+test("while a dialog is open nothing behind it gets the focus", async () => {
+  document.body.insertAdjacentHTML("beforeend", "<div aria-modal=true><button id=four></button></div>");
+  button("one").focus();
+  button("four").focus();
+  press();
+  button("four").remove();
+  await told();
+  expect(document.activeElement).toBe(document.body);
+  document.querySelector("[aria-modal]")?.remove();
+  await told();
+  expect(document.activeElement).toBe(button("one"));
 });

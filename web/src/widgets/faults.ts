@@ -38,7 +38,7 @@ const OURS = {
 /** Says what is wrong, to be read after the name of the field. */
 export function faultText({ message, kind, limit }: FieldFault): string {
   if (kind === undefined || !isOurs(kind)) return message;
-  return i18n.t(`fault.${OURS[kind]}`, { limit });
+  return i18n.t(`fault.${OURS[kind]}`, { limit, count: limit });
 }
 
 function isOurs(kind: string): kind is keyof typeof OURS {

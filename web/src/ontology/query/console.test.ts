@@ -28,8 +28,14 @@ test("the columns of SELECT * come as the question names them", () => {
 });
 
 test("rows are sorted by what their numbers are worth, both ways", () => {
-  const rows = [{ n: 10 }, { n: 9 }, { n: null }, { n: 100 }];
-  expect(sorted(rows, { column: "n", falling: false }).map(({ n }) => n)).toEqual([null, 9, 10, 100]);
-  expect(sorted(rows, { column: "n", falling: true }).map(({ n }) => n)).toEqual([100, 10, 9, null]);
+  const rows = [{ n: 10 }, { n: -5 }, { n: 0.5 }, { n: -10 }, { n: 0.25 }, { n: 100 }];
+  const rising = [-10, -5, 0.25, 0.5, 10, 100];
+  expect(sorted(rows, { column: "n", falling: false }).map(({ n }) => n)).toEqual(rising);
+  expect(sorted(rows, { column: "n", falling: true }).map(({ n }) => n)).toEqual(rising.toReversed());
   expect(sorted(rows, null)).toBe(rows);
+});
+
+test("names are sorted with what they count, and nothing comes first", () => {
+  const rows = [{ id: "part_10" }, { id: null }, { id: "part_2" }];
+  expect(sorted(rows, { column: "id", falling: false }).map(({ id }) => id)).toEqual([null, "part_2", "part_10"]);
 });

@@ -28,7 +28,7 @@ export function columns(query: string, variables: readonly string[]): string[] {
 /** Rows sorted by a column, numbers by what they are worth; as they came for no column. */
 export function sorted<Row extends Record<string, unknown>>(rows: readonly Row[], by: Order | null): readonly Row[] {
   if (by === null) return rows;
-  const compare = (one: Row, other: Row) => COMPARE(textOf(one[by.column]), textOf(other[by.column]));
+  const compare = (one: Row, other: Row) => compared(one[by.column], other[by.column]);
   return rows.toSorted(by.falling ? (one, other) => compare(other, one) : compare);
 }
 
@@ -37,7 +37,12 @@ export interface Order {
   falling: boolean;
 }
 
-const COMPARE = new Intl.Collator(undefined, { numeric: true }).compare;
+const COLLATOR = new Intl.Collator(undefined, { numeric: true }); // part_2 before part_10
+
+function compared(one: unknown, other: unknown): number {
+  if (typeof one === "number" && typeof other === "number") return one - other;
+  return COLLATOR.compare(textOf(one), textOf(other));
+}
 
 function textOf(value: unknown): string {
   return typeof value === "string" ? value : JSON.stringify(value ?? "");
