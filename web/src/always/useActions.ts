@@ -4,7 +4,7 @@ import { useTranslation } from "react-i18next";
 import { answer, api } from "../api/client";
 import { keys } from "../api/keys";
 import { useMe } from "../api/session";
-import { TABS, useTab } from "../app/useTab";
+import { TABS, useOpenAsLeft, useTab } from "../app/useTab";
 import { useSelection } from "../selection/selection";
 import { useDialogs } from "./dialogs";
 import { logout } from "./logout";
@@ -21,7 +21,7 @@ export function useActions(searched: string, opened: boolean): SpotlightActionGr
 
 function useTabs(): SpotlightActionGroupData {
   const { t } = useTranslation();
-  const [, openTab] = useTab();
+  const openTab = useOpenAsLeft();
   const actions = TABS.map((tab) => ({ id: `tab-${tab}`, label: t(`tabs.${tab}`), onClick: () => openTab(tab) }));
   return { group: t("tabs.label"), actions };
 }

@@ -1,7 +1,7 @@
 import { useEffect } from "react";
 import { useTranslation } from "react-i18next";
 import { toggleView3d } from "../app/layout";
-import { leftAt, useTab } from "../app/useTab";
+import { useOpenAsLeft } from "../app/useTab";
 import { useSelection } from "../selection/selection";
 import { useDialogs } from "./dialogs";
 import { usePalette } from "./palette";
@@ -11,14 +11,14 @@ import { stopAll } from "./stopping";
 /** Hears the keys of the pages, before anything else on them does. */
 export function useKeys(): void {
   const { t } = useTranslation("always");
-  const [, openTab] = useTab();
+  const openTab = useOpenAsLeft();
   useEffect(() => {
     const run = (command: Command) => {
       if (command === "stop") void stopAll(t("stop.reason"));
       else if (command === "palette") usePalette.getState().open();
       else if (command === "help") useDialogs.getState().open("help");
       else if (command === "view3d") toggleView3d();
-      else openTab(command.tab, leftAt(command.tab));
+      else openTab(command.tab);
     };
     const hear = (event: KeyboardEvent) => {
       if (event.key === "Escape") useSelection.getState().endPick();

@@ -12,7 +12,7 @@ import { useTranslation } from "react-i18next";
 import { toggleView3d, useView3d } from "./layout";
 import { Part } from "./Part";
 import classes from "./Tabs.module.css";
-import { leave, leftAt, TABS, type Tab, useTab } from "./useTab";
+import { leave, TABS, type Tab, useOpenAsLeft, useTab } from "./useTab";
 
 const ICONS = { goal: IconTargetArrow, task: IconListCheck, modules: IconPuzzle, world: IconBox };
 const CONTENTS = {
@@ -24,18 +24,14 @@ const CONTENTS = {
 
 export function Tabs() {
   const { t } = useTranslation();
-  const [tab, open, detail] = useTab();
+  const [tab, , detail] = useTab();
+  const open = useOpenAsLeft();
   const Content = CONTENTS[tab];
   const list = useRef<HTMLDivElement>(null);
   useFocusOn(tab, list);
   useEffect(() => leave(tab, detail), [tab, detail]);
   return (
-    <MantineTabs
-      value={tab}
-      onChange={(value) => open(value as Tab, leftAt(value as Tab))}
-      keepMounted={false}
-      className={classes.tabs}
-    >
+    <MantineTabs value={tab} onChange={(value) => open(value as Tab)} keepMounted={false} className={classes.tabs}>
       <div className={classes.bar}>
         <View3dButton />
         <MantineTabs.List ref={list} aria-label={t("tabs.label")} className={classes.list}>

@@ -17,7 +17,23 @@ export function leave(tab: Tab, detail: string): void {
   left.set(tab, detail);
 }
 
-/** What was looked at in a tab last. The Task tab knows itself: there, what has begun meanwhile comes first. */
-export function leftAt(tab: Tab): string {
-  return tab === "task" ? "" : (left.get(tab) ?? "");
+/** Says what a tab is opened with by who comes back to it; `isOpen` while it is the one that is looked at. */
+type Return = (isOpen: boolean) => string;
+
+const returns = new Map<Tab, Return>();
+
+/** Has a tab say itself what to come back to, instead of what was looked at in it last. */
+export function comesBackTo(tab: Tab, back: Return): void {
+  returns.set(tab, back);
+}
+
+/** What to open a tab with by its name alone: what was looked at in it last, or what it says itself. */
+function leftAt(tab: Tab, isOpen: boolean): string {
+  return returns.get(tab)?.(isOpen) ?? left.get(tab) ?? "";
+}
+
+/** Opens a tab as it was left; an address that names nothing in it, as on the way back, is shown as it stands. */
+export function useOpenAsLeft(): (tab: Tab) => void {
+  const [shown, open] = useTab();
+  return (tab) => open(tab, leftAt(tab, tab === shown));
 }

@@ -5,7 +5,7 @@ import { useSingleMutation } from "../api/mutations";
 import { MayButton } from "../widgets/MayButton";
 import { notifyProblem } from "../widgets/problems";
 import { notifyChange } from "../widgets/undo";
-import { useDraft } from "./draft";
+import { isUntouched, useDraft } from "./draft";
 import { type CheckedCondition, type GoalOrder, goalOrder, keyed, repaired, rowSaid } from "./goals";
 import type { Preview } from "./preview";
 import { RowText } from "./RowText";
@@ -67,7 +67,7 @@ function Changes({ repair, conditions, named }: Pick<Props, "repair" | "conditio
 
 function Make({ preview, repair, conditions, again }: Omit<Props, "named">) {
   const { t } = useTranslation("goal");
-  const { setRows } = useDraft();
+  const { present, setRows } = useDraft();
   const rows = repaired(conditions, repair);
   const want = () => {
     if (rows === null) return;
@@ -82,9 +82,11 @@ function Make({ preview, repair, conditions, again }: Omit<Props, "named">) {
           params: { path: { id: preview, number: repair.id } },
         }),
       ),
-    onSuccess: ({ text, world }) => {
-      notifyChange(t("repair.done", { text }), world);
-      want();
+    onMutate: present,
+    onSuccess: ({ world }, _, pressedAt) => {
+      // Of a change of the goal nothing is said: it is not taken back with the world.
+      notifyChange(t("repair.done", { text: [...new Set(repair.edits)].join(", ") }), world);
+      if (isUntouched(pressedAt, present())) want(); // who has gone on with the goal keeps it
     },
     onError: notifyProblem,
   });

@@ -95,10 +95,17 @@ export function useDraft() {
   const change = (next: Change) => useDrafts.getState().change(scene, next);
   return {
     draft,
+    /** The draft of this very moment, however long ago the page was drawn. */
+    present: () => useDrafts.getState().drafts[scene] ?? NEW,
     change,
     addRows: (rows: readonly NewRow[]) => change((now) => ({ rows: [...now.rows, ...keyed(rows)] })),
     setRows: (rows: readonly NewRow[]) => change({ rows: keyed(rows), template: null }),
     setRow: (row: Row) => change((now) => ({ rows: now.rows.map((one) => (one.key === row.key ? row : one)) })),
     removeRow: (key: string) => change((now) => ({ rows: now.rows.filter((one) => one.key !== key) })),
   };
+}
+
+/** Whether nobody has changed since what a draft wants. */
+export function isUntouched(before: Draft | undefined, now: Draft): boolean {
+  return before?.rows === now.rows && before.template === now.template;
 }

@@ -2,7 +2,7 @@
 
 import { create } from "zustand";
 import { BASE, type Schema } from "../api/client";
-import { tellEvent, tellReset } from "./events";
+import { EVENT_KINDS, tellEvent, tellReset } from "./events";
 import { useStation } from "./station";
 import { type End, follow } from "./stream";
 
@@ -18,7 +18,6 @@ interface Connection {
 
 export const useConnection = create<Connection>(() => ({ status: "connecting", since: null, silent: null }));
 
-const KINDS = ["world", "module", "task", "job", "alarm", "document", "system"];
 const STATE_RATE = 20; // Hz, the most that there is
 const FORGOTTEN_AFTER = 60_000; // ms: after a longer gap all is read anew, which is less than all the events
 
@@ -56,7 +55,7 @@ function followEvents(): End {
   return follow({
     address: () => `${BASE}/api/v1/events${lastSeen ? `?after=${encodeURIComponent(lastSeen)}` : ""}`,
     messages: {
-      ...Object.fromEntries(KINDS.map((kind) => [kind, takeEvent])),
+      ...Object.fromEntries(EVENT_KINDS.map((kind) => [kind, takeEvent])),
       reset: (message) => {
         lastSeen = message.lastEventId;
         tellReset();

@@ -4,6 +4,17 @@ import type { Schema } from "../api/client";
 
 export type EventInfo = Schema<"EventInfo">;
 
+/** Each is a name of its own in the stream, which has to be asked for. */
+export const EVENT_KINDS: readonly EventInfo["kind"][] = [
+  "world",
+  "module",
+  "task",
+  "job",
+  "alarm",
+  "document",
+  "system",
+];
+
 const listeners = new Set<(event: EventInfo) => void>();
 const resetListeners = new Set<() => void>();
 

@@ -1,5 +1,7 @@
 /** Streams that several pages of one browser share: it has six connections to a server, and each page wants two. */
 
+import { EVENT_KINDS } from "./events";
+
 /** What a page tells: that it listens to an address, or no longer; `anew` ends the stream for all, who come back. */
 export type Wish = { listen: string } | { leave: string; anew: boolean };
 
@@ -13,7 +15,7 @@ export interface Listener {
   postMessage: (told: Told) => void;
 }
 
-const KINDS = ["world", "module", "task", "job", "alarm", "document", "system", "reset", "state"];
+const KINDS = [...EVENT_KINDS, "reset", "state"];
 
 interface Shared {
   source: EventSource;

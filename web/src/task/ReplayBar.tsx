@@ -29,11 +29,13 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
     if (step !== undefined) choose(step.key);
   };
   const go = (to: number) => set({ time: Math.min(Math.max(to, start), end) });
+  // Heard on the way down: the slider would take the arrow and page keys first, with its own steps, those of the mouse.
+  // Space plays and pauses wherever in the bar somebody is, but on what takes it itself.
   const keys = (event: KeyboardEvent) => {
     const by = event.target instanceof Element && event.target.role === "slider" ? KEY_STEPS[event.key] : undefined;
     if (by !== undefined) {
       event.preventDefault();
-      event.stopPropagation(); // the slider's own steps are those of the mouse
+      event.stopPropagation();
       go(time + by);
       return;
     }
@@ -43,8 +45,6 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
     play();
   };
   return (
-    // Space plays and pauses wherever in it somebody is; each of its parts is a control of its own.
-
     <div role="group" aria-label={t("replay.label", { job: replay.job })} onKeyDownCapture={keys}>
       <Group gap={4}>
         <Tool

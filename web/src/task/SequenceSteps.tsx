@@ -48,8 +48,15 @@ export function SequenceSteps(props: Props) {
   const list = useRef<HTMLDivElement>(null);
   const follow = useFocusFollowing(list, sequence.version, pending);
   const move = (at: number, to: number, by: Mover) => {
-    follow({ at: to, by });
-    edit({ kind: "move", at, to });
+    const following = follow({ at: to, by });
+    edit(
+      { kind: "move", at, to },
+      {
+        onSettled: (_, refusal) => {
+          if (refusal !== null) following.end();
+        },
+      },
+    );
   };
   const ids = sequence.steps.map((_, index) => String(index + 1)); // "0" would be no id
   const end = ({ active, over }: DragEndEvent) => {
@@ -82,7 +89,10 @@ export function SequenceSteps(props: Props) {
 type Mover = "drag" | "up" | "down";
 type Move = (at: number, to: number, by: Mover) => void;
 
-/** Returns what has the focus go with a step that is moved, once the new order is drawn: it can be moved on from there. */
+/**
+ * Returns what has the focus go with a step that is moved, once the new order is drawn: it can be moved on from there.
+ * What was not moved must be ended, or the focus would go there when somebody else changes the sequence.
+ */
 function useFocusFollowing(list: RefObject<HTMLElement | null>, version: number, pending: boolean) {
   const wanted = useRef<{ at: number; by: Mover; version: number } | null>(null);
   useEffect(() => {
@@ -92,7 +102,10 @@ function useFocusFollowing(list: RefObject<HTMLElement | null>, version: number,
     const tools = (name: Mover) => list.current?.querySelector<HTMLElement>(`[data-mover="${name} ${at}"]:enabled`);
     (tools(by) ?? tools("drag"))?.focus();
   }, [list, version, pending]);
-  return (to: { at: number; by: Mover }) => void (wanted.current = { ...to, version });
+  return (to: { at: number; by: Mover }) => {
+    wanted.current = { ...to, version };
+    return { end: () => void (wanted.current = null) };
+  };
 }
 
 /** The steps, and below each its form while that is open; at the end those of steps that are gone. */

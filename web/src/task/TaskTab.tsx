@@ -1,16 +1,16 @@
 import { Stack, Text } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
-import { lazy, useEffect, useLayoutEffect, useState } from "react";
+import { lazy, useEffect, useState } from "react";
 import { useTranslation } from "react-i18next";
-import { navigate } from "wouter/use-hash-location";
+import { ApiProblem } from "../api/client";
 import { Part } from "../app/Part";
-import { addressOf } from "../app/address";
-import { useTab } from "../app/useTab";
+import { comesBackTo, useTab } from "../app/useTab";
 import { useStation } from "../live/station";
 import { detailOf, type Place, placeOf } from "./address";
 import { JobView } from "./JobView";
 import { comeBack, lastTask, remember } from "./lately";
 import { Lists, ListsDrawer } from "./Lists";
+import { Problem } from "./Problem";
 import classes from "./task.module.css";
 import { TaskView } from "./TaskView";
 import { useTask } from "./useRun";
@@ -18,12 +18,15 @@ import { useTask } from "./useRun";
 const SequenceView = lazy(() => import("./SequenceView"));
 const ROOM = 700; // px: with less the list is behind a button
 
+// Who comes back finds what was looked at before; the button of the tab leads from that to what is under way.
+comesBackTo("task", (isOpen) => (isOpen ? "" : comeBack(underWay())));
+
 /** What the robots do and did, and sequences of steps that people put together (Fig. 4 of the paper). */
 export default function TaskTab() {
   const { ref, width } = useWidth();
   const [, openTab, detail] = useTab();
   const present = usePresent();
-  useReturn(detail, present);
+  useEffect(() => remember({ detail, task: present }), [detail, present]);
   const chosen = placeOf(detail);
   const open = (place: Place) => openTab("task", detailOf(place));
   const wide = width >= ROOM;
@@ -51,15 +54,6 @@ function useWidth() {
   const [last, setLast] = useState(width);
   if (width > 0 && width !== last) setLast(width);
   return { ref, width: last };
-}
-
-/** Who comes back to the tab finds what was looked at there before. */
-function useReturn(detail: string, task: string | null): void {
-  const [before] = useState(() => (detail === "" ? comeBack(underWay()) : ""));
-  useLayoutEffect(() => {
-    if (before !== "") navigate(addressOf("task", before), { replace: true }); // the way back leads past it
-  }, [before]);
-  useEffect(() => remember({ detail, task }), [detail, task]);
 }
 
 /** Name of what is under way; null for nothing. */
@@ -92,9 +86,17 @@ function Idle() {
 
 /** What is under way now: of a job the job, to which the commands belong. */
 function Present({ name }: { name: string }) {
-  const { data: task, error } = useTask(name);
-  if (task === undefined) return error === null ? null : <Idle />; // forgotten: the server was started anew
+  const { data: task, error, refetch } = useTask(name);
+  if (task === undefined) {
+    if (error === null) return null;
+    return isForgotten(error) ? <Idle /> : <Problem error={error} again={refetch} />;
+  }
   return task.job === "" ? <TaskView key={name} name={name} /> : <JobView key={name} id={task.job} />;
+}
+
+/** Whether the server does not know it any more: it was started anew. */
+function isForgotten(error: Error): boolean {
+  return error instanceof ApiProblem && error.status === 404;
 }
 
 function Chosen({ place }: { place: Place }) {

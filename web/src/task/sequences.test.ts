@@ -46,3 +46,20 @@ test("a step that somebody else has changed or removed meanwhile is told to be s
   expect(fateOf({ seen: SEEN, at: 0 }, sequence(2, ["pallet_b", "kit_1"]))).toEqual({ fate: "changed", at: 0 });
   expect(fateOf({ seen: SEEN, at: 0 }, sequence(2, ["kit_1"]))).toEqual({ fate: "removed" });
 });
+
+test("a step that somebody else has changed is found though steps were added, and moved with them", () => {
+  const three = sequence(1, ["pallet_a", "kit_1", "kit_2"]);
+  const appended = sequence(2, ["pallet_b", "kit_1", "kit_2", "kit_3"]);
+  expect(fateOf({ seen: three, at: 0 }, appended)).toEqual({ fate: "changed", at: 0 });
+  const before = sequence(2, ["kit_3", "pallet_a", "pallet_b", "kit_2"]);
+  expect(fateOf({ seen: three, at: 1 }, before)).toEqual({ fate: "changed", at: 2 });
+});
+
+test("another step that came to the place of a removed one is not what that was changed to", () => {
+  const three = sequence(1, ["pallet_a", "kit_1", "kit_2"]);
+  const appended = sequence(2, ["kit_1", "kit_2", "pallet_b"]);
+  expect(fateOf({ seen: three, at: 0 }, appended)).toEqual({ fate: "removed" });
+  expect(fateOf({ seen: three, at: 1 }, sequence(2, ["pallet_a", "kit_2", "pallet_b"]))).toEqual({ fate: "removed" });
+  const twice = sequence(1, ["kit_1", "pallet_a", "kit_1"]);
+  expect(fateOf({ seen: twice, at: 1 }, sequence(2, ["kit_1", "kit_1", "kit_1"]))).toEqual({ fate: "removed" });
+});

@@ -110,14 +110,27 @@ function sameStep({ seen, at }: SeenStep, there: Sequence): number | null {
   return same.sort((one, other) => Math.abs(one - at) - Math.abs(other - at))[0] ?? null;
 }
 
-/** What has become of a step since somebody saw it. */
+/** What has become of a step since somebody saw it; removed is also what cannot be told from that. */
 export type Fate = { fate: "stays" | "changed"; at: number } | { fate: "removed" };
 
 export function fateOf(step: SeenStep, there: Sequence): Fate {
   if (step.seen.version === there.version) return { fate: "stays", at: step.at };
   const at = sameStep(step, there);
   if (at !== null) return { fate: "stays", at };
-  return step.seen.count === there.count ? { fate: "changed", at: step.at } : { fate: "removed" };
+  const changed = changedStep(step, there);
+  return changed === null ? { fate: "removed" } : { fate: "changed", at: changed };
+}
+
+/** Where a new step stands between the steps that a step stood between; null where there is none: that one is gone. */
+function changedStep({ seen, at }: SeenStep, there: Sequence): number | null {
+  const follows = (index: number, beside: number) => isSameOrNone(there.steps[index + beside], seen.steps[at + beside]);
+  const isNew = (step: WantedStep) => !seen.steps.some((known) => isSame(known, step));
+  const found = there.steps.findIndex((step, index) => isNew(step) && follows(index, -1) && follows(index, 1));
+  return found === -1 ? null : found;
+}
+
+function isSameOrNone(one: WantedStep | undefined, other: WantedStep | undefined): boolean {
+  return one === undefined || other === undefined ? one === other : isSame(one, other);
 }
 
 function isSame(one: WantedStep, other: WantedStep): boolean {

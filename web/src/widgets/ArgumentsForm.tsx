@@ -13,6 +13,7 @@ import {
   shownParameters,
   withArgument,
 } from "./arguments/schemas";
+import { faultText } from "./faults";
 
 export { argumentFaults, type Arguments } from "./arguments/schemas";
 
@@ -68,7 +69,7 @@ function Field({ parameter, note, fault, value, onChange }: FieldProps) {
     <Input
       label={named}
       help={note ? `${help} ${note}` : help}
-      error={fault && faultText(t, fault)}
+      error={fault && wordsFor(t, fault)}
       placeholder={placeholderOf(parameter.default)}
       required={kind === "online" && note === undefined}
       shape={shape}
@@ -78,16 +79,8 @@ function Field({ parameter, note, fault, value, onChange }: FieldProps) {
   );
 }
 
-function faultText(t: TFunction<"modules">, { keyword, limit, text }: Fault): string {
-  switch (keyword) {
-    case "minimum":
-    case "maximum":
-    case "minItems":
-    case "maxItems":
-    case "required":
-    case "type":
-      return t(`form.faults.${keyword}`, { limit: String(limit) });
-    default:
-      return text;
-  }
+/** In the words for what the server finds, where that is found there too. */
+function wordsFor(t: TFunction<"modules">, { keyword, limit, text }: Fault): string {
+  if (keyword === "required" || keyword === "type") return t(`form.faults.${keyword}`);
+  return typeof limit === "number" ? faultText({ message: text, kind: keyword, limit }) : text;
 }

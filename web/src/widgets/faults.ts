@@ -3,10 +3,13 @@
 import i18n from "../i18n";
 
 /** As the server tells it. */
-export interface FieldFault {
+export interface FieldFault extends Faulty {
   field: string;
+}
+
+interface Faulty {
   message: string;
-  /** The kind of fault, for programs. */
+  /** The kind of fault, for programs: as the server names it, or the keyword of a JSON schema that is not fulfilled. */
   kind?: string;
   /** The bound that is broken, where it is one. */
   limit?: number;
@@ -33,10 +36,18 @@ const OURS = {
   string_too_long: "longest",
   too_short: "fewest",
   too_long: "most",
+  minimum: "lowest",
+  exclusiveMinimum: "moreThan",
+  maximum: "highest",
+  exclusiveMaximum: "lessThan",
+  minLength: "shortest",
+  maxLength: "longest",
+  minItems: "fewest",
+  maxItems: "most",
 } as const;
 
 /** Says what is wrong, to be read after the name of the field. */
-export function faultText({ message, kind, limit }: FieldFault): string {
+export function faultText({ message, kind, limit }: Faulty): string {
   if (kind === undefined || !isOurs(kind)) return message;
   return i18n.t(`fault.${OURS[kind]}`, { limit, count: limit });
 }

@@ -1,0 +1,25 @@
+import { isUntouched, NEW, useDrafts } from "./draft";
+import { keyed } from "./goals";
+
+const ROWS = keyed([{ kind: "text", text: "InKit(relay_box_1, kit_1)" }]);
+
+function draft() {
+  return useDrafts.getState().drafts.kitting ?? NEW;
+}
+
+beforeEach(() => useDrafts.getState().change("kitting", { ...NEW, rows: ROWS }));
+
+test("what became of an order does not touch what the draft wants", () => {
+  const before = draft();
+  useDrafts.getState().change("kitting", { job: "kit-1", pending: { key: "k", body: "b" } });
+  expect(draft()).not.toBe(before);
+  expect(isUntouched(before, draft())).toBe(true);
+});
+
+test("another row, another word in one, or a template are another goal", () => {
+  const before = draft();
+  useDrafts.getState().change("kitting", ({ rows }) => ({ rows: rows.map((row) => ({ ...row, text: "at_rest" })) }));
+  expect(isUntouched(before, draft())).toBe(false);
+  useDrafts.getState().change("kitting", { rows: ROWS, template: { name: "kit", parameters: {}, materials: [] } });
+  expect(isUntouched(before, draft())).toBe(false);
+});
