@@ -109,6 +109,26 @@ def test_each_repair_can_be_applied_and_moves_nothing_twice(case: tuple[Moves, s
             assert isinstance(session.plan([goal]).outcome, Plan), repair.text
 
 
+def test_of_a_full_kit_all_places_are_told_also_in_the_heart_of_it() -> None:
+    taken = [("starter_1", "a"), ("alternator_1", "b"), ("compressor_1", "c"), ("relay_box_1", "d")]
+    with kitting([(part, "sk:in", f"kit_1_{place}") for part, place in taken]) as session:
+        (cause,) = unplanned(session, "InKit(relay_box_2, kit_1)").causes
+
+    heart = "kit_1 is full: kit_1_a, kit_1_b, kit_1_c and kit_1_d are taken, and no skill takes anything away"
+    assert cause.why == heart
+    assert cause.text.endswith(heart)
+
+
+def test_what_somebody_has_to_see_to_is_not_offered_where_conditions_exclude_each_other_as_well() -> None:
+    with kitting([("base_1",)]) as session:
+        one = unplanned(session, "ObjectAtLocation(relay_box_1, kit_1_a)")
+        both = unplanned(session, "ObjectAtLocation(relay_box_1, kit_1_a) and ObjectAtLocation(relay_box_2, kit_1_a)")
+
+    assert [repair.text for repair in one.repairs] == ["see to it that a Robot is at a Kit"]
+    assert "kit_1_a takes one relay box only" in both.reasons[0]
+    assert both.repairs == ()
+
+
 def test_one_robot_only_is_said_of_a_place_that_drivers_want_to_be_empty() -> None:
     with skiros_py.open("kitting_two", fake=True) as session:
         found = unplanned(session, "RobotAtLocation(robot_1, pallet_a) and RobotAtLocation(robot_2, pallet_a)")

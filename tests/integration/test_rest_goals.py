@@ -222,6 +222,19 @@ def test_a_repair_that_changes_the_goal_is_left_to_who_ordered(api, served):
     assert served.services.session.world.version == before
 
 
+def test_of_a_repair_that_changes_world_and_goal_only_the_world_is_told_as_done(api, served):
+    with served.services.session.world.transaction("ann", "it is taken") as tx:
+        tx.place("alternator_1", "sk:in", "kit_1_a")
+    boxes = " and ".join(f"ObjectAtLocation({box}, kit_1_a)" for box in ("relay_box_1", "relay_box_2"))
+    preview = planned(api, f"{boxes} and " + " and ".join(f"LocationEmpty(kit_1_{place})" for place in "bcd"))
+    (repair, *_) = (one for one in preview["repairs"] if one["edits"] and one["without"])
+
+    applied = api.post(f"/previews/{preview['id']}/repairs/{repair['id']}/apply").json()
+
+    assert "give up" in repair["text"]
+    assert applied["text"] == " and ".join(repair["edits"])
+
+
 def test_a_repair_that_is_not_there_says_so(api):
     preview = planned(api, "EmptyHanded(gripper_1)")
     problem(api.post(f"/previews/{preview['id']}/repairs/0/apply"), 404)

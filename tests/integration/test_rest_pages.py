@@ -76,7 +76,7 @@ def test_answers_of_pages_are_safe_to_show(browser: httpx2.Client) -> None:
 
     assert headers["x-content-type-options"] == "nosniff"
     assert headers["referrer-policy"] == "no-referrer"
-    assert "script-src 'self'" in headers["content-security-policy"]
+    assert "script-src 'self';" in headers["content-security-policy"]
 
 
 def test_logins_at_two_ports_of_one_host_do_not_end_each_other(served: Served, tmp_path: Path) -> None:

@@ -270,6 +270,14 @@ def test_the_present_scene_is_saved_looked_at_loaded_and_removed(served: Served,
     assert http.get("/scenes/my-cell").status_code == 404
 
 
+def test_a_saved_scene_is_no_document_that_others_hear_of(http: httpx2.Client) -> None:
+    place = {"after": http.get("/events/recent", params={"limit": 1000}).json()["next"]}
+
+    assert http.post("/scenes", json={"name": "quiet"}).status_code == 201
+
+    assert http.get("/events/recent", params={"kind": "document", **place}).json()["items"] == []
+
+
 def test_two_engineers_do_not_overwrite_each_others_scene(served: Served, http: httpx2.Client) -> None:
     first = http.post("/scenes", json={"name": "shared"})
     blind = http.post("/scenes", json={"name": "shared"})

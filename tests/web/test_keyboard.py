@@ -72,6 +72,11 @@ def adds_a_starter(anna: Typist) -> None:
     anna.keys("Enter")
     anna.expect(pallet).to_have_attribute("aria-selected", "true")
     anna.push("Add here")
+    anna.expect(anna.page.get_by_role("dialog")).to_be_visible()
+    anna.keys("Escape", "Escape")  # the list of the first field, then the dialog
+    anna.expect(anna.page.get_by_role("dialog")).to_have_count(0)
+    anna.expect(anna.button("Add here")).to_be_focused()
+    anna.keys("Enter")
     anna.pick("What", "starter (kitting:Starter)")
     anna.go(anna.page.get_by_role("textbox", name="Name"))
     anna.page.keyboard.type("spare starter")

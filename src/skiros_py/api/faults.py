@@ -38,6 +38,7 @@ _WORDS = {
     "json_invalid": "is not JSON: {error}",
 }
 """By kind of fault, as pydantic names them; what is only of the wrong type has one entry for all ways to find that."""
+_NONE = "must not be empty"
 _LIMITS = ("ge", "gt", "le", "lt", "min_length", "max_length")
 
 
@@ -48,6 +49,8 @@ def fault_words(fault: Mapping[str, Any]) -> str:
         fault: One of the errors of a ``pydantic.ValidationError``.
     """
     kind, context = str(fault["type"]), {name: _plain(value) for name, value in fault.get("ctx", {}).items()}
+    if context.get("min_length") == 1:  # whether signs or entries are lacking
+        return _NONE
     words = _WORDS.get(kind) or _WORDS.get(kind.removesuffix("_type").removesuffix("_parsing"))
     if words is None:
         return str(fault["msg"]).removeprefix("Value error, ")

@@ -126,6 +126,11 @@ class Repair:
     without: tuple[Condition, ...] = ()
     instead: tuple[Exchange, ...] = ()
 
+    @property
+    def done(self) -> str:
+        """What of it is done by applying it, in the operator's words: the changes to the world, without the goal."""
+        return " and ".join(dict.fromkeys(map(str, self.edits)))
+
     def apply(self, world: World, author: str = "repair", writer: Writer = Writer.PERSON, holder: str = "") -> None:
         """Makes the changes to the world, as one transaction; the goal is the caller's.
 

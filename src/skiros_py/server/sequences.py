@@ -17,7 +17,7 @@ from skiros_py.runtime import Session
 from skiros_py.server.job_accounts import plan_of
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services
-from skiros_py.server.store import Document
+from skiros_py.server.store import SEQUENCE, Document
 from skiros_py.server.task_book import KeptTask
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.policy import Policy
@@ -39,7 +39,7 @@ __all__ = [
     "summary",
 ]
 
-KIND = "sequence"
+KIND = SEQUENCE
 """Kind of their documents."""
 _MOST = 500
 """Sequences that a server keeps; somebody has to throw some away before there are more."""

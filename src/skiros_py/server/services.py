@@ -42,7 +42,7 @@ from skiros_py.server.scenes import SceneShelf
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.simulation import Simulation
 from skiros_py.server.stops import Stops
-from skiros_py.server.store import Document, DocumentStore
+from skiros_py.server.store import TOLD, Document, DocumentStore
 from skiros_py.server.task_book import TaskBook
 from skiros_py.server.webhooks.office import WebhookOffice
 from skiros_py.server.webhooks.setup import open_office
@@ -178,7 +178,12 @@ class Services:
             self._office.wake()
 
     def _document(self, what: Literal["written", "removed"], document: Document) -> None:
-        """Tells those who listen what became of a document; what it says is read where it is kept."""
+        """Tells those who listen what became of a document; what it says is read where it is kept.
+
+        Other kinds are notes of the server to itself, such as under which name the present scene was saved.
+        """
+        if document.kind not in TOLD:
+            return
         data = {"kind": document.kind, "name": document.name, "version": document.version}
         self.events.append(Kind.DOCUMENT, what, document.name, data=data)
 

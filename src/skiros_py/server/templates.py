@@ -9,14 +9,14 @@ from skiros_py.api.templates import GoalTemplate, GoalTemplateContent
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.server.ordering.filling import faults_of, filled
 from skiros_py.server.ordering.texts import data_as_text
-from skiros_py.server.store import Document, DocumentStore
+from skiros_py.server.store import TEMPLATE, Document, DocumentStore
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 
 __all__ = ["KIND", "TemplateStore", "check_template"]
 
-KIND = "goal template"
+KIND = TEMPLATE
 
 
 class TemplateStore:

@@ -27,7 +27,9 @@ def fault(type_: Any, value: object) -> dict[str, Any]:
         (Annotated[int, Field(ge=1)], 0, "must be at least 1", 1),
         (Annotated[float, Field(le=60.0)], 61.0, "must be at most 60", 60.0),
         (Annotated[str, Field(max_length=2)], "abc", "must have at most 2 characters", 2),
-        (Annotated[list[int], Field(min_length=1)], [], "must have at least 1 entries", 1),
+        (Annotated[list[int], Field(min_length=1)], [], "must not be empty", 1),
+        (Annotated[str, Field(min_length=1)], "", "must not be empty", 1),
+        (Annotated[list[int], Field(min_length=2)], [1], "must have at least 2 entries", 2),
         (Literal["a", "b"], "c", "must be 'a' or 'b'", None),
     ],
 )

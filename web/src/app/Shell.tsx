@@ -19,9 +19,9 @@ const Palette = lazy(() => import("../always/Palette"));
 export function Shell() {
   const { t } = useTranslation();
   const paletteAsked = usePalette(({ asked }) => asked > 0);
+  useEffect(keepFocus, []); // first of all that hear keys
   useKeys();
   useWindowTitle();
-  useEffect(keepFocus, []);
   return (
     <div className="shell">
       <a

@@ -14,7 +14,7 @@ function button(id: string): HTMLButtonElement {
 }
 
 function press(key = "Enter"): void {
-  document.dispatchEvent(new KeyboardEvent("keydown", { key }));
+  window.dispatchEvent(new KeyboardEvent("keydown", { key }));
 }
 
 /** The keeper looks after the present task. */

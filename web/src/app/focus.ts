@@ -9,7 +9,8 @@ export function keepFocus(): () => void {
   const end = new AbortController();
   const options = { capture: true, signal: end.signal };
   document.addEventListener("focusin", ({ target }) => keeper.remember(target), options);
-  document.addEventListener("keydown", (event) => keeper.hear(event), options);
+  // At the window, and before all others there: what a key closes is gone as soon as the next listener is called.
+  window.addEventListener("keydown", (event) => keeper.hear(event), options);
   document.addEventListener("pointerdown", () => keeper.leave(), options);
   const observer = new MutationObserver(() => keeper.look());
   observer.observe(document.body, { childList: true, subtree: true, attributes: true, attributeFilter: ["disabled"] });

@@ -238,4 +238,5 @@ def _merged(each: Sequence[Obstacle]) -> Obstacle:
         return replace(own[0], elements=elements)
     taken = list(dict.fromkeys(one.elements[0] for one in own))
     verb = "is" if len(taken) == 1 else "are"
-    return replace(own[0], text=f"{listed(taken)} {verb} taken, and no skill takes anything away", elements=elements)
+    text = f"{listed(taken)} {verb} taken, and no skill takes anything away"
+    return replace(own[0], text=text, core=own[0].core if len(taken) == 1 else text, elements=elements)

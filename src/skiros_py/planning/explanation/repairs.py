@@ -6,6 +6,7 @@ import heapq
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
+from math import inf
 
 from skiros_py.errors import SkirosError
 from skiros_py.planning.explanation.causes import finding_causes
@@ -17,7 +18,7 @@ from skiros_py.planning.explanation.supposition import Supposition
 from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.pieces import Work
 from skiros_py.planning.problem.task import Capability, build_task
-from skiros_py.planning.reasons import Exchange, Repair
+from skiros_py.planning.reasons import CauseKind, Exchange, Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
@@ -130,17 +131,32 @@ def find_repairs(
         if not (yield from search.step()):
             break
         yield
-    outside = [Repair(text) for text in dict.fromkeys(advice(one.cause) for one in found) if text]
-    needed = outside if not any(repair.edits for repair in search.offers) else []
-    return (*needed, *_simplest(search.offers))[:_OFFERED]
+    offers = _simplest(search.offers)
+    needed = _outside(found) if not any(repair.edits for repair in offers) else []
+    return (*needed, *offers)[:_OFFERED]
+
+
+def _outside(found: Sequence[Found]) -> list[Repair]:
+    """Returns what somebody has to see to; nothing where conditions exclude each other, for that would stay so."""
+    causes = [one.cause for one in found]
+    if any(cause.kind is CauseKind.CONTRADICTION for cause in causes):
+        return []
+    return [Repair(text) for text in dict.fromkeys(map(advice, causes)) if text]
 
 
 def _simplest(offers: Sequence[Repair]) -> list[Repair]:
-    """Leaves out what changes more than is needed, or the scene and the goal as well where one of both is enough."""
+    """Leaves out what changes more than is needed, or the scene and the goal as well where one of both is enough.
+
+    To give up more is never enough for that: other changes of both that keep a condition are milder.
+    """
     fewest = min((_size(offer) for offer in offers), default=0)
     short = [offer for offer in offers if _size(offer) <= fewest + 1]
-    simple = [offer for offer in short if sum(map(bool, (offer.edits, offer.without, offer.instead))) < 2]
-    return simple or short
+    given_up = min((len(offer.without) for offer in short if _kinds(offer) < 2), default=inf)
+    return [offer for offer in short if _kinds(offer) < 2 or len(offer.without) < given_up]
+
+
+def _kinds(offer: Repair) -> int:
+    return sum(map(bool, (offer.edits, offer.without, offer.instead)))
 
 
 def _size(offer: Repair) -> int:
@@ -183,7 +199,7 @@ class _Search:
 
     def step(self) -> Work[bool]:
         """Looks at the most promising change; returns False where there is nothing left to do."""
-        if not self._queue or len(self.offers) == _OFFERED or self._tried == _TRIED:
+        if not self._queue or len(_simplest(self.offers)) == _OFFERED or self._tried == _TRIED:
             return False
         _, _, change = heapq.heappop(self._queue)
         if any(change.includes(offer) for offer in self.offers):

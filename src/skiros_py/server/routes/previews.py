@@ -79,7 +79,7 @@ def apply_repair(
         )
     world = services.session.world
     repair.apply(world, caller.name, Writer.PERSON, caller.holder)
-    return AppliedRepair(text=repair.text, world=world.version)
+    return AppliedRepair(text=repair.done, world=world.version)
 
 
 def _shown(preview: Known) -> Preview:

@@ -159,7 +159,6 @@ class Conductor:
         if run.has_news:
             with self._guard.control():
                 if run.follow(self._book.open[job]):
-                    run.write_trace()  # it may have come to its end since the line above
                     del self._runs[job]
 
     def _dispatch(self, id_: str) -> None:

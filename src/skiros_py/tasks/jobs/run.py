@@ -145,6 +145,7 @@ class JobRun:
         if undertaking.done:
             for number in tuple(self._numbers):  # it was stopped in the midst of them, and stands
                 self._settle_as(number, "stopped")
+            self.write_trace()  # before the end is told: who reads it then, reads all of it
             self._finish(self._with_moves(job))
             return True
         if seen != self._seen:

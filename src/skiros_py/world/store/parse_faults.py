@@ -7,6 +7,8 @@ import re
 __all__ = ["parse_fault"]
 
 _FAULT = re.compile(r"error at (\d+):(\d+): expected (?:one of )?(.*)", re.DOTALL)
+_LISTED = re.compile(r'"(?:\\.|[^"\\])*"|\[[^\]]*\]', re.DOTALL)
+"""What is no phrase: signs in quotes, and sets of signs."""
 _SIGN = re.compile(r'"((?:\\.|[^"\\])+)"|\[(.)[^\]]*\]')
 _WORD = re.compile(r"<[^>\s]*>|[?$]?\w+|\S")
 _BEFORE, _AFTER = 3, 2
@@ -35,6 +37,9 @@ def parse_fault(text: str, message: str) -> str:
     if found is None:
         return message
     line, column = int(found[1]), int(found[2])
+    reason = _reason(found[3])
+    if reason:
+        return f"line {line}: {reason}"
     lines = text.split("\n")
     before = "\n".join([*lines[: line - 1], lines[line - 1][: column - 1]])
     after = "\n".join([lines[line - 1][column - 1 :], *lines[line:]])
@@ -42,6 +47,12 @@ def parse_fault(text: str, message: str) -> str:
     ends = bool(expected) and not after.strip()
     what = "the query ends too early" if ends else f"something is wrong near {_near(before, after)}"
     return f"line {line}: {what}" + (f"; expected {expected}" if expected else "")
+
+
+def _reason(signs: str) -> str:
+    """Returns what the engine says in words among the signs, "Prefix not found"; empty where it only lists them."""
+    said = (each.strip() for each in _LISTED.sub("", signs).split(","))
+    return next((each for each in said if each[:1].isalpha() and " " in each), "")
 
 
 def _near(before: str, after: str) -> str:

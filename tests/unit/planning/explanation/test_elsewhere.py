@@ -14,6 +14,7 @@ from skiros_py.planning.reasons import CauseKind
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
+from skiros_py.world.world import World
 
 IN_SLOT_1 = "scene:ball_1 sk:in scene:slot_1 ."
 
@@ -26,7 +27,10 @@ def planners() -> Iterator[Planners]:
 
 
 def explained(planners: Planners, *goal: str, facts: tuple[str, ...] = ()) -> Explanation:
-    world = tiny_world(*facts)
+    return explained_in(tiny_world(*facts), planners, *goal)
+
+
+def explained_in(world: World, planners: Planners, *goal: str) -> Explanation:
     able = [Capability(skill, world.instances(skill.agent_class)) for skill in (DRIVE, PICK, PLACE)]
     conditions = parse_goal(list(goal), world, CONDITIONS)
     trial = Trial(planners, able, each=30.0, together=300.0)
@@ -45,6 +49,30 @@ def test_a_free_place_is_offered_to_each_before_one_is_left_out(planners: Planne
         "want In(red_ball_1, slot_2) instead of In(red_ball_1, slot_1)",
         "give up In(ball_1, slot_1)",
         "give up In(red_ball_1, slot_1)",
+    ]
+
+
+def test_a_thing_is_moved_and_one_condition_given_up_before_both_are_given_up(planners: Planners) -> None:
+    there = "scene:ball_9 a tiny:Ball ; sk:in scene:slot_1 ."
+
+    found = explained(planners, "In(ball_1, slot_1)", "In(red_ball_1, slot_1)", "Free(slot_2)", facts=(there,))
+
+    assert texts(found)[0] == "put ball_9 in box_a and give up In(ball_1, slot_1)"
+    assert [len(repair.without) for repair in found.repairs if not repair.edits] == [2]
+
+
+def test_another_place_and_one_more_thing_are_offered_before_something_is_given_up(planners: Planners) -> None:
+    world = tiny_world()
+    with world.transaction("test", "no red ball") as tx:
+        tx.remove("red_ball_1")
+
+    found = explained_in(world, planners, "In(RedBall, slot_1)", "In(ball_1, slot_1)")
+
+    more = "and bring one more RedBall, in box_a"
+    assert texts(found) == [
+        f"want In(RedBall, slot_2) instead of In(RedBall, slot_1) {more}",
+        f"want In(ball_1, slot_2) instead of In(ball_1, slot_1) {more}",
+        "give up In(RedBall, slot_1)",
     ]
 
 

@@ -80,6 +80,15 @@ def test_a_repair_is_one_transaction_with_author_and_reason() -> None:
     assert len(change.edits) == 2
 
 
+def test_what_is_done_by_applying_a_repair_is_told_without_the_goal() -> None:
+    more = Add("tiny:Ball", Placement("sk:in", "box_b"))
+    edits = more, more, Move("ball_9", "sk:in", "box_a")
+    repair = Repair("all of it", edits, without=(IN_CONTAINER("ball_1", "slot_1"),))
+
+    assert repair.done == "bring one more Ball, in box_b and put ball_9 in box_a"
+    assert Repair("see to it").done == ""
+
+
 def test_a_repair_that_is_not_possible_any_more_changes_nothing() -> None:
     world = full()
     repair = Repair("impossible", (Move("ball_1", "sk:in", "box_b"), Remove("ball_77")))

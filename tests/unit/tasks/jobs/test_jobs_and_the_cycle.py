@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobStore, Outcome
+from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobStore, Outcome, Trigger
+from skiros_py.tasks.jobs.book import JobBook
+from skiros_py.tasks.jobs.run import JobRun
 from skiros_py.testing import Bench, tiny_world
 
 GATE = datetime.fromtimestamp(2.0**33, UTC)
@@ -67,6 +69,24 @@ def test_a_running_job_in_mid_motion_goes_on_while_an_order_is_being_kept(jobs, 
     assert steps_while_a_command_is_kept(jobs, bench, order("b", not_before=GATE), 10)
     bench.until(lambda: "a" not in jobs.open)
     assert jobs.job("a").outcome is Outcome.SUCCEEDED
+
+
+def test_when_the_end_is_told_all_of_the_trace_is_written(bench, tmp_path):
+    """Who hears of the end reads the trace for the last time."""
+    with closing(JobStore(tmp_path / "jobs.db")) as store:
+        book = JobBook(store, lambda: 0.0)
+        book.add(order("a"), start=True, comment="")
+        job = book.move(book.open["a"], Trigger.DISPATCH)
+        undertaking = bench.tasks.begin(bench.goal(*job.order.goal), name="a")
+        run = JobRun(undertaking, bench.station, book, store)
+        bench.until(lambda: undertaking.done)
+        written: list[int] = []
+        book.subscribe(lambda each: written.append(len(store.trace(each.id))))
+
+        assert run.follow(job)
+
+        assert written == [len(store.trace("a"))]
+        assert written[0] > 0
 
 
 def test_orders_from_many_threads_while_jobs_run_are_all_done_once(jobs, bench):

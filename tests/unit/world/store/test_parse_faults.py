@@ -18,6 +18,16 @@ from skiros_py.world.store.parse_faults import parse_fault
         ("SELECT ?x { ?x ?y ?z } LIMIT", "line 1: the query ends too early; expected a number"),
         ("SELECT * {\n ?x a <http://a/b#Kit>\n ?y }", "line 3: something is wrong near 'Kit ?y }'"),
         ("SELECT * { ?s ?p }", "line 1: something is wrong near '?s ?p }'"),
+        (
+            "SELECT ?x ?y { ?x ?p ?y }\nGROUP BY ?x",
+            "line 2: The SELECT contains a variable that is unbound",
+        ),
+        ("SELECT * { ?x nowhere:a ?y }", "line 1: Prefix not found"),
+        ("SELECT * { ?x <a b> ?y }", "line 1: IRI parsing failed"),
+        (
+            "SELECT (1 AS ?x) { ?x ?p ?y }",
+            "line 1: The SELECT overrides an existing variable using an expression",
+        ),
         ("SELECT WHERE { ?x ?y ?z }", "line 1: something is wrong near 'SELECT WHERE { ?x ?y'"),
     ],
 )
