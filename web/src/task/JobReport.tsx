@@ -135,7 +135,10 @@ function Conditions({ job }: { job: Schema<"Job"> }) {
 
 function Parts({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
-  if (job.materials.length === 0) return <Text c="dimmed">{t("report.noParts")}</Text>;
+  if (job.materials.length === 0) {
+    // What was moved is told when it is over.
+    return <Text c="dimmed">{t(job.ended === null ? "report.notYet" : "report.noParts")}</Text>;
+  }
   return (
     <Table verticalSpacing={2}>
       <Table.Thead>

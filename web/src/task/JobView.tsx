@@ -42,7 +42,7 @@ function Known({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
   const [chosen, choose] = useState<string | null>(null);
   const skills = useSkills();
-  const { run, error, refetch } = useJobRun(job);
+  const { run, error, isPending, refetch } = useJobRun(job);
   const state = { mood: jobMood(job), text: jobState(t, job) };
   const goal = job.order.goal.join(", ");
   return (
@@ -79,7 +79,7 @@ function Known({ job }: { job: Schema<"Job"> }) {
         from={moment(job.started)}
         to={moment(job.ended)}
         report={<JobReport job={job} run={run} skills={skills} />}
-        nothing={nothingDone(t, job.outcome)}
+        nothing={isPending ? t("loading", { ns: "common" }) : nothingDone(t, job.outcome)}
         chosen={chosen}
         choose={choose}
       />

@@ -27,7 +27,7 @@ function Known({ task }: { task: Schema<"TaskInfo"> }) {
   const { t } = useTranslation("task");
   const [chosen, choose] = useState<string | null>(null);
   const skills = useSkills();
-  const { run: told, error, refetch } = useTaskRun(task.name);
+  const { run: told, error, isPending, refetch } = useTaskRun(task.name);
   const run = withRound(told, task.goal.length > 0 ? [] : task.plan);
   const state = { mood: taskMood(task), text: taskState(t, task) };
   const title = task.goal.join(", ") || t("task.sequence", { count: task.plan.length });
@@ -67,7 +67,7 @@ function Known({ task }: { task: Schema<"TaskInfo"> }) {
         from={Date.parse(task.begun)}
         to={null}
         report={<TaskReport task={task} />}
-        nothing={nothingDone(t, task.report?.outcome ?? null)}
+        nothing={isPending ? t("loading", { ns: "common" }) : nothingDone(t, task.report?.outcome ?? null)}
         chosen={chosen}
         choose={choose}
       />
