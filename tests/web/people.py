@@ -16,6 +16,8 @@ WORK = 120_000
 """How long robots may work on something [ms]."""
 NEAR = 0.1
 """A part that is nearer to the middle of a compartment lies in it [m]."""
+GLANCE = 300
+"""How long people look before they click at what may move [ms]."""
 PLUS, MINUS = "+", "\N{MINUS SIGN}"
 SIZES = (100, 20, 5)
 """Steps of the tool [mm]."""
@@ -147,6 +149,18 @@ class Person:
         """Where something is drawn in the 3D view [m]."""
         pose = self.page.evaluate("id => window.skiros3d?.pose(id) ?? null", thing)
         return pose and pose[:3]
+
+    def clicks_on(self, thing: str) -> None:
+        """Clicks on something in the 3D view, as soon as that stands."""
+        spot, before = self._spot(thing), None
+        while spot is None or spot != before:
+            self.page.wait_for_timeout(GLANCE)
+            spot, before = self._spot(thing), spot
+        self.page.mouse.click(spot["x"], spot["y"])
+
+    def _spot(self, thing: str) -> dict[str, float] | None:
+        spot: dict[str, float] | None = self.page.evaluate("id => window.skiros3d?.screen(id) ?? null", thing)
+        return spot
 
     def sees(self, thing: str, at: list[float], within: float) -> None:
         """Waits until something is drawn at a point, at most so far from it [m]."""

@@ -163,6 +163,33 @@ def base_in(frames: dict[str, Any], time: float) -> list[float]:
     return [start + share * (end - start) for start, end in zip(base[after - 1][:2], base[after][:2], strict=True)]
 
 
+def test_a_gap_of_a_goal_is_filled_by_a_click_in_the_picture(station, visit, expect):
+    served = station()
+    anna = Person(visit(served.url, **SMALL), served.url, expect)
+    anna.open("World")
+    anna.choose_in_tree("kit_1")
+    anna.press("Look at the selection (f)")
+    anna.open("Goal")
+    goal = anna.page.get_by_role("region", name="What shall be so")
+    anna.choose("Add a condition …", "ObjectAtLocation", goal)
+    goal.get_by_role("button", name=re.compile("^location of ObjectAtLocation: Pick")).click()
+    awaited = anna.page.get_by_text(re.compile("^Click on: "))
+    expect(awaited).to_be_visible()
+    anna.clicks_on("kit_1_b")
+    expect(awaited).to_have_count(0)
+    gap = goal.get_by_role("combobox", name="location of ObjectAtLocation", exact=True)
+    expect(gap).to_have_value("compartment B (kit_1_b)")
+
+
+def test_what_is_clicked_in_the_picture_is_selected_in_the_tree(station, visit, expect):
+    served = station()
+    anna = Person(visit(served.url, at="#/world", **SMALL), served.url, expect)
+    anna.clicks_on("rack_1")
+    row = anna.page.get_by_role("treeitem").filter(has_text="rack_1")
+    expect(row).to_have_attribute("aria-selected", "true")
+    expect(anna.page.get_by_role("button", name="Shift in 3D")).to_be_visible()
+
+
 # ---------------------------------------------------------------------- an engineer
 
 
