@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 REFUSED = ("Failed to load resource",)
 """What the browser itself says of requests that are refused or reach nobody."""
+ROUNDED = 1e-4
+"""By so much times of frames may differ from those of changes [s]."""
 SMALL = {"viewport": {"width": 1280, "height": 800}}
 
 
@@ -135,7 +137,7 @@ def sees_again_what_the_robot_did(anna: Person, job: str) -> None:
     anna.sees("starter_2", anna.body("pallet_b")["position"], 0.5)
     for share in (0.3, 0.6, 0.15):
         drag(anna.page, slider, to=bar, share=share)
-        then = base_in(anna.ask(f"/jobs/{job}/replay")["frames"], float(slider.get_attribute("aria-valuenow") or 0))
+        then = base_in(anna.ask(f"/jobs/{job}/replay"), float(slider.get_attribute("aria-valuenow") or 0))
         anna.sees("robot_1", then, 0.005)
     anna.press("Leave the replay")
     anna.sees("robot_1", now, 0.005)
@@ -154,12 +156,16 @@ def drag(page: Page, slider: Locator, to: Locator, share: float) -> None:
     page.mouse.up()
 
 
-def base_in(frames: dict[str, Any], time: float) -> list[float]:
-    """Where a replay has the robot at a moment [m]."""
-    times, base = frames["times"], frames["bases"]["base_1"]
+def base_in(replay: dict[str, Any], time: float) -> list[float]:
+    """Where a replay has the robot at a moment [m]; while the job was held it stays where it was seen last."""
+    times, base = replay["frames"]["times"], replay["frames"]["bases"]["base_1"]
     after = next((index for index, at in enumerate(times) if at > time), len(times) - 1)
-    span = times[after] - times[after - 1]
-    share = min(1.0, (time - times[after - 1]) / span) if span > 0 else 1.0
+    start, end = times[after - 1], times[after]
+    share = min(1.0, (time - start) / (end - start)) if end > start else 1.0
+    for change in replay["changes"]:
+        went_on = change["time"] - ROUNDED
+        if change["anew"] and start < went_on <= end:
+            share = float(time >= went_on)
     return [start + share * (end - start) for start, end in zip(base[after - 1][:2], base[after][:2], strict=True)]
 
 
