@@ -17,6 +17,16 @@ function press(key = "Enter"): void {
   window.dispatchEvent(new KeyboardEvent("keydown", { key }));
 }
 
+/** What a button does that works for a while. */
+async function pressAndDisable(id: string): Promise<void> {
+  button("one").focus();
+  button(id).focus();
+  press();
+  button(id).blur(); // as browsers do with what is disabled
+  button(id).disabled = true;
+  await told();
+}
+
 /** The keeper looks after the present task. */
 const told = () => new Promise((resume) => setTimeout(resume, 10));
 
@@ -49,12 +59,7 @@ test("what took the focus itself keeps it", async () => {
 });
 
 test("what was disabled for a while has the focus again afterwards", async () => {
-  button("one").focus();
-  button("two").focus();
-  press();
-  button("two").blur(); // as browsers do with what is disabled
-  button("two").disabled = true;
-  await told();
+  await pressAndDisable("two");
   expect(document.activeElement).toBe(document.body);
   button("two").disabled = false;
   await told();
@@ -83,12 +88,7 @@ test("on its way from one to the next the focus is not taken back, whatever chan
 });
 
 test("who goes on while it is disabled is not called back to it", async () => {
-  button("one").focus();
-  button("two").focus();
-  press();
-  button("two").blur(); // as browsers do with what is disabled
-  button("two").disabled = true;
-  await told();
+  await pressAndDisable("two");
   press(" ");
   button("two").disabled = false;
   await told();
