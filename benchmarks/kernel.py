@@ -26,7 +26,7 @@ from table import Figure, finish
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.watchdog import Watchdog
-from skiros_py.robot.devices import DeviceBoard
+from skiros_py.ports.devices import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.composition import Do, Parallel, Sequence

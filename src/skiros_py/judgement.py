@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.robot.cell import CellSpec
+from skiros_py.ports.cell import CellSpec
 from skiros_py.simulation.pybullet.cell import PyBulletCell
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skiros_py.errors import FileError, UsageError
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Snapshot
 from skiros_py.records.pictures import HEIGHT, WIDTH, KeyMoments, over_the_shoulder
 from skiros_py.records.reader import RUNS, SUFFIX
 from skiros_py.records.recorder import RunRecorder
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.values import Snapshot
 
 if TYPE_CHECKING:
     from PIL.Image import Image

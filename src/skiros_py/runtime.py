@@ -23,8 +23,8 @@ from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
-from skiros_py.robot.cell import CellSpec
-from skiros_py.robot.driver import CellDriver
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from skiros_py.robot.devices import Base
-from skiros_py.robot.values import BaseTwist
+from skiros_py.ports.devices import Base
+from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from skiros_primitives import association
 from skiros_py.geometry import Pose
-from skiros_py.robot.perception import Detection
+from skiros_py.ports.perception import Detection
 from skiros_py.testing import Bench, tiny_world
 
 TYPES = ("tiny:Ball", "tiny:RedBall")

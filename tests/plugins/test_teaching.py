@@ -9,8 +9,8 @@ from skiros_primitives.teach_grasp import TeachGrasp
 from skiros_primitives.teach_placing_pose import TeachPlacingPose
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.robot.devices import Gripper
-from skiros_py.robot.values import GripperTarget
+from skiros_py.ports.devices import Gripper
+from skiros_py.ports.values import GripperTarget
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.world import World

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.geometry import Pose, Primitive, Solid
-from skiros_py.robot.cell import BodySpec
+from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.truth import Truth
 
 pytestmark = pytest.mark.physics

@@ -19,7 +19,7 @@ from skiros_primitives.teach_grasp import TeachGrasp
 from skiros_py.catalogue import load_catalogue
 from skiros_py.geometry import Array, Pose
 from skiros_py.planning.plan import NoPlan
-from skiros_py.robot.motion import JointMove, LineMove, PoseMove
+from skiros_py.ports.motion import JointMove, LineMove, PoseMove
 from skiros_py.runtime import Options, Session
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.outcome import Failure, Outcome, Success

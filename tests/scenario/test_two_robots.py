@@ -11,7 +11,7 @@ import pytest
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_py.catalogue import load_catalogue
 from skiros_py.geometry import Pose
-from skiros_py.robot.motion import BaseLeg, BasePath, PoseMove
+from skiros_py.ports.motion import BaseLeg, BasePath, PoseMove
 from skiros_py.runtime import Options, Session
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.outcome import Failure, Outcome, Success

@@ -13,10 +13,10 @@ from skiros_primitives.other_robots import bodies, others
 from skiros_primitives.playback import Playback
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import ArmSpec, GripperSpec, RobotSpec
-from skiros_py.robot.devices import Arm, Gripper
-from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
-from skiros_py.robot.values import ArmTarget, GripperState
+from skiros_py.ports.cell import ArmSpec, GripperSpec, RobotSpec
+from skiros_py.ports.devices import Arm, Gripper
+from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
+from skiros_py.ports.values import ArmTarget, GripperState
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.perception import Detection
+from skiros_py.ports.perception import Detection
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.stock import stocks

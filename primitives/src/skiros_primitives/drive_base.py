@@ -11,10 +11,10 @@ from skiros_primitives import other_robots
 from skiros_primitives.other_robots import reach
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.robot.cell import BaseSpec
-from skiros_py.robot.devices import Base
-from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
-from skiros_py.robot.values import BaseTwist
+from skiros_py.ports.cell import BaseSpec
+from skiros_py.ports.devices import Base
+from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
+from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.floor import Outline, Way
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param

@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_py.geometry import Array, Pose, Primitive
-from skiros_py.robot.motion import Obstacle
+from skiros_py.ports.motion import Obstacle
 
 __all__ = ["covered", "placed"]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.fingers import firm_force, move_fingers
-from skiros_py.robot.devices import Gripper
+from skiros_py.ports.devices import Gripper
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

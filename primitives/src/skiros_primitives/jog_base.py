@@ -13,10 +13,10 @@ from shapely.geometry.base import BaseGeometry
 from skiros_primitives import other_robots
 from skiros_primitives.floor_outlines import covered, placed
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.devices import Base
-from skiros_py.robot.motion import BaseLeg, BasePath, Obstacle
-from skiros_py.robot.values import BaseTwist
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.devices import Base
+from skiros_py.ports.motion import BaseLeg, BasePath, Obstacle
+from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param

@@ -9,7 +9,7 @@ import numpy as np
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.jogging import even, slip
-from skiros_py.robot.motion import JointMove, NoMotion
+from skiros_py.ports.motion import JointMove, NoMotion
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

@@ -10,7 +10,7 @@ import numpy as np
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_py.geometry import Pose
-from skiros_py.robot.motion import LineMove
+from skiros_py.ports.motion import LineMove
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from skiros_primitives.arm_moves import ArmPrimitive
-from skiros_py.robot.motion import MotionPlan, NoMotion, Trajectory
+from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
 from skiros_py.skills.primitive import Execution
 
 __all__ = ["even", "slip"]

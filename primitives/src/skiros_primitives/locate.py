@@ -9,8 +9,8 @@ from skiros_primitives.association import Association, associate
 from skiros_primitives.looking import LookingPrimitive
 from skiros_primitives.part_models import part_models
 from skiros_primitives.regions import support_region
-from skiros_py.robot.motion import NoMotion
-from skiros_py.robot.perception import LookResult
+from skiros_py.ports.motion import NoMotion
+from skiros_py.ports.perception import LookResult
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

@@ -9,11 +9,11 @@ from skiros_primitives.part_models import part_models
 from skiros_primitives.poses import downward
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import CameraSpec
-from skiros_py.robot.devices import Camera
-from skiros_py.robot.motion import NoMotion, PoseMove
-from skiros_py.robot.perception import LookRequest, LookResult, Region
-from skiros_py.robot.values import DepthImage
+from skiros_py.ports.cell import CameraSpec
+from skiros_py.ports.devices import Camera
+from skiros_py.ports.motion import NoMotion, PoseMove
+from skiros_py.ports.perception import LookRequest, LookResult, Region
+from skiros_py.ports.values import DepthImage
 from skiros_py.skills.primitive import Execution
 
 __all__ = ["LookingPrimitive"]

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.jogging import even
-from skiros_py.robot.motion import JointMove
+from skiros_py.ports.motion import JointMove
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

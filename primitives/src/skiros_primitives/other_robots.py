@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.motion import Obstacle
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.motion import Obstacle
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.primitive import Execution, Primitive

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from skiros_primitives.poses import downward
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.perception import PartModel
+from skiros_py.ports.perception import PartModel
 from skiros_py.skills.surroundings import solid_of
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import GRASP_HEIGHT, GRASP_POSE, GRASP_WIDTH, MANIPULATABLE, SOLID

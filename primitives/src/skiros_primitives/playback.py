@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from skiros_py.robot.motion import Trajectory
-from skiros_py.robot.values import ArmTarget
+from skiros_py.ports.motion import Trajectory
+from skiros_py.ports.values import ArmTarget
 
 __all__ = ["Playback"]
 

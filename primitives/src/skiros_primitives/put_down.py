@@ -11,8 +11,8 @@ from skiros_primitives.fingers import firm_force, move_fingers
 from skiros_primitives.poses import level
 from skiros_primitives.regions import inner_region
 from skiros_py.geometry import Pose
-from skiros_py.robot.devices import Gripper
-from skiros_py.robot.motion import Held, LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
+from skiros_py.ports.devices import Gripper
+from skiros_py.ports.motion import Held, LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.perception import Region
+from skiros_py.ports.perception import Region
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.vocabulary import SOLID, SUPPORT_HALF_EXTENTS, SUPPORT_OFFSET

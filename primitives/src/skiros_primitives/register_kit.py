@@ -8,8 +8,8 @@ from typing import ClassVar
 from skiros_primitives.looking import LookingPrimitive
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.motion import NoMotion
-from skiros_py.robot.perception import RegistrationRequest, RegistrationResult
+from skiros_py.ports.motion import NoMotion
+from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

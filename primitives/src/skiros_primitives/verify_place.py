@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from skiros_primitives.looking import LookingPrimitive
 from skiros_primitives.regions import inner_region
-from skiros_py.robot.motion import NoMotion
-from skiros_py.robot.perception import Detection, LookResult
+from skiros_py.ports.motion import NoMotion
+from skiros_py.ports.perception import Detection, LookResult
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

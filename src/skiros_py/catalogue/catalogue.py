@@ -16,7 +16,7 @@ from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 if TYPE_CHECKING:
     from skiros_py.planning.planners.planner import Planner
-    from skiros_py.robot.driver import CellDriver
+    from skiros_py.ports.driver import CellDriver
 
 __all__ = ["Catalogue"]
 

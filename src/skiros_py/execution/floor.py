@@ -23,9 +23,9 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.devices import DeviceBoard
-from skiros_py.robot.motion import BasePath
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.motion import BasePath
 from skiros_py.skills.floor import Outline
 
 __all__ = ["FloorAreas", "FloorWay"]

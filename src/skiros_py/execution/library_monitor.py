@@ -9,7 +9,7 @@ from typing import Any
 
 from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.geometry import Pose
-from skiros_py.robot.motion import (
+from skiros_py.ports.motion import (
     ArmPlanner,
     BasePath,
     BasePathRequest,
@@ -18,8 +18,8 @@ from skiros_py.robot.motion import (
     MotionRequest,
     NoMotion,
 )
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.perception import (
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.perception import (
     LookRequest,
     LookResult,
     PartDetector,

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.motion import MotionPlan, MotionRequest, NoMotion
-from skiros_py.robot.pending import Pending
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.motion import MotionPlan, MotionRequest, NoMotion
+from skiros_py.ports.pending import Pending
 from skiros_py.workers import Worker
 
 __all__ = ["ArmPlanners", "WorkerArmPlanner"]
@@ -17,7 +17,7 @@ _PLAN_LATENCY = 0.05
 
 
 class WorkerArmPlanner:
-    """Plans the motions of one robot's arms in a worker process; a :class:`skiros_py.robot.motion.ArmPlanner`.
+    """Plans the motions of one robot's arms in a worker process; a :class:`skiros_py.ports.motion.ArmPlanner`.
 
     Args:
         spec: The robot.
@@ -50,7 +50,7 @@ class WorkerArmPlanner:
 
 
 class ArmPlanners:
-    """Plans the motions of the arms of several robots; a :class:`skiros_py.robot.motion.ArmPlanner`.
+    """Plans the motions of the arms of several robots; a :class:`skiros_py.ports.motion.ArmPlanner`.
 
     Each robot has a worker process of its own, so that no robot waits for the plans of another.
 

@@ -12,8 +12,8 @@ from shapely.geometry.base import BaseGeometry
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.motion.footprints import floor_outline, placed, swept
 from skiros_py.motion.visibility import DiscSpace
-from skiros_py.robot.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
-from skiros_py.robot.pending import Pending
+from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
+from skiros_py.ports.pending import Pending
 from skiros_py.workers import Worker
 
 __all__ = ["BasePaths", "ShapelyBasePlanner"]
@@ -29,7 +29,7 @@ _NO_WAY = 1e-6  # [m]
 
 
 class ShapelyBasePlanner:
-    """Plans base paths in a worker process; a :class:`skiros_py.robot.motion.BasePlanner`.
+    """Plans base paths in a worker process; a :class:`skiros_py.ports.motion.BasePlanner`.
 
     Args:
         latency: Declared time from request to path [s]; in lockstep the simulation goes on for as long.

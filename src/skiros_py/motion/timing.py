@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from skiros_py.geometry import Array
-from skiros_py.robot.motion import Trajectory
+from skiros_py.ports.motion import Trajectory
 
 __all__ = ["PERIOD", "JointLimits", "time_path"]
 

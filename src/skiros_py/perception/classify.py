@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skiros_py.perception.elevation import ElevationMap
 from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
 from skiros_py.perception.search import compass_search
-from skiros_py.robot.perception import PartModel
+from skiros_py.ports.perception import PartModel
 
 __all__ = ["Fit", "Surroundings", "best_fits"]
 

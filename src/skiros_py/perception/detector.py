@@ -17,7 +17,7 @@ from skiros_py.perception.plane import Plane, find_support
 from skiros_py.perception.polish import misfits, polish
 from skiros_py.perception.view import View
 from skiros_py.perception.visibility import visible_share
-from skiros_py.robot.perception import Detection, LookRequest, LookResult, Region
+from skiros_py.ports.perception import Detection, LookRequest, LookResult, Region
 
 __all__ = ["detect"]
 

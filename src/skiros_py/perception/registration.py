@@ -18,7 +18,7 @@ from skiros_py.perception.pattern import align, wall_pattern
 from skiros_py.perception.plane import Plane
 from skiros_py.perception.polish import least_heights, misfits, polish
 from skiros_py.perception.view import View
-from skiros_py.robot.perception import RegistrationRequest, RegistrationResult
+from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
 
 __all__ = ["register"]
 

@@ -10,7 +10,7 @@ from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array, Pose
-from skiros_py.robot.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.values import CameraIntrinsics, DepthImage
 
 __all__ = ["View"]
 

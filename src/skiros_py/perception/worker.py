@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
 from skiros_py.workers import Worker
 
 __all__ = ["LATENCY", "Open3dPartDetector", "Open3dRegistrar", "start_perception"]
@@ -38,7 +38,7 @@ def start_perception() -> Worker:
 
 
 class Open3dPartDetector:
-    """Finds and tells apart parts on a flat support; a :class:`skiros_py.robot.perception.PartDetector`.
+    """Finds and tells apart parts on a flat support; a :class:`skiros_py.ports.perception.PartDetector`.
 
     Args:
         worker: From :func:`start_perception`; shared with :class:`Open3dRegistrar`.
@@ -53,7 +53,7 @@ class Open3dPartDetector:
 
 
 class Open3dRegistrar:
-    """Finds the exact pose of a known body near a guess; a :class:`skiros_py.robot.perception.Registrar`.
+    """Finds the exact pose of a known body near a guess; a :class:`skiros_py.ports.perception.Registrar`.
 
     Args:
         worker: From :func:`start_perception`; shared with :class:`Open3dPartDetector`.

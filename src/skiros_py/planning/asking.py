@@ -17,7 +17,7 @@ from skiros_py.planning.planners.planner import Answer, Planner, Unsolvable, aba
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.prospect import Prospect
 from skiros_py.planning.proving import Wrong, proving
-from skiros_py.robot.pending import Pending
+from skiros_py.ports.pending import Pending
 
 __all__ = ["Asking", "Found"]
 

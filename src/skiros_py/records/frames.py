@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skiros_py.robot.values import Snapshot
+from skiros_py.ports.values import Snapshot
 
 __all__ = ["Frame", "Layout", "decode_block", "encode_block", "key_block"]
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.values import BaseState, Snapshot
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import BaseState, Snapshot
 
 __all__ = ["Camera", "KeyMoments", "over_the_shoulder"]
 

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 from skiros_py.database import Database
 from skiros_py.errors import FileError, SkirosError, UsageError
+from skiros_py.ports.pending import Pending
 from skiros_py.records.frames import encode_block
 from skiros_py.records.room import Room
 from skiros_py.records.schema import SCHEMA
-from skiros_py.robot.pending import Pending
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.journal.codec import encode_change

@@ -11,7 +11,7 @@ from functools import partial
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.errors import SkirosError
-from skiros_py.robot.cell import BodySpec
+from skiros_py.ports.cell import BodySpec
 from skiros_py.runtime import Session
 from skiros_py.server.alarms import Alarms
 from skiros_py.server.control import ControlThread

@@ -15,8 +15,8 @@ from tempfile import TemporaryDirectory
 
 from skiros_py.errors import SkirosError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import ArmSpec
-from skiros_py.robot.models import write_robot_urdf
+from skiros_py.ports.cell import ArmSpec
+from skiros_py.ports.models import write_robot_urdf
 
 __all__ = ["Joint", "RobotModel", "known_model", "robot_model"]
 

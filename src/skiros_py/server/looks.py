@@ -15,9 +15,9 @@ from skiros_py.api.state import PoseInfo
 from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.execution.library_monitor import LibraryCall
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
-from skiros_py.robot.values import DepthImage
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
+from skiros_py.ports.values import DepthImage
 from skiros_py.runtime import Session
 
 __all__ = ["MOST_POINTS", "Looks"]

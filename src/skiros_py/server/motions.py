@@ -15,10 +15,10 @@ from skiros_py.errors import SkirosError
 from skiros_py.execution.library_monitor import LibraryCall
 from skiros_py.execution.task import Task
 from skiros_py.geometry import wrap_angle
-from skiros_py.robot.cell import ArmSpec, RobotSpec
-from skiros_py.robot.devices import Commander
-from skiros_py.robot.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
-from skiros_py.robot.values import Snapshot
+from skiros_py.ports.cell import ArmSpec, RobotSpec
+from skiros_py.ports.devices import Commander
+from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
+from skiros_py.ports.values import Snapshot
 from skiros_py.runtime import Session
 from skiros_py.server.kinematics import known_model
 

@@ -20,9 +20,9 @@ from skiros_py.api.robots import (
 from skiros_py.api.state import BaseInfo, GripperInfo, PoseInfo
 from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import ArmSpec, RobotSpec
-from skiros_py.robot.models import BASE_JOINTS
-from skiros_py.robot.values import ArmState, BaseState
+from skiros_py.ports.cell import ArmSpec, RobotSpec
+from skiros_py.ports.models import BASE_JOINTS
+from skiros_py.ports.values import ArmState, BaseState
 from skiros_py.runtime import Session
 from skiros_py.server.kinematics import RobotModel, robot_model
 from skiros_py.server.module_runs import ModuleRun, ModuleRuns, Wish

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from skiros_py.errors import UsageError
-from skiros_py.robot.cell import BodySpec
+from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.pybullet.spawn import free_pose
 
 if TYPE_CHECKING:

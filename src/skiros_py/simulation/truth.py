@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import BodySpec
+from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.pybullet.bodies import Body
 from skiros_py.simulation.pybullet.cell import PyBulletCell
 

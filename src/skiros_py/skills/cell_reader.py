@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
+from skiros_py.ports.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
 from skiros_py.skills.surroundings import solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.stock import Stocked, stocks

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from skiros_py.robot.cell import CellSpec
-from skiros_py.robot.devices import DeviceBoard
-from skiros_py.robot.motion import ArmPlanner, BasePlanner
-from skiros_py.robot.perception import PartDetector, Registrar
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.motion import ArmPlanner, BasePlanner
+from skiros_py.ports.perception import PartDetector, Registrar
 from skiros_py.skills.effects import Effects
 from skiros_py.skills.floor import Floor, OpenFloor
 from skiros_py.skills.questions import Questions

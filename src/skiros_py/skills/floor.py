@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.motion import BasePath
+from skiros_py.ports.motion import BasePath
 
 __all__ = ["Floor", "OpenFloor", "Outline", "Way"]
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import TypeVar
 
-from skiros_py.robot.devices import DeviceBoard
-from skiros_py.robot.values import ArmState, BaseState, GripperState
+from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.values import ArmState, BaseState, GripperState
 from skiros_py.world.sensors import Reading
 
 __all__ = ["ARM_QUANTITIES", "BASE_QUANTITIES", "GRIPPER_QUANTITIES", "BoardSensors"]

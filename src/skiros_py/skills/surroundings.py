@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.motion import Held, Obstacle
+from skiros_py.ports.motion import Held, Obstacle
 from skiros_py.skills.context import RunContext
 from skiros_py.world.element import Value
 from skiros_py.world.transaction import Transaction

@@ -13,8 +13,8 @@ from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.service import Planned
-from skiros_py.robot.cell import CellSpec
-from skiros_py.robot.driver import CellDriver
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.driver import CellDriver
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition, ConditionType

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import ArmState, BaseState, Commands, GripperState, Snapshot
+from skiros_py.ports.values import ArmState, BaseState, Commands, GripperState, Snapshot
 
 __all__ = ["Blind", "CellFault", "Deaf", "Dies", "Frozen", "Late", "Noisy", "Says", "heard", "said"]
 

@@ -7,16 +7,16 @@ from collections.abc import Iterable
 import numpy as np
 
 from skiros_py.errors import DeviceError, UnknownName
-from skiros_py.robot.driver import CellDriver
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.values import Commands, DepthImage, Snapshot
+from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Commands, DepthImage, Snapshot
 from skiros_py.testing.cell_faults import Blind, CellFault, Dies, Late, Noisy, heard, said
 
 __all__ = ["FaultyCell"]
 
 
 class FaultyCell:
-    """A :class:`skiros_py.robot.driver.CellDriver` that passes everything on, but for its faults.
+    """A :class:`skiros_py.ports.driver.CellDriver` that passes everything on, but for its faults.
 
     >>> cell = FaultyCell(FakeCell(spec), Deaf("base_1", after=2.0), Dies(after=10.0))
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from skiros_py.catalogue import load_catalogue
-from skiros_py.robot.cell import CellSpec
-from skiros_py.robot.driver import CellDriver
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.driver import CellDriver
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.context import Libraries

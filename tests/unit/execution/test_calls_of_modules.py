@@ -11,8 +11,8 @@ import pytest
 
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
-from skiros_py.robot.devices import Base, Gripper
-from skiros_py.robot.values import BaseTwist, GripperTarget
+from skiros_py.ports.devices import Base, Gripper
+from skiros_py.ports.values import BaseTwist, GripperTarget
 from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Parallel, Sequence, Wait
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.execution import tick

@@ -10,7 +10,7 @@ import pytest
 
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
-from skiros_py.robot.devices import Arm
+from skiros_py.ports.devices import Arm
 from skiros_py.skills.composition import (
     AssertEffects,
     Check,

@@ -11,8 +11,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle, Task
-from skiros_py.robot.devices import Base, DeviceBoard
-from skiros_py.robot.values import BaseTwist
+from skiros_py.ports.devices import Base, DeviceBoard
+from skiros_py.ports.values import BaseTwist
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing import tiny_world

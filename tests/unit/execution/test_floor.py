@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from skiros_py.execution.floor import FloorAreas, FloorWay
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import CellSpec, RobotSpec
-from skiros_py.robot.devices import DeviceBoard
-from skiros_py.robot.motion import BaseLeg, BasePath
+from skiros_py.ports.cell import CellSpec, RobotSpec
+from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.motion import BaseLeg, BasePath
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing.worlds import world_of

@@ -7,10 +7,10 @@ import pytest
 
 from skiros_py.execution.library_monitor import LibraryCall, LibraryMonitor
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
-from skiros_py.robot.pending import Done
-from skiros_py.robot.perception import LookRequest, LookResult, Region, RegistrationRequest, RegistrationResult
-from skiros_py.robot.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
+from skiros_py.ports.pending import Done
+from skiros_py.ports.perception import LookRequest, LookResult, Region, RegistrationRequest, RegistrationResult
+from skiros_py.ports.values import CameraIntrinsics, DepthImage
 from skiros_py.skills.context import Libraries
 
 IMAGE = DepthImage(

@@ -10,8 +10,8 @@ import pytest
 
 from skiros_py.errors import ModuleError, UnknownName, UsageError
 from skiros_py.execution.monitor import Status
-from skiros_py.robot.devices import Base, Gripper
-from skiros_py.robot.values import BaseTwist, GripperTarget
+from skiros_py.ports.devices import Base, Gripper
+from skiros_py.ports.values import BaseTwist, GripperTarget
 from skiros_py.skills.composition import Do, Fallback, Node, P, Timeout
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success

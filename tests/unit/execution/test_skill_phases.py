@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.execution.monitor import Status
-from skiros_py.robot.devices import Gripper
-from skiros_py.robot.values import GripperTarget
+from skiros_py.ports.devices import Gripper
+from skiros_py.ports.values import GripperTarget
 from skiros_py.skills.composition import AssertEffects, Check, Do, Fallback, Guard, Node, P, Sequence
 from skiros_py.skills.conditions import Computed, ConditionType, Related, Role, Sensor, Verdict
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success

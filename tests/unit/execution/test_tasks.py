@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.cycle import ControlCycle, Task
-from skiros_py.robot.devices import Arm, Base, DeviceBoard
-from skiros_py.robot.values import ArmTarget, BaseTwist, Commands, Snapshot
+from skiros_py.ports.devices import Arm, Base, DeviceBoard
+from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing import tiny_world

@@ -11,8 +11,8 @@ import pytest
 
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
-from skiros_py.robot.cell import ArmSpec, BaseSpec, GripperSpec, RobotSpec
-from skiros_py.robot.motion import Held, JointMove, LineMove, MotionPlan, MotionRequest, Obstacle, PoseMove, Route
+from skiros_py.ports.cell import ArmSpec, BaseSpec, GripperSpec, RobotSpec
+from skiros_py.ports.motion import Held, JointMove, LineMove, MotionPlan, MotionRequest, Obstacle, PoseMove, Route
 
 FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
 HOME = (-1.5708, -0.6, 0.0, -2.4, 0.0, 1.9, 0.7854)

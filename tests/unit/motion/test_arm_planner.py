@@ -12,8 +12,8 @@ from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.motion.arm_planner import WorkerArmPlanner
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.motion import ArmPlanner, MotionPlan
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.motion import ArmPlanner, MotionPlan
 
 
 @pytest.fixture(scope="module")

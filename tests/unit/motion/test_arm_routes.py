@@ -12,7 +12,7 @@ import pytest
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose, Solid
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
-from skiros_py.robot.motion import Held, JointMove, LineMove, MotionPlan, NoMotion, Obstacle, PoseMove
+from skiros_py.ports.motion import Held, JointMove, LineMove, MotionPlan, NoMotion, Obstacle, PoseMove
 
 
 def found(answer: MotionPlan | NoMotion) -> MotionPlan:

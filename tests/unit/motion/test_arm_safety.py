@@ -14,9 +14,9 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.models import write_robot_urdf
-from skiros_py.robot.motion import Held, MotionPlan, MotionRequest, Obstacle
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, Obstacle
 
 
 class BulletJudge:

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
 from skiros_py.motion.base_paths import BasePaths, ShapelyBasePlanner
 from skiros_py.motion.footprints import floor_outline
-from skiros_py.robot.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
+from skiros_py.ports.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
 
 FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
 HALF_TABLE, DOCK = 0.30, 0.30 + 0.26 + 0.22  # middle of the table to the base docked at it [m]

@@ -10,8 +10,8 @@ import pytest
 
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.ik import IkSolver
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.models import write_robot_urdf
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.models import write_robot_urdf
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ import open3d as o3d
 import pytest
 
 from skiros_py.geometry import Pose, Primitive, Solid
-from skiros_py.robot.perception import LookRequest, PartModel, Region
-from skiros_py.robot.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.perception import LookRequest, PartModel, Region
+from skiros_py.ports.values import CameraIntrinsics, DepthImage
 
 Placed = tuple[Solid, Pose]
 

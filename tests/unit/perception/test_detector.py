@@ -10,7 +10,7 @@ import pytest
 
 from skiros_py.geometry import Pose, Solid
 from skiros_py.perception.detector import detect
-from skiros_py.robot.perception import Detection, LookResult, Region
+from skiros_py.ports.perception import Detection, LookResult, Region
 
 if TYPE_CHECKING:
     from conftest import Studio

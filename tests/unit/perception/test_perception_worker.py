@@ -14,7 +14,7 @@ from skiros_py.geometry import Pose
 from skiros_py.perception import Open3dPartDetector, Open3dRegistrar, start_perception
 from skiros_py.perception.detector import detect
 from skiros_py.perception.registration import register
-from skiros_py.robot.perception import Region, RegistrationRequest
+from skiros_py.ports.perception import Region, RegistrationRequest
 from skiros_py.workers import Worker
 
 if TYPE_CHECKING:

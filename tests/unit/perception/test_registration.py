@@ -10,7 +10,7 @@ import pytest
 
 from skiros_py.geometry import Pose, Solid
 from skiros_py.perception.registration import register
-from skiros_py.robot.perception import RegistrationRequest
+from skiros_py.ports.perception import RegistrationRequest
 
 if TYPE_CHECKING:
     from conftest import Placed, Studio

@@ -18,7 +18,7 @@ from skiros_py.planning.planners.planner import Answer, Planner
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.prospect import Prospect
 from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.robot.pending import Pending
+from skiros_py.ports.pending import Pending
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import SKILLS, GivenPlanner, tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, IN_CONTAINER

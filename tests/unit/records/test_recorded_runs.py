@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from skiros_py.errors import FileError
+from skiros_py.ports.pending import Done
 from skiros_py.records import Record, RunRecorder
-from skiros_py.robot.pending import Done
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.index import Index
 

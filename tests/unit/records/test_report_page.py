@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.errors import FileError
+from skiros_py.ports.pending import Done
 from skiros_py.records import Record, RecordWriter, report_page
 from skiros_py.records.drawing import draw
 from skiros_py.records.timeline import lanes, span
-from skiros_py.robot.pending import Done
 from skiros_py.world.change import Change, ElementEdit, PropertyEdit
 from skiros_py.world.element import Element
 

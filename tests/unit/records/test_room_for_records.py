@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from skiros_py.errors import FileError, UsageError
+from skiros_py.ports.pending import Done
+from skiros_py.ports.values import ArmState, Snapshot
 from skiros_py.records import Record, RecordWriter, find_record
 from skiros_py.records.frames import Layout
-from skiros_py.robot.pending import Done
-from skiros_py.robot.values import ArmState, Snapshot
 
 _LIMIT = 1024 * 1024
 _STATE = Snapshot(0, 0.0, {"arm": ArmState((0.0,) * 7, (0.0,) * 7, still=True)})

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
-from skiros_py.robot.cell import RobotSpec
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.runtime import open_world
 from skiros_py.server.kinematics import robot_model
 from skiros_py.skills.cell_reader import read_cell

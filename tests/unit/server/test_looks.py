@@ -13,10 +13,10 @@ import pytest
 from skiros_py.errors import DeviceError
 from skiros_py.execution.library_monitor import LibraryMonitor
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.pending import Done
-from skiros_py.robot.perception import Detection, LookRequest, LookResult, Region, RegistrationRequest
-from skiros_py.robot.perception import RegistrationResult as Registered
-from skiros_py.robot.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.pending import Done
+from skiros_py.ports.perception import Detection, LookRequest, LookResult, Region, RegistrationRequest
+from skiros_py.ports.perception import RegistrationResult as Registered
+from skiros_py.ports.values import CameraIntrinsics, DepthImage
 from skiros_py.runtime import Options, Session
 from skiros_py.server.looks import MOST_POINTS, Looks
 from skiros_py.skills.context import Libraries

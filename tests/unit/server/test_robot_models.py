@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import Busy, DeviceError, UnknownName
-from skiros_py.robot.models import BASE_JOINTS
+from skiros_py.ports.models import BASE_JOINTS
 from skiros_py.server.robot_models import MESHES, DrawnModel, RobotModels
 
 

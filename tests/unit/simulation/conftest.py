@@ -11,8 +11,8 @@ import pybullet
 import pytest
 
 from skiros_py.geometry import Array, Pose, Primitive, Solid
-from skiros_py.robot.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
-from skiros_py.robot.models import write_robot_urdf
+from skiros_py.ports.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
+from skiros_py.ports.models import write_robot_urdf
 from skiros_py.simulation.pybullet import PyBulletCell
 
 EDGE = 0.48  # where the table begins ahead of a docked robot's base frame [m]

@@ -6,7 +6,7 @@ import pytest
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import ArmTarget, BaseTwist, Commands, GripperTarget
+from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, GripperTarget
 from skiros_py.simulation.fake import FakeCell
 
 

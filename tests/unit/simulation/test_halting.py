@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from skiros_py.robot.values import ArmTarget, BaseTwist, Commands, GripperTarget
+from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, GripperTarget
 from skiros_py.simulation.fake import FakeCell
 
 FULL = BaseTwist(-0.8, 0.0)  # backwards: ahead stands the table

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skiros_py.errors import DeviceError
-from skiros_py.robot.values import ArmTarget, Commands, GripperTarget
+from skiros_py.ports.values import ArmTarget, Commands, GripperTarget
 
 REST = (0.0,) * 7
 

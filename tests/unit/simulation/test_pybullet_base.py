@@ -7,7 +7,7 @@ import pytest
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import ArmTarget, BaseTwist, Commands
+from skiros_py.ports.values import ArmTarget, BaseTwist, Commands
 from skiros_py.simulation.truth import Truth
 
 LIMITS = {"linear": (0.8, 0.8), "angular": (1.2, 1.6)}  # greatest speed, greatest acceleration

@@ -7,7 +7,7 @@ import pytest
 
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import BaseTwist, Commands
+from skiros_py.ports.values import BaseTwist, Commands
 from skiros_py.simulation.pybullet import PyBulletCell, spawn
 from skiros_py.simulation.truth import Truth
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import ArmTarget, BaseTwist, Commands
+from skiros_py.ports.values import ArmTarget, BaseTwist, Commands
 
 
 def _scene(kitting):

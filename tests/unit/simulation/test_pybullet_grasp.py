@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import ArmTarget, BaseTwist, Commands, GripperTarget
+from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, GripperTarget
 from skiros_py.simulation.truth import Truth
 
 pytestmark = pytest.mark.physics

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import BaseTwist, Commands
+from skiros_py.ports.values import BaseTwist, Commands
 from skiros_py.simulation.pybullet.localiser import POSITION_SIGMA, YAW_SIGMA, Localiser
 from skiros_py.simulation.truth import Truth
 

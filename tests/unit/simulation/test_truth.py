@@ -3,7 +3,7 @@
 import pytest
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import Commands
+from skiros_py.ports.values import Commands
 from skiros_py.simulation.truth import Truth
 
 KIT = (0.92, 0.0)

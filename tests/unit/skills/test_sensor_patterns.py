@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import DescriptionError
-from skiros_py.robot.devices import DeviceBoard
+from skiros_py.ports.devices import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Pattern, Related, Sensor, Verdict, is_sensed

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.planning.service import PlanningService
-from skiros_py.robot.pending import Pending
+from skiros_py.ports.pending import Pending
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.task_manager import TaskManager

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.geometry import Pose
-from skiros_py.robot.driver import CellDriver
-from skiros_py.robot.pending import Done, Pending
-from skiros_py.robot.values import ArmTarget, BaseTwist, Commands, DepthImage, GripperState, GripperTarget
+from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.pending import Done, Pending
+from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, DepthImage, GripperState, GripperTarget
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.testing import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says
 from skiros_py.testing.conformance import small_cell

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
-from skiros_py.robot.cell import ArmSpec, GripperSpec
+from skiros_py.ports.cell import ArmSpec, GripperSpec
 
 __all__ = ["ArmModel", "se3"]
 

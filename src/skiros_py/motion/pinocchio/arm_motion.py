@@ -15,9 +15,9 @@ from skiros_py.motion.pinocchio.coverage import covered
 from skiros_py.motion.pinocchio.ik import IkSolver
 from skiros_py.motion.pinocchio.route_search import Chain, FreeLeg, Refusal, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.models import write_robot_urdf
-from skiros_py.robot.motion import MotionPlan, MotionRequest, NoMotion, Trajectory
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.motion import MotionPlan, MotionRequest, NoMotion, Trajectory
 
 __all__ = ["ArmMotion"]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose, Primitive
 from skiros_py.motion.pinocchio.arm_model import ArmModel, se3
-from skiros_py.robot.motion import Held, Obstacle
+from skiros_py.ports.motion import Held, Obstacle
 
 __all__ = ["Checker", "CollisionScene", "Contact", "self_collision_pairs"]
 

@@ -9,7 +9,7 @@ import shapely
 
 from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
-from skiros_py.robot.motion import Held
+from skiros_py.ports.motion import Held
 
 __all__ = ["covered"]
 

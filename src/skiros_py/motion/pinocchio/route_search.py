@@ -21,7 +21,7 @@ from skiros_py.motion.pinocchio.free_moves import Effort, FreeMoves
 from skiros_py.motion.pinocchio.ik import IkSolver
 from skiros_py.motion.pinocchio.lines import Line, LineFollower
 from skiros_py.motion.smoothing import round_corners
-from skiros_py.robot.motion import JointMove, LineMove, Move, PoseMove, Route
+from skiros_py.ports.motion import JointMove, LineMove, Move, PoseMove, Route
 
 __all__ = ["Chain", "FreeLeg", "LineLeg", "Refusal", "RouteSearch"]
 

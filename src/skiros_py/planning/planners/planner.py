@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from skiros_py.robot.pending import Pending
+from skiros_py.ports.pending import Pending
 
 __all__ = ["Answer", "Planner", "Solved", "Unsolvable", "abandon"]
 

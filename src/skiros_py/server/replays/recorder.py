@@ -11,7 +11,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from uuid import uuid4
 
-from skiros_py.robot.values import Snapshot
+from skiros_py.ports.values import Snapshot
 from skiros_py.runtime import Session
 from skiros_py.server.replays.lines import Line, read_lines
 from skiros_py.server.replays.recording import EVERY, Beginning, Recording

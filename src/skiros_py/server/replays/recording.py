@@ -11,8 +11,8 @@ from pathlib import Path
 from skiros_py.api.replays import ReplayChange
 from skiros_py.api.view import WorldView
 from skiros_py.geometry import Pose
+from skiros_py.ports.values import Snapshot
 from skiros_py.records.frames import Layout, encode_block
-from skiros_py.robot.values import Snapshot
 from skiros_py.server.replays.lines import Kind, Line, add_lines, mend
 from skiros_py.server.world.view import view_of
 from skiros_py.world.change import Change

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import CellSpec
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.values import (
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import (
     ArmState,
     ArmTarget,
     BaseState,
@@ -28,7 +28,7 @@ _NO_COMMANDS = Commands()
 
 
 class FakeCell:
-    """A :class:`skiros_py.robot.driver.CellDriver` for trying skills and plans without physics.
+    """A :class:`skiros_py.ports.driver.CellDriver` for trying skills and plans without physics.
 
     Arms and grippers reach their targets within the cycle, bases drive exactly as told and know exactly where they are.
     Bodies do not exist: nothing can be seen, held or bumped into.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.robot.cell import BodySpec
+from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.pybullet.bodies import Colour
 
 __all__ = ["FLOOR", "Palette"]

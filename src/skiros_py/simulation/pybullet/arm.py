@@ -6,8 +6,8 @@ import numpy as np
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array
-from skiros_py.robot.cell import ArmSpec
-from skiros_py.robot.values import ArmState, ArmTarget
+from skiros_py.ports.cell import ArmSpec
+from skiros_py.ports.values import ArmState, ArmTarget
 from skiros_py.simulation.pybullet.client import Client
 from skiros_py.simulation.pybullet.joints import Joints
 from skiros_py.simulation.pybullet.limits import Standstill

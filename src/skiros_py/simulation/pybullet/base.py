@@ -6,9 +6,9 @@ import math
 
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import BaseSpec
-from skiros_py.robot.models import WHEEL_RADIUS, WHEEL_TRACK
-from skiros_py.robot.values import BaseState, BaseTwist
+from skiros_py.ports.cell import BaseSpec
+from skiros_py.ports.models import WHEEL_RADIUS, WHEEL_TRACK
+from skiros_py.ports.values import BaseState, BaseTwist
 from skiros_py.simulation.pybullet.client import Client
 from skiros_py.simulation.pybullet.joints import Joints
 from skiros_py.simulation.pybullet.limits import Standstill, approach

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from skiros_py.geometry import Array, Pose, Primitive, Solid
-from skiros_py.robot.cell import BodySpec
+from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.pybullet.client import Client
 
 __all__ = ["Body", "Colour", "build_solid", "centre_of_mass"]

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from skiros_py.errors import DeviceError, UsageError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import BodySpec, CameraSpec, CellSpec, RobotSpec
-from skiros_py.robot.models import write_robot_urdf
-from skiros_py.robot.values import Commands, DepthImage, Snapshot
+from skiros_py.ports.cell import BodySpec, CameraSpec, CellSpec, RobotSpec
+from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.values import Commands, DepthImage, Snapshot
 from skiros_py.simulation.pybullet.client import Client
 from skiros_py.simulation.pybullet.picture import Shot
 from skiros_py.simulation.pybullet.renderer import Renderer, intrinsics_of
@@ -35,7 +35,7 @@ _COMING_TO_REST = 0.25
 
 
 class PyBulletCell:
-    """A :class:`skiros_py.robot.driver.CellDriver` on the PyBullet physics engine; one physics step per exchange.
+    """A :class:`skiros_py.ports.driver.CellDriver` on the PyBullet physics engine; one physics step per exchange.
 
     Everything that happens in it is a function of the specification, the seed and the commands. Pictures are made by a
     worker process and show exactly the cycle in which they were asked for.

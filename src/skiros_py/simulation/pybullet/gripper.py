@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from skiros_py.errors import DeviceError
-from skiros_py.robot.cell import GripperSpec
-from skiros_py.robot.values import GripperState, GripperTarget
+from skiros_py.ports.cell import GripperSpec
+from skiros_py.ports.values import GripperState, GripperTarget
 from skiros_py.simulation.pybullet.client import Client
 from skiros_py.simulation.pybullet.joints import Joints
 from skiros_py.simulation.pybullet.limits import Standstill

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.cell import CameraSpec
-from skiros_py.robot.values import CameraIntrinsics
+from skiros_py.ports.cell import CameraSpec
+from skiros_py.ports.values import CameraIntrinsics
 from skiros_py.simulation.pybullet.bodies import Colour
 
 __all__ = ["Look", "SceneState", "Shot"]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.values import CameraIntrinsics, DepthImage
 from skiros_py.simulation.pybullet.appearance import FLOOR
 from skiros_py.simulation.pybullet.bodies import build_solid
 from skiros_py.simulation.pybullet.client import Client

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from skiros_py.robot.cell import RobotSpec
-from skiros_py.robot.values import Commands
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.values import Commands
 from skiros_py.simulation.pybullet.arm import Arm
 from skiros_py.simulation.pybullet.base import Base
 from skiros_py.simulation.pybullet.client import Client

@@ -12,7 +12,7 @@ import numpy as np
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import BodySpec, CellSpec
+from skiros_py.ports.cell import BodySpec, CellSpec
 from skiros_py.simulation.pybullet.appearance import Palette
 from skiros_py.simulation.pybullet.bodies import Body, build_solid, centre_of_mass
 from skiros_py.simulation.pybullet.client import Client

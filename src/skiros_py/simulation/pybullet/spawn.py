@@ -10,7 +10,7 @@ import numpy as np
 
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import BodySpec, CellSpec
+from skiros_py.ports.cell import BodySpec, CellSpec
 
 __all__ = ["free_pose", "start_poses"]
 

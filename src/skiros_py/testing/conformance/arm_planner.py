@@ -16,8 +16,8 @@ import shapely
 
 from skiros_py.errors import SkirosError
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.robot.cell import ArmSpec, RobotSpec
-from skiros_py.robot.motion import (
+from skiros_py.ports.cell import ArmSpec, RobotSpec
+from skiros_py.ports.motion import (
     ArmPlanner,
     JointMove,
     LineMove,
@@ -35,7 +35,7 @@ __all__ = ["ArmPlannerContract"]
 
 
 class ArmPlannerContract:
-    """Claims about an :class:`~skiros_py.robot.motion.ArmPlanner`; one planner serves all tests of the class.
+    """Claims about an :class:`~skiros_py.ports.motion.ArmPlanner`; one planner serves all tests of the class.
 
     The robot's first arm must be able to move each joint by 0.2 rad from home, and its tip by 4 cm, in free space.
 

@@ -13,7 +13,7 @@ import pytest
 import shapely
 
 from skiros_py.geometry import Pose, Solid, wrap_angle
-from skiros_py.robot.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
+from skiros_py.ports.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.testing.conformance.pending import check_pending
 
 __all__ = ["BasePlannerContract"]
@@ -24,7 +24,7 @@ _GOAL = Pose.of(4.0, 1.0, 0.0, yaw=0.5)
 
 
 class BasePlannerContract:
-    """Claims about a :class:`~skiros_py.robot.motion.BasePlanner`; one planner serves all tests of the class.
+    """Claims about a :class:`~skiros_py.ports.motion.BasePlanner`; one planner serves all tests of the class.
 
     Class attributes:
         goal_tolerance: How near to its goal a path ends [m].

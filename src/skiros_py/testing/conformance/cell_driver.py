@@ -14,9 +14,9 @@ from typing import ClassVar, TypeVar
 import pytest
 
 from skiros_py.errors import DeviceError
-from skiros_py.robot.cell import ArmSpec, BaseSpec, CellSpec, GripperSpec
-from skiros_py.robot.driver import CellDriver
-from skiros_py.robot.values import ArmTarget, BaseState, BaseTwist, Commands, GripperTarget, Snapshot
+from skiros_py.ports.cell import ArmSpec, BaseSpec, CellSpec, GripperSpec
+from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.values import ArmTarget, BaseState, BaseTwist, Commands, GripperTarget, Snapshot
 from skiros_py.testing.conformance.cells import small_cell
 from skiros_py.testing.conformance.pending import check_pending
 
@@ -26,7 +26,7 @@ _NOTHING = Commands()
 
 
 class CellDriverContract:
-    """Claims about a :class:`~skiros_py.robot.driver.CellDriver`; every test gets a cell of its own.
+    """Claims about a :class:`~skiros_py.ports.driver.CellDriver`; every test gets a cell of its own.
 
     The robot needs 0.5 m of free floor ahead and behind. Devices that a robot does not have are not tested.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from skiros_py.geometry import Pose
-from skiros_py.robot.cell import ArmSpec, BaseSpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
+from skiros_py.ports.cell import ArmSpec, BaseSpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
 
 __all__ = ["small_cell"]
 

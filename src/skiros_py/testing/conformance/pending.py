@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from skiros_py.robot.pending import Pending
+from skiros_py.ports.pending import Pending
 
 __all__ = ["PendingContract", "check_pending"]
 
@@ -21,7 +21,7 @@ _PATIENCE = 60.0
 
 
 class PendingContract:
-    """Claims about a :class:`~skiros_py.robot.pending.Pending`, such as the answer of a device of one's own."""
+    """Claims about a :class:`~skiros_py.ports.pending.Pending`, such as the answer of a device of one's own."""
 
     def make(self) -> Pending[Any]:
         """Asks for something that will be answered; each test asks anew."""

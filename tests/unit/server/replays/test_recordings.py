@@ -10,7 +10,7 @@ import pytest
 
 from skiros_py.api.replays import Replay
 from skiros_py.geometry import Pose
-from skiros_py.robot.values import ArmState, BaseState, GripperState, Snapshot
+from skiros_py.ports.values import ArmState, BaseState, GripperState, Snapshot
 from skiros_py.runtime import open_world
 from skiros_py.server.replays.answer import replay_text
 from skiros_py.server.replays.lines import Kind, add_lines, read_lines

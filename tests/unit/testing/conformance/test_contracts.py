@@ -10,7 +10,7 @@ GOOD = '''
 import pytest
 from dataclasses import replace
 from skiros_py.errors import DeviceError
-from skiros_py.robot.values import *
+from skiros_py.ports.values import *
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.testing.conformance import CellDriverContract, BasePlannerContract, PlannerContract, PendingContract
 
@@ -189,8 +189,8 @@ def test_each_wrong_driver_fails_exactly_the_claims_that_it_breaks(pytester: pyt
 
 OTHERS = '''
 from skiros_py.planning.planners.planner import Solved, Unsolvable
-from skiros_py.robot.motion import BasePath, BaseLeg, NoMotion
-from skiros_py.robot.pending import Done
+from skiros_py.ports.motion import BasePath, BaseLeg, NoMotion
+from skiros_py.ports.pending import Done
 
 class TestStraight(BasePlannerContract):
     """Drives straight through everything."""

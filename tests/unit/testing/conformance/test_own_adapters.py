@@ -10,10 +10,10 @@ from skiros_py.planning.planners.command import CommandPlanner
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner
-from skiros_py.robot.cell import CellSpec, RobotSpec
-from skiros_py.robot.driver import CellDriver
-from skiros_py.robot.motion import ArmPlanner, BasePlanner
-from skiros_py.robot.pending import Done, Pending
+from skiros_py.ports.cell import CellSpec, RobotSpec
+from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.motion import ArmPlanner, BasePlanner
+from skiros_py.ports.pending import Done, Pending
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.simulation.pybullet import PyBulletCell
 from skiros_py.testing import FaultyCell

@@ -12,7 +12,7 @@ from skiros_py.skills.lint.subject import Known, Source, Subject
 __all__ = ["PRIVATE_IMPORT"]
 
 _PACKAGE = "skiros_py"
-_OPEN = frozenset({"errors", "geometry", "robot", "skills", "testing", "world", "workers", "__version__"})
+_OPEN = frozenset({"errors", "geometry", "ports", "skills", "testing", "world", "workers", "__version__"})
 """What plug-ins may import; and, of the package itself, the few names it offers."""
 _PORTS = ("skiros_py.planning.planners.planner",)
 """Ports that lie elsewhere."""

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import UnknownName
-from skiros_py.robot.models import write_robot_urdf
+from skiros_py.ports.models import write_robot_urdf
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.values import Commands, DepthImage, Snapshot
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Commands, DepthImage, Snapshot
 
 __all__ = ["CellDriver"]
 

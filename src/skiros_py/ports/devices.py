@@ -8,9 +8,9 @@ from itertools import chain
 from typing import Protocol, TypeVar
 
 from skiros_py.errors import DeviceError
-from skiros_py.robot.driver import CellDriver
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.values import (
+from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import (
     ArmState,
     ArmTarget,
     BaseState,

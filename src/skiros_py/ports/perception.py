@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from skiros_py.geometry import Pose, Solid
-from skiros_py.robot.pending import Pending
-from skiros_py.robot.values import DepthImage
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import DepthImage
 
 __all__ = [
     "Detection",
