@@ -272,7 +272,7 @@ beep_{n} = bench_plugin_{n}:Beep
 """
 _START = """
 import sys
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 with Session("kitting", Options(fake=True)) as session:
     found = sum(name.startswith("greet_") for name in session.catalogue.skills)
     if found != int(sys.argv[1]):

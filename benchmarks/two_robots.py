@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import psutil
 from table import Figure, finish
 
-from skiros_py.runtime import Options, Session
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.outcome import Failure
+from skiros_py.station.session import Options, Session
 
 _SCENE = "kitting_two"
 _RATIO = 0.65

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from skiros_py.runtime import Session
+    from skiros_py.station.session import Session
 
 __all__ = ["__version__", "open"]
 
@@ -27,11 +27,11 @@ def open(scene: str | Path, **options: Any) -> Session:  # noqa: A001 - reads as
 
     Args:
         scene: Name of a scene, or path of a scene file.
-        **options: Fields of :class:`skiros_py.runtime.Options`: ``seed``, ``robot``, ``fake``, ``pace``, ``gui``.
+        **options: Fields of `station.session.Options`: ``seed``, ``robot``, ``fake``, ``pace``, ``gui``.
 
     Returns:
         A session; use it in a ``with`` or close it.
     """
-    from skiros_py.runtime import Options, Session  # heavy imports only when something is opened
+    from skiros_py.station.session import Options, Session  # heavy imports only when something is opened
 
     return Session(str(scene), Options(**options))

@@ -22,7 +22,7 @@ from skiros_py.records.recorder import RunRecorder
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from skiros_py.runtime import Session
+    from skiros_py.station.session import Session
 
 __all__ = ["RunPictures", "check_recording", "run_recorder"]
 

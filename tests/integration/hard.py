@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import httpx2
 import psutil
 
-from skiros_py.runtime import Options
+from skiros_py.station.session import Options
 from skiros_py.testing.serving import Served
 
 PATIENCE = 60.0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 from skiros_py.testing import (
     TINY_ONTOLOGY,
     tiny_scene,

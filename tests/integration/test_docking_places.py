@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.planning.plan import Plan
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 
 SCENE = Path(__file__).parents[2] / "scenes" / "kitting_two.ttl"
 GOALS = [f"ObjectAtLocation({part}_2, kit_2_{slot})" for part, slot in (("starter", "a"), ("compressor", "c"))]

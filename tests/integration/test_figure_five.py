@@ -10,7 +10,7 @@ import pytest
 from skiros_py.config import find_scene
 from skiros_py.errors import UsageError
 from skiros_py.planning.plan import Plan
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 
 GOAL = "InKit(Alternator, kit_9) and RobotAtLocation(robot_1, large_box_3)"
 BOXES = """

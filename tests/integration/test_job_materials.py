@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 from skiros_py.tasks.jobs import JobOrder, Outcome
 
 

@@ -10,7 +10,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from skiros_py.errors import UnknownName, UsageError
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 from skiros_py.tasks.jobs import JobOrder, JobState, Outcome
 from skiros_py.tasks.policy import Policy
 
@@ -185,7 +185,7 @@ def test_everything_is_still_there_after_a_restart(data):
 _KILLED = """
 import json, sys
 from pathlib import Path
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 from skiros_py.tasks.jobs import JobOrder
 with Session("kitting", Options(fake=True, data=Path(sys.argv[1]), pace=2.0)) as session:
     session.jobs.submit(JobOrder(id="a", goal=("InKit(Starter, kit_1)",)))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 from skiros_py.tasks.jobs import Job, JobManager, JobOrder, JobState, JobStore, Outcome
 
 NORTH = "ObjectAtLocation(starter_1, kit_1_a)"

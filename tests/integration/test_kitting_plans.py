@@ -14,7 +14,7 @@ import skiros_py
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import Status
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 
 SCENES = ["kitting", "kitting_carried"]
 

@@ -10,7 +10,7 @@ import pytest
 import skiros_py
 from skiros_py.planning.explanation.edits import Move
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.runtime import Session
+from skiros_py.station.session import Session
 from skiros_py.world.change import Writer
 
 Moves = Sequence[tuple[str, ...]]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.trace import Happening
 from skiros_py.tasks.undertaking import Undertaking

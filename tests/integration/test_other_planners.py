@@ -22,7 +22,6 @@ from unified_planning.io import PDDLReader
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved
-from skiros_py.runtime import Options, Session
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,
@@ -38,6 +37,7 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.station.session import Options, Session
 from skiros_py.testing import tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import (
     AT_LOCATION,

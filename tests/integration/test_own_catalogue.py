@@ -10,7 +10,7 @@ from skiros_py.catalogue import Catalogue
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.plugins import PluginFault
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 from skiros_py.testing import CONDITIONS, SKILLS, TINY_ONTOLOGY, tiny_scene
 
 FAULT = PluginFault("skiros.skills", "fly", "drones 0.1", "ImportError: no wings", "Traceback …")

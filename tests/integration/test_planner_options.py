@@ -8,7 +8,7 @@ import pytest
 
 from skiros_py.cli.main import cli
 from skiros_py.errors import UsageError
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "planner.md"
 COMMANDS = [line[2:] for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("$ ")]

@@ -19,9 +19,9 @@ from skiros_py.client.calls import events as calls
 from skiros_py.client.errors import ProblemError, Unreachable
 from skiros_py.client.streams import follow, follow_later
 from skiros_py.server.access.roles import Role
-from skiros_py.server.events.event import Kind
 from skiros_py.server.events.places import place_text
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.events.event import Kind
 from skiros_py.tasks.jobs import JobOrder
 from skiros_py.testing.server_process import ServerProcess
 from skiros_py.testing.serving import serving

@@ -17,8 +17,8 @@ import pytest
 from skiros_py.api.events import EventInfo, ResetInfo
 from skiros_py.client.calls import events as calls
 from skiros_py.client.streams import follow
-from skiros_py.server.events.event import Kind
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.events.event import Kind
 from skiros_py.testing.server_process import ServerProcess
 from skiros_py.testing.serving import Served, serving
 

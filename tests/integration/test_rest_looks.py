@@ -15,7 +15,7 @@ import pytest
 from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.client.calls.events import get_state
 from skiros_py.client.client import Client
-from skiros_py.runtime import Options
+from skiros_py.station.session import Options
 from skiros_py.testing.serving import Served, serving
 
 PATIENCE = 60.0

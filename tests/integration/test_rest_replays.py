@@ -13,7 +13,7 @@ import pytest
 
 from skiros_py.api.replays import Replay
 from skiros_py.client.client import Client
-from skiros_py.runtime import Options
+from skiros_py.station.session import Options
 from skiros_py.testing.serving import Served, serving
 
 PATIENCE = 60.0

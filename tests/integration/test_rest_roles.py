@@ -12,12 +12,12 @@ from typing import Any
 import httpx2
 import pytest
 
-from skiros_py.runtime import Options
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Role
 from skiros_py.server.app import create_app
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.session import Options
 from skiros_py.testing.serving import serving
 
 from .role_table import OPEN, ROLES

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from skiros_py.client.calls import scenes as calls
 from skiros_py.client.client import Client
-from skiros_py.runtime import Session
+from skiros_py.station.session import Session
 from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer

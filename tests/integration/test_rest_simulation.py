@@ -16,8 +16,8 @@ from skiros_py.client.calls import simulation as calls
 from skiros_py.client.client import Client
 from skiros_py.errors import WrongState
 from skiros_py.geometry import Pose
-from skiros_py.runtime import Options
-from skiros_py.server.alarms import Alarm
+from skiros_py.station.alarms.alarms import Alarm
+from skiros_py.station.session import Options
 from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement

@@ -11,8 +11,8 @@ import httpx2
 import pytest
 
 from skiros_py.errors import WrongState
-from skiros_py.runtime import Options
 from skiros_py.skills.questions import QuestionKind
+from skiros_py.station.session import Options
 from skiros_py.tasks.jobs import JobOrder, JobState
 from skiros_py.testing.serving import serving
 

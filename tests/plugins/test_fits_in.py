@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_py.runtime import open_world
 from skiros_py.skills.conditions import Verdict
+from skiros_py.station.session import open_world
 from skiros_py.testing import tiny_world
 from skiros_py.world.world import World
 from skiros_skills import conditions

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 
 
 @pytest.fixture

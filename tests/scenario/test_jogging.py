@@ -9,7 +9,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from skiros_py.runtime import Options
+from skiros_py.station.session import Options
 from skiros_py.testing.serving import serving
 
 pytestmark = pytest.mark.physics

@@ -13,7 +13,7 @@ from PIL import Image
 
 from skiros_py.recording import run_recorder
 from skiros_py.records import Record, find_record
-from skiros_py.runtime import Session
+from skiros_py.station.session import Session
 
 
 @pytest.mark.physics

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from skiros_py.judgement import judge
-from skiros_py.runtime import Options, Session
+from skiros_py.station.judgement import judge
+from skiros_py.station.session import Options, Session
 from skiros_py.tasks.jobs import JobOrder
 from skiros_py.testing.serving import serving
 from skiros_py.world.change import Writer

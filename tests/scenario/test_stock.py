@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import DescriptionError
-from skiros_py.runtime import Options, Session
+from skiros_py.station.session import Options, Session
 
 pytestmark = pytest.mark.physics
 
@@ -36,7 +36,7 @@ def test_a_stock_is_as_many_bodies_as_it_counts_lying_in_their_container(open_se
 
 
 def test_goals_by_class_are_judged_by_bodies_without_individuals_and_individuals_of_a_stock_by_nobody(open_session):
-    from skiros_py.judgement import judge
+    from skiros_py.station.judgement import judge
     from skiros_py.world.stock import take
 
     session = open_session("kitting_stock", seed=4)

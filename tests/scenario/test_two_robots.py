@@ -12,11 +12,11 @@ from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_py.catalogue import load_catalogue
 from skiros_py.geometry import Pose
 from skiros_py.ports.motion import BaseLeg, BasePath, PoseMove
-from skiros_py.runtime import Options, Session
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
+from skiros_py.station.session import Options, Session
 
 pytestmark = pytest.mark.physics
 

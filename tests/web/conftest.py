@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import pytest
 
-from skiros_py.runtime import Options
 from skiros_py.server.pages import installed_pages
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.session import Options
 from skiros_py.testing.serving import Served, serving
 
 if TYPE_CHECKING:

@@ -10,11 +10,11 @@ from skiros_py.catalogue import Catalogue
 from skiros_py.checking.cases import Case, Ground, NoCase, find_case
 from skiros_py.checking.contract import Contract, contained_contract, finding, missing_effects, never_tried
 from skiros_py.checking.rig import Rig
-from skiros_py.judgement import judge
-from skiros_py.runtime import Options, Session, open_world
 from skiros_py.skills.lint import EFFECT_MISSING, Spot
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.skill import Skill
+from skiros_py.station.judgement import judge
+from skiros_py.station.session import Options, Session, open_world
 
 __all__ = ["check_simulated", "is_simulable"]
 

@@ -17,7 +17,7 @@ from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.wording import short_step
 
 if TYPE_CHECKING:
-    from skiros_py.runtime import Session
+    from skiros_py.station.session import Session
 
 __all__ = ["RunDisplay"]
 

@@ -45,14 +45,14 @@ class JobFiles:
         Raises:
             UnknownName: There is no such job.
         """
-        from skiros_py.server.job_views import job_view
+        from skiros_py.station.jobs.views import job_view
 
         return job_view(self._job(job), time.time())
 
     def list(self, states: tuple[str, ...], limit: int) -> tuple[Job, ...]:
         """Returns the first jobs that are in some states; in any where none is given."""
         from skiros_py.api.jobs import StateName
-        from skiros_py.server.job_views import STATES, job_view
+        from skiros_py.station.jobs.views import STATES, job_view
 
         wanted = [STATES[StateName(state)] for state in states] if states else None
         page = self._store.page(states=wanted, limit=limit)
@@ -60,7 +60,7 @@ class JobFiles:
 
     def plan(self, job: str) -> JobPlan:
         """Returns the last plan of a job."""
-        from skiros_py.server.job_accounts import plan_of
+        from skiros_py.station.jobs.accounts import plan_of
 
         return plan_of(self._job(job), self._store.trace(job))
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from skiros_py.execution.monitor import ModuleEvent
     from skiros_py.execution.panel import Panel
     from skiros_py.execution.skill_manager import SkillManager
-    from skiros_py.runtime import Session
+    from skiros_py.station.session import Session
 
 __all__ = ["command"]
 
@@ -113,8 +113,8 @@ def run(
 ) -> int:
     """Runs a module by itself, and shows its conditions before and after."""
     from skiros_py.cli.run import stopping
-    from skiros_py.runtime import Options, Session
     from skiros_py.skills.outcome import Success
+    from skiros_py.station.session import Options, Session
 
     options = Options(seed=seed, fake=fake, gui=gui, driver=driver, pace=pace, config=config)
     with Session(scene, options) as session:
@@ -142,7 +142,7 @@ def run(
 
 
 def _fake(scene: str) -> Session:
-    from skiros_py.runtime import Options, Session
+    from skiros_py.station.session import Options, Session
 
     return Session(scene, Options(fake=True))
 

@@ -49,7 +49,7 @@ def open_existing(data: Path) -> DataDirectory:
     Raises:
         FileError: It is not there, another process uses it, it cannot be read or written, or a file is broken.
     """
-    from skiros_py.runtime import open_data
+    from skiros_py.station.session import open_data
 
     return open_data(data, create=False)
 

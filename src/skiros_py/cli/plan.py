@@ -48,7 +48,7 @@ def command(
 ) -> int:
     """Shows domain, problem and plan for the goal of SCENE; nothing moves."""
     from skiros_py.planning.plan import NoPlan
-    from skiros_py.runtime import Options, Session
+    from skiros_py.station.session import Options, Session
 
     options = Options(
         robot=robot, fake=True, goal=goals, planner=planner, planner_command=planner_command, temporal=temporal

@@ -22,7 +22,7 @@ from skiros_py.cli.stops import STOPS, heard_at_once, ignore_stops, raise_interr
 from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.runtime import Session
+    from skiros_py.station.session import Session
     from skiros_py.tasks.report import GoalReport
 
 __all__ = ["command", "stopping"]
@@ -81,7 +81,7 @@ def command(
         check_recording(record, fake=fake)
     if gui:
         check_display(os.environ.get("DISPLAY"))
-    from skiros_py.runtime import Options, Session
+    from skiros_py.station.session import Options, Session
 
     options = Options(
         seed=seed,

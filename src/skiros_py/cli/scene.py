@@ -50,7 +50,7 @@ def list_scenes(as_json: bool) -> int:
 @_JSON
 def show(scene: str, as_json: bool) -> int:
     """Shows SCENE as a tree over what is placed where and what is built of what, and its goal."""
-    from skiros_py.runtime import open_world
+    from skiros_py.station.session import open_world
     from skiros_py.world.branches import tree
 
     world = open_world(scene)
@@ -77,7 +77,7 @@ def check(scene: str, as_json: bool) -> int:
     """
     from skiros_py.catalogue import load_catalogue
     from skiros_py.config import find_scene
-    from skiros_py.runtime import open_world
+    from skiros_py.station.session import open_world
     from skiros_py.tasks.goals import parse_goal
     from skiros_py.world.vocabulary import ELEMENT
 
@@ -103,7 +103,7 @@ def diff(old: str, new: str, as_json: bool) -> int:
 
     Exit status: 0 they are equal, 1 they are different, 2 one of them is broken.
     """
-    from skiros_py.runtime import open_world
+    from skiros_py.station.session import open_world
     from skiros_py.world.scene import describe
     from skiros_py.world.scene import diff as compare
 
@@ -139,7 +139,7 @@ def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
 
 
 def _loaded(scene: str) -> str:
-    from skiros_py.runtime import open_world
+    from skiros_py.station.session import open_world
     from skiros_py.world.scene.writer import scene_turtle
 
     return scene_turtle(open_world(scene).snapshot())

@@ -28,10 +28,10 @@ from skiros_py.interruptions import UserStop
 if TYPE_CHECKING:
     from socket import socket
 
-    from skiros_py.runtime import Options
     from skiros_py.server.services import Services
     from skiros_py.server.serving import Serving
     from skiros_py.server.settings import Authentication, ServerSettings
+    from skiros_py.station.session import Options
 
 __all__ = ["command"]
 
@@ -106,9 +106,9 @@ def command(
     /api/v1/docs; where the web pages are installed, they are at /. At the end the robots come to a standstill, and what
     was under way waits for a person at the next start.
     """
-    from skiros_py.runtime import Options
     from skiros_py.server.serving import bind, switching_quickly
     from skiros_py.server.settings import ServerSettings
+    from skiros_py.station.session import Options
 
     settings = ServerSettings(
         host=host,
@@ -180,10 +180,10 @@ def _log_to_stderr(form: Literal["console", "json"]) -> None:
 def _serve(
     scene: str, options: Options, settings: ServerSettings, listening: socket, stops: _Stops, *, as_json: bool
 ) -> None:
-    from skiros_py.runtime import Session
     from skiros_py.server.discovery import announced
     from skiros_py.server.services import Services
     from skiros_py.server.serving import Serving, url_of
+    from skiros_py.station.session import Session
 
     data = options.data
     assert data is not None
@@ -210,8 +210,8 @@ def _serve(
 
 def _say_what_lives(services: Services, scene: str, data: Path) -> None:
     """Tells who asks for another scene than that which lives there."""
-    from skiros_py.runtime import scene_title
-    from skiros_py.server.scene_loading import scene_of
+    from skiros_py.station.scenes.loading import scene_of
+    from skiros_py.station.session import scene_title
 
     found, _ = scene_of(services.session.world)
     if found == scene_title(scene):

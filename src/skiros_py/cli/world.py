@@ -70,7 +70,7 @@ def create(scene: str, data: Path) -> int:
     A learned.ttl that lies in it already comes along.
     """
     from skiros_py.client.discovery import find_server
-    from skiros_py.runtime import open_data
+    from skiros_py.station.session import open_data
 
     if (data / "journal.db").exists():
         server = find_server(data)
@@ -93,7 +93,7 @@ def create(scene: str, data: Path) -> int:
 def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> int:
     """Shows what is believed of ELEMENT: class, properties, relations, and the last change."""
     from skiros_py.cli.world_open import OpenWorld
-    from skiros_py.runtime import open_world
+    from skiros_py.station.session import open_world
 
     if (data is None) == (scene is None):
         raise click.UsageError("say where to look: either --data DIR or --scene SCENE")

@@ -152,7 +152,7 @@ def _tried(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cas
 
     Those of others may need arms that really move.
     """
-    needed = [("skiros_py.runtime", "Options"), ("skiros_py.runtime", "Session")]
+    needed = [("skiros_py.station.session", "Options"), ("skiros_py.station.session", "Session")]
     origins = [known.primitive_origin(name) for name in dict.fromkeys(said.do)]
     if not origins or any(o.module.partition(".")[0] != known.project.package for o in origins):
         return {"needed": needed, "own": [], "primitives": []}

@@ -14,8 +14,8 @@ from typing import Any, Literal, TextIO
 
 import structlog
 
-from skiros_py.server.events.event import Event, Kind
-from skiros_py.server.events.log import EventLog
+from skiros_py.station.events.event import Event, Kind
+from skiros_py.station.events.log import EventLog
 
 __all__ = ["LogForm", "job_events_logged", "log_to", "request_id"]
 

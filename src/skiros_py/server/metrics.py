@@ -11,10 +11,10 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.registry import Collector
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from skiros_py.runtime import Session
-from skiros_py.server.control import ControlThread
-from skiros_py.server.events.log import EventLog
-from skiros_py.server.job_views import state_name
+from skiros_py.station.control import ControlThread
+from skiros_py.station.events.log import EventLog
+from skiros_py.station.jobs.views import state_name
+from skiros_py.station.session import Session
 
 __all__ = ["Metrics", "RequestMetrics"]
 

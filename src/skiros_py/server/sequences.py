@@ -13,13 +13,13 @@ from skiros_py.api.sequences import CheckedStep, NewSequence, SequenceInfo, Sequ
 from skiros_py.api.tasks import WantedStep
 from skiros_py.errors import Busy, SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.planning.plan import NoPlan, Plan, Step
-from skiros_py.runtime import Session
-from skiros_py.server.job_accounts import plan_of
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services
-from skiros_py.server.store import SEQUENCE, Document
-from skiros_py.server.task_book import KeptTask
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.station.documents import SEQUENCE, Document
+from skiros_py.station.jobs.accounts import plan_of
+from skiros_py.station.session import Session
+from skiros_py.station.tasks.book import KeptTask
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.sequences import StepCheck, StepSequence, check_steps
 from skiros_py.world.index import Index

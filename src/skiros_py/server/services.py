@@ -11,42 +11,42 @@ from typing import Annotated, Literal, Self
 from fastapi import Depends, Request
 from platformdirs import user_cache_path
 
-from skiros_py.runtime import Session
 from skiros_py.server.access.audit import AuditLog
 from skiros_py.server.access.doorkeeper import Doorkeeper
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.setup import set_up_access
-from skiros_py.server.alarm_sources import AlarmSources
-from skiros_py.server.alarms import Alarms
-from skiros_py.server.bodies import Bodies
-from skiros_py.server.control import ControlThread, OpenSession
-from skiros_py.server.events.event import Kind
-from skiros_py.server.events.live import LiveState
-from skiros_py.server.events.log import EventLog
-from skiros_py.server.events.sources import EventSources
 from skiros_py.server.events.streams import Streams
-from skiros_py.server.halt_mark import HaltMark
-from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.logs import job_events_logged
-from skiros_py.server.looks import Looks
 from skiros_py.server.metrics import Metrics
-from skiros_py.server.module_runs import ModuleRuns
-from skiros_py.server.motions import Motions
-from skiros_py.server.previews import Previews
-from skiros_py.server.queries import Queries
 from skiros_py.server.replays.recorder import ReplayRecorder
 from skiros_py.server.replays.shelf import ReplayShelf
-from skiros_py.server.robot_models import RobotModels
-from skiros_py.server.scene_stage import SceneStage
-from skiros_py.server.scenes import SceneShelf
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.simulation import Simulation
-from skiros_py.server.stops import Stops
-from skiros_py.server.store import TOLD, Document, DocumentStore
-from skiros_py.server.task_book import TaskBook
 from skiros_py.server.webhooks.office import WebhookOffice
 from skiros_py.server.webhooks.setup import open_office
 from skiros_py.server.webhooks.store import WebhookStore
+from skiros_py.station.alarms.alarms import Alarms
+from skiros_py.station.alarms.sources import AlarmSources
+from skiros_py.station.control import ControlThread, OpenSession
+from skiros_py.station.documents import TOLD, Document, DocumentStore
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.live import LiveState
+from skiros_py.station.events.log import EventLog
+from skiros_py.station.events.sources import EventSources
+from skiros_py.station.halt_mark import HaltMark
+from skiros_py.station.jobs.waiting import JobDesk
+from skiros_py.station.modules.runs import ModuleRuns
+from skiros_py.station.queries import Queries
+from skiros_py.station.robots.looks import Looks
+from skiros_py.station.robots.models import RobotModels
+from skiros_py.station.robots.motions import Motions
+from skiros_py.station.scenes.scenes import SceneShelf
+from skiros_py.station.scenes.stage import SceneStage
+from skiros_py.station.session import Session
+from skiros_py.station.simulation.bodies import Bodies
+from skiros_py.station.stops import Stops
+from skiros_py.station.tasks.book import TaskBook
+from skiros_py.station.tasks.previews import Previews
 
 __all__ = ["Services", "ServicesDep"]
 

@@ -10,17 +10,17 @@ from skiros_py.api.simulation import Bodies as BodiesInfo
 from skiros_py.api.simulation import SimulatedBody, SimulationState
 from skiros_py.errors import Busy, DescriptionError, DeviceError, UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
-from skiros_py.runtime import Session
-from skiros_py.server.bodies import Bodies
-from skiros_py.server.control import ControlThread
 from skiros_py.server.problems import Problem
-from skiros_py.server.scene_loading import require_rest
+from skiros_py.station.control import ControlThread
+from skiros_py.station.scenes.loading import require_rest
+from skiros_py.station.session import Session
+from skiros_py.station.simulation.bodies import Bodies
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from skiros_py.judgement import Whereabouts
     from skiros_py.simulation.pybullet.cell import PyBulletCell
+    from skiros_py.station.judgement import Whereabouts
 
 __all__ = ["Simulation"]
 
@@ -72,7 +72,9 @@ class Simulation:
 
     def bodies(self) -> BodiesInfo:
         """Returns where everything really is."""
-        from skiros_py.judgement import true_whereabouts  # brings the physics along, which a pretending robot lacks
+        from skiros_py.station.judgement import (
+            true_whereabouts,  # brings the physics along, which a pretending robot lacks
+        )
 
         def look(session: Session) -> tuple[float, dict[str, str], Callable[[], Whereabouts]]:
             scene = _cell(session).scene

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from skiros_py.runtime import Session
     from skiros_py.skills.primitive import Primitive
     from skiros_py.skills.skill import Skill
+    from skiros_py.station.session import Session
     from skiros_py.testing import Bench, SkillTrial
     from skiros_py.world.world import World
 
@@ -82,7 +82,7 @@ def skiros_bench(skiros_world: World) -> Iterator[Bench]:
 @pytest.fixture
 def skiros_session(request: pytest.FixtureRequest) -> Iterator[Session]:
     """A session on the test's scene (a name or a path), on the fake robot."""
-    from skiros_py.runtime import Options, Session
+    from skiros_py.station.session import Options, Session
 
     with Session(_scene(request), Options(fake=True)) as session:
         yield session

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from skiros_py.errors import DeviceError
-from skiros_py.runtime import Options, Session
 from skiros_py.server.services import Services
 from skiros_py.server.serving import Serving, bind, switching_quickly, url_of
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.session import Options, Session
 
 __all__ = ["Served", "serving"]
 

@@ -16,13 +16,13 @@ from skiros_py.execution import watchdog
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.runtime import Options, Session
 from skiros_py.skills.composition import AssertEffects, Do, Sequence
 from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
+from skiros_py.station.session import Options, Session
 from skiros_py.tasks.report import GoalReport
 from skiros_py.testing import CONDITIONS, TINY_ONTOLOGY, Bench, tiny_scene, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from skiros_py.server.events.event import Kind
-from skiros_py.server.events.log import EventLog
 from skiros_py.server.logs import job_events_logged, log_to, request_id
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.log import EventLog
 
 
 @pytest.fixture

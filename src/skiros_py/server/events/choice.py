@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from skiros_py.server.events.event import Event, Kind
+from skiros_py.station.events.event import Event, Kind
 
 __all__ = ["EVERYTHING", "Choice"]
 

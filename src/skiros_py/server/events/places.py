@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from skiros_py.server.events.event import as_text
-from skiros_py.server.events.log import EventLog
+from skiros_py.station.events.event import as_text
+from skiros_py.station.events.log import EventLog
 
 __all__ = ["Reset", "find_place", "missed", "place_text"]
 

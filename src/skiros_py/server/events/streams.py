@@ -14,8 +14,8 @@ from fastapi.sse import format_sse_event
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.events.choice import Choice
-from skiros_py.server.events.log import EventLog
 from skiros_py.server.events.places import Reset, find_place, missed, place_text
+from skiros_py.station.events.log import EventLog
 
 __all__ = ["Streams"]
 

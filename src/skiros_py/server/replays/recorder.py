@@ -12,10 +12,10 @@ from queue import Empty, SimpleQueue
 from uuid import uuid4
 
 from skiros_py.ports.values import Snapshot
-from skiros_py.runtime import Session
 from skiros_py.server.replays.lines import Line, read_lines
 from skiros_py.server.replays.recording import EVERY, Beginning, Recording
 from skiros_py.server.replays.shelf import ReplayShelf
+from skiros_py.station.session import Session
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import Happening, TraceEntry
 from skiros_py.tasks.undertaking import Undertaking

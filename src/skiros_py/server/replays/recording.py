@@ -14,7 +14,7 @@ from skiros_py.geometry import Pose
 from skiros_py.ports.values import Snapshot
 from skiros_py.records.frames import Layout, encode_block
 from skiros_py.server.replays.lines import Kind, Line, add_lines, mend
-from skiros_py.server.world.view import view_of
+from skiros_py.station.world.view import view_of
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 

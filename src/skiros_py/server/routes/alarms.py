@@ -10,9 +10,9 @@ from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.alarms import Alarm, alarm_info
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.services import Services, ServicesDep
+from skiros_py.station.alarms.alarms import Alarm, alarm_info
 
 __all__ = ["router"]
 

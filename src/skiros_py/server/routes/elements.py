@@ -27,7 +27,7 @@ from skiros_py.server.services import ServicesDep
 from skiros_py.server.world.changes import history, written
 from skiros_py.server.world.cursors import number_cursor
 from skiros_py.server.world.editing import add, change, writing
-from skiros_py.server.world.telling import details, relations, summary
+from skiros_py.station.world.telling import details, relations, summary
 from skiros_py.world.index import Index
 from skiros_py.world.names import local_name
 from skiros_py.world.vocabulary import ELEMENT

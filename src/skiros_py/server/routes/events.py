@@ -12,11 +12,11 @@ from skiros_py.api.events import EventInfo, EventPage, ResetInfo
 from skiros_py.api.state import StationState
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.events.choice import EVERYTHING, Choice
-from skiros_py.server.events.event import Event, Kind
 from skiros_py.server.events.places import Reset, find_place, missed, place_text
 from skiros_py.server.events.sse import EventStream
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.services import Services, ServicesDep
+from skiros_py.station.events.event import Event, Kind
 
 __all__ = ["router"]
 

@@ -11,13 +11,13 @@ from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalOrder, GoalText
 from skiros_py.errors import StaleVersion, UsageError
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, require_version, tagged
-from skiros_py.server.goal_checks import checked_goal, condition_words
 from skiros_py.server.job_faults import job_faults
-from skiros_py.server.ordering.orders import texts_of
-from skiros_py.server.ordering.texts import goal_texts
 from skiros_py.server.routes.job_access import TemplatesDep
 from skiros_py.server.services import Services, ServicesDep
 from skiros_py.skills.conditions.reads import ReadingView
+from skiros_py.station.jobs.goal_checks import checked_goal, condition_words
+from skiros_py.station.jobs.orders import texts_of
+from skiros_py.station.jobs.texts import goal_texts
 from skiros_py.world.change import Writer
 
 __all__ = ["router"]

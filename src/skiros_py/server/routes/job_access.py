@@ -14,9 +14,9 @@ from fastapi.concurrency import run_in_threadpool
 from skiros_py.api.jobs import AcceptedJob, Job, StateName
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.etags import VersionDep, etag, expected_version
-from skiros_py.server.job_views import STATES, job_view
 from skiros_py.server.services import ServicesDep
-from skiros_py.server.templates import TemplateStore
+from skiros_py.station.jobs.templates import TemplateStore
+from skiros_py.station.jobs.views import STATES, job_view
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobManager, Page
 

@@ -10,9 +10,9 @@ from fastapi import APIRouter, Query
 from skiros_py.api.jobs import JobCapabilities, JobResponses, StateName, WorkMaster
 from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.job_accounts import response_of
 from skiros_py.server.routes.job_access import CursorQuery, JobsDep, NewestFirstQuery, TemplatesDep, job_page
 from skiros_py.server.services import ServicesDep
+from skiros_py.station.jobs.accounts import response_of
 from skiros_py.world.vocabulary import MANIPULATABLE
 
 __all__ = ["router"]

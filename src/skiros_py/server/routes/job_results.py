@@ -12,13 +12,13 @@ from fastapi import APIRouter, Header, Query, Response
 from skiros_py.api.jobs import JobExplanation, JobPlan, JobReport, JobResponse, JobTrace, JobTransitions
 from skiros_py.api.replays import Replay
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.job_accounts import explanation_of, plan_of, planned_steps, report_of, response_of
 from skiros_py.server.job_faults import job_faults
-from skiros_py.server.job_views import transitions_view
 from skiros_py.server.problems import Problem
 from skiros_py.server.replays.answer import replay_text
 from skiros_py.server.routes.job_access import JobId, JobsDep
 from skiros_py.server.services import ServicesDep
+from skiros_py.station.jobs.accounts import explanation_of, plan_of, planned_steps, report_of, response_of
+from skiros_py.station.jobs.views import transitions_view
 from skiros_py.tasks.jobs import Job
 
 __all__ = ["router"]

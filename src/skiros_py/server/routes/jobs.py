@@ -15,10 +15,7 @@ from skiros_py.errors import StaleVersion, WrongState
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.etags import tagged
-from skiros_py.server.job_desk import JobDesk
 from skiros_py.server.job_faults import UNABLE_TO_ACCEPT, job_faults
-from skiros_py.server.job_views import job_view
-from skiros_py.server.ordering.orders import digest_of, is_same, job_order, new_id, texts_of
 from skiros_py.server.problems import Problem
 from skiros_py.server.routes import job_commands, job_lists, job_results
 from skiros_py.server.routes.job_access import (
@@ -35,7 +32,10 @@ from skiros_py.server.routes.job_access import (
     shown,
 )
 from skiros_py.server.services import ServicesDep
-from skiros_py.server.templates import TemplateStore
+from skiros_py.station.jobs.orders import digest_of, is_same, job_order, new_id, texts_of
+from skiros_py.station.jobs.templates import TemplateStore
+from skiros_py.station.jobs.views import job_view
+from skiros_py.station.jobs.waiting import JobDesk
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobManager, Receipt, Trigger
 from skiros_py.tasks.jobs import JobState as State

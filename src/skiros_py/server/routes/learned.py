@@ -14,7 +14,7 @@ from skiros_py.server.routes.parameters import Cursor, ElementPath, Limit, WhyQu
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.world.changes import written
 from skiros_py.server.world.editing import writing
-from skiros_py.server.world.values import told
+from skiros_py.station.world.values import told
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.scene.learned import learned_turtle

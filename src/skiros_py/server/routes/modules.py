@@ -19,12 +19,12 @@ from skiros_py.api.modules import (
 )
 from skiros_py.errors import UnknownName, WrongState
 from skiros_py.execution.skill_manager import SkillManager
-from skiros_py.runtime import Session
-from skiros_py.server import module_views as views
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.module_runs import ModuleRun, Wish
 from skiros_py.server.problems import found
 from skiros_py.server.services import ServicesDep
+from skiros_py.station.modules import views
+from skiros_py.station.modules.runs import ModuleRun, Wish
+from skiros_py.station.session import Session
 
 __all__ = ["location_of", "manager_of", "router"]
 

@@ -20,8 +20,8 @@ from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import found
 from skiros_py.server.routes.parameters import Cursor, Limit, NamePath
 from skiros_py.server.services import ServicesDep
-from skiros_py.server.world.ontology import class_details, class_tree, property_info, relation_info
-from skiros_py.server.world.placements import placement_options
+from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
+from skiros_py.station.world.placements import placement_options
 from skiros_py.world.vocabulary import ELEMENT
 
 __all__ = ["router"]

@@ -11,14 +11,14 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage, PreviewState, Repair
 from skiros_py.api.wire import moment
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.job_accounts import planned_steps
 from skiros_py.server.job_faults import job_faults
-from skiros_py.server.ordering.orders import texts_of
-from skiros_py.server.previews import Preview as Known
-from skiros_py.server.previews import is_applicable
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.routes.job_access import TemplatesDep
 from skiros_py.server.services import ServicesDep
+from skiros_py.station.jobs.accounts import planned_steps
+from skiros_py.station.jobs.orders import texts_of
+from skiros_py.station.tasks.previews import Preview as Known
+from skiros_py.station.tasks.previews import is_applicable
 from skiros_py.world.change import Writer
 
 __all__ = ["router"]

@@ -11,7 +11,7 @@ from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.routes.parameters import also_refused
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.world.answers import CSV, TURTLE, answer_response
-from skiros_py.server.world.values import given
+from skiros_py.station.world.values import given
 from skiros_py.world.queries import Binding, Text
 
 __all__ = ["router"]

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Response
 
 from skiros_py.errors import Busy, SkirosError, UnknownName
-from skiros_py.server import robots
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import Problem, found
-from skiros_py.server.robot_models import DrawnModel
 from skiros_py.server.services import Services, ServicesDep
+from skiros_py.station.robots import robots
+from skiros_py.station.robots.models import DrawnModel
 
 __all__ = ["router"]
 

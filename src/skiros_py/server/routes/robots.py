@@ -10,12 +10,12 @@ from fastapi import APIRouter, Body, Path, Response
 from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import HomeRobot, Jog, RobotInfo, RobotReading, Teach
-from skiros_py.server import robots
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.module_views import run_info
 from skiros_py.server.problems import found
 from skiros_py.server.routes.modules import location_of
 from skiros_py.server.services import Services, ServicesDep
+from skiros_py.station.modules.views import run_info
+from skiros_py.station.robots import robots
 
 __all__ = ["router"]
 

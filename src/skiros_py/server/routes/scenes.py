@@ -25,11 +25,11 @@ from skiros_py.errors import FileError, UsageError
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, expected_version, require_version, tagged
 from skiros_py.server.problems import Problem, found
-from skiros_py.server.scene_content import scene_only
-from skiros_py.server.scene_loading import load, require_rest, scene_of
-from skiros_py.server.scene_stage import shown
-from skiros_py.server.scenes import SceneFile
 from skiros_py.server.services import Services, ServicesDep
+from skiros_py.station.scenes.content import scene_only
+from skiros_py.station.scenes.loading import load, require_rest, scene_of
+from skiros_py.station.scenes.scenes import SceneFile
+from skiros_py.station.scenes.stage import shown
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.scene import describe

@@ -23,8 +23,8 @@ from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, require_vers
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.routes.tasks import place_of
 from skiros_py.server.services import Services, ServicesDep
-from skiros_py.server.store import Document
-from skiros_py.server.task_views import task_info
+from skiros_py.station.documents import Document
+from skiros_py.station.tasks.views import task_info
 
 __all__ = ["router"]
 

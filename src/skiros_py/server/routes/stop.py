@@ -14,7 +14,7 @@ from skiros_py.api.stop import StopInfo, StopRequest
 from skiros_py.api.wire import moment
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.services import ServicesDep
-from skiros_py.server.stops import Stopped
+from skiros_py.station.stops import Stopped
 
 __all__ = ["router"]
 

@@ -12,8 +12,8 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.problems import found
 from skiros_py.server.sequences import begin_goal, begin_steps, steps_of
 from skiros_py.server.services import ServicesDep
-from skiros_py.server.task_book import KeptTask
-from skiros_py.server.task_views import task_info, task_trace
+from skiros_py.station.tasks.book import KeptTask
+from skiros_py.station.tasks.views import task_info, task_trace
 
 __all__ = ["place_of", "router"]
 

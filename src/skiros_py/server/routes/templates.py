@@ -13,7 +13,7 @@ from skiros_py.server.job_faults import job_faults
 from skiros_py.server.problems import found
 from skiros_py.server.routes.job_access import TemplatesDep
 from skiros_py.server.services import ServicesDep
-from skiros_py.server.templates import check_template
+from skiros_py.station.jobs.templates import check_template
 
 __all__ = ["router"]
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Header, Query, Response
 from skiros_py.api.view import WorldView
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import ServicesDep
-from skiros_py.server.world.view import view_of
+from skiros_py.station.world.view import view_of
 
 __all__ = ["router"]
 

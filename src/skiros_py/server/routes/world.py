@@ -13,12 +13,12 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, expected_version, tagged
 from skiros_py.server.problems import Problem, found
 from skiros_py.server.routes.parameters import ChangeLimit, Cursor, Limit, also_refused
-from skiros_py.server.scene_loading import LOADED
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.world.changes import change_page, one_change, told_change, undoable, written
 from skiros_py.server.world.cursors import number_cursor
 from skiros_py.server.world.editing import operate, writing
-from skiros_py.server.world.tree import tree
+from skiros_py.station.scenes.loading import LOADED
+from skiros_py.station.world.tree import tree
 from skiros_py.world.element import is_learned
 from skiros_py.world.undo import last_undoable, undo
 from skiros_py.world.vocabulary import ELEMENT

@@ -7,9 +7,9 @@ from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING, Any
 
 from skiros_py.api.alarms import AlarmKind, Severity
-from skiros_py.server.job_views import job_view
 from skiros_py.server.webhooks.office import WebhookOffice
 from skiros_py.server.webhooks.store import Post, WebhookStore
+from skiros_py.station.jobs.views import job_view
 from skiros_py.tasks.jobs.announcements import Announcement
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from typing import Any
 from skiros_py.api.webhooks import DeliveryState
 from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName
-from skiros_py.server.job_views import state_name
 from skiros_py.server.webhooks.letter import JOB_STATE, PING, letter
+from skiros_py.station.jobs.views import state_name
 from skiros_py.tasks.jobs.announcements import Announcement
 
 __all__ = ["Post", "Subscription", "WebhookStore", "new_secret", "state_of"]

@@ -10,7 +10,7 @@ from fastapi import Response
 from fastapi.responses import JSONResponse
 
 from skiros_py.server.problems import Problem
-from skiros_py.server.world.values import told
+from skiros_py.station.world.values import told
 from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, format_value
 from skiros_py.world.queries import Constructed, Result, Table

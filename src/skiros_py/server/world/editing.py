@@ -12,7 +12,7 @@ from skiros_py.api.elements import Addition, ElementPatch, NewRelation
 from skiros_py.errors import Locked, UsageError
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.problems import Problem
-from skiros_py.server.world.values import set_value
+from skiros_py.station.world.values import set_value
 from skiros_py.world.change import Writer
 from skiros_py.world.drafts import add_draft, draft_of, instantiate
 from skiros_py.world.element import is_abstract

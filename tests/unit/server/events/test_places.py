@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.server.events.event import Kind
-from skiros_py.server.events.log import EventLog
 from skiros_py.server.events.places import Reset, find_place, missed, place_text
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.log import EventLog
 
 
 @pytest.fixture

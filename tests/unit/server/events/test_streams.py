@@ -9,10 +9,10 @@ from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.events import streams as module
 from skiros_py.server.events.choice import EVERYTHING, Choice
-from skiros_py.server.events.event import Kind
-from skiros_py.server.events.log import EventLog
 from skiros_py.server.events.places import place_text
 from skiros_py.server.events.streams import Streams
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.log import EventLog
 
 CALLER = Caller("anna", Role.VIEWER)
 

@@ -11,10 +11,10 @@ import pytest
 from skiros_py.api.replays import Replay
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import ArmState, BaseState, GripperState, Snapshot
-from skiros_py.runtime import open_world
 from skiros_py.server.replays.answer import replay_text
 from skiros_py.server.replays.lines import Kind, add_lines, read_lines
 from skiros_py.server.replays.recording import MOST_FRAMES, Beginning, Recording
+from skiros_py.station.session import open_world
 from skiros_py.world.world import World
 
 

@@ -484,8 +484,8 @@ def test_calls_that_wait_are_left_alone_outside_primitives_and_where_allowed() -
     ("text", "is_private"),
     [
         ("from skiros_py.execution.cycle import ControlCycle\n", True),
-        ("import skiros_py.runtime\n", True),
-        ("from skiros_py import runtime\n", True),
+        ("import skiros_py.station.session\n", True),
+        ("from skiros_py import station\n", True),
         ("from skiros_py import Session\n", False),
         ("from skiros_py.skills.skill import Skill\n", False),
         ("from skiros_py.planning.planners.planner import Answer\n", False),

@@ -1,0 +1,1 @@
+"""What a running cell offers: use cases that command line, library and server call alike."""

@@ -1,0 +1,1 @@
+"""What stopped a robot, or waits for a person."""

@@ -1,0 +1,255 @@
+"""Alarms: what stopped a robot, or waits for a person, as one list (in the manner of ISA-18.2)."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+
+from skiros_py.api.alarms import AlarmInfo, AlarmKind, Severity
+from skiros_py.api.wire import moment
+from skiros_py.errors import UnknownName, WrongState
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.log import EventLog
+
+__all__ = ["Alarm", "AlarmKind", "Alarms", "Severity", "alarm_info"]
+
+_KEPT = 1000
+"""So many alarms that are over are kept; those that are active all are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Alarm:
+    """One alarm.
+
+    Attributes:
+        number: Counts the alarms of one start of the server.
+        id: Names it, and no other one, also not of another start of the server.
+        kind: What it is about.
+        severity: How soon somebody has to look.
+        text: What there is, in the operator's words.
+        source: What it comes from: a subsystem, a module, a job, ….
+        since: When it came [s since 1970].
+        lasts: True where it goes by itself when its reason does; else it is over when somebody acknowledges it.
+        until: When it went [s since 1970]; None while it is active.
+        acknowledged: When somebody did [s since 1970]; None while nobody has.
+        by: Who acknowledged it.
+        choices: The answers that it waits for.
+        job: Id of the job that waits; empty where none does.
+        question: Id of the question that is asked; None where there is none.
+    """
+
+    number: int
+    id: str
+    kind: AlarmKind
+    severity: Severity
+    text: str
+    source: str
+    since: float
+    lasts: bool = True
+    until: float | None = None
+    acknowledged: float | None = None
+    by: str = ""
+    choices: tuple[str, ...] = ()
+    job: str = ""
+    question: int | None = None
+
+    @property
+    def active(self) -> bool:
+        """True while its reason is there."""
+        return self.until is None
+
+    @property
+    def state(self) -> str:
+        """Its state after ISA-18.2: "unacknowledged", "acknowledged", "returned" (gone unseen), or "normal"."""
+        if self.active:
+            return "unacknowledged" if self.acknowledged is None else "acknowledged"
+        return "returned" if self.acknowledged is None else "normal"
+
+
+class Alarms:
+    """The alarms of one server; for any thread.
+
+    Args:
+        events: Hears of every change.
+        clock: Gives the wall time [s since 1970].
+    """
+
+    def __init__(self, events: EventLog, clock: Callable[[], float] = time.time) -> None:
+        self._events = events
+        self._clock = clock
+        self._guard = threading.RLock()
+        self._active: dict[tuple[AlarmKind, str], Alarm] = {}
+        self._known: dict[str, Alarm] = {}
+        self._over: dict[str, None] = {}
+        self._count = 0
+
+    # ------------------------------------------------------------------ looking
+
+    @property
+    def active(self) -> tuple[Alarm, ...]:
+        """Those whose reason is there, oldest first."""
+        with self._guard:
+            return tuple(self._active.values())
+
+    @property
+    def all(self) -> tuple[Alarm, ...]:
+        """All that are kept, oldest first."""
+        with self._guard:
+            return tuple(self._known.values())
+
+    def alarm(self, id_: str) -> Alarm:
+        """Returns one of them.
+
+        Raises:
+            UnknownName: There is none of that id, or it is long over.
+        """
+        with self._guard:
+            if id_ not in self._known:
+                raise UnknownName("alarm", id_, [alarm.id for alarm in self._active.values()])
+            return self._known[id_]
+
+    # ------------------------------------------------------------------ coming and going
+
+    def raise_(
+        self,
+        kind: AlarmKind,
+        text: str,
+        source: str = "",
+        *,
+        severity: Severity = Severity.MEDIUM,
+        lasts: bool = True,
+        choices: Sequence[str] = (),
+        job: str = "",
+        question: int | None = None,
+    ) -> Alarm:
+        """Raises an alarm. One of that kind and source that is active already is the same alarm, with another text.
+
+        Args:
+            kind: What it is about.
+            text: What there is, in the operator's words.
+            source: What it comes from.
+            severity: How soon somebody has to look.
+            lasts: True where whoever raises it also clears it; else it is over when somebody acknowledges it.
+            choices: The answers that it waits for.
+            job: Id of the job that waits.
+            question: Id of the question that is asked.
+        """
+        with self._guard:
+            known = self._active.get((kind, source))
+            base = known or self._new(kind, severity, text, source, lasts=lasts)
+            alarm = replace(base, severity=severity, text=text, choices=tuple(choices), job=job, question=question)
+            return alarm if alarm == known else self._keep(alarm, "changed" if known else "raised")
+
+    def clear(self, kind: AlarmKind, source: str = "") -> None:
+        """Ends the alarm of that kind and source, if it is active: its reason is gone."""
+        with self._guard:
+            known = self._active.get((kind, source))
+            if known is not None:
+                self._keep(replace(known, until=self._clock()), "cleared")
+
+    def clear_all(self, *kinds: AlarmKind) -> None:
+        """Ends all active alarms of some kinds."""
+        with self._guard:
+            for kind, source in tuple(self._active):
+                if kind in kinds:
+                    self.clear(kind, source)
+
+    def acknowledge(self, id_: str, by: str) -> Alarm:
+        """Notes that somebody has seen it; one that does not last is over then. Once more changes nothing.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        with self._guard:
+            known = self.alarm(id_)
+            if known.acknowledged is not None:
+                return known
+            now = self._clock()
+            until = now if known.active and not known.lasts else known.until
+            return self._keep(replace(known, acknowledged=now, by=by, until=until), "acknowledged")
+
+    def note_answer(self, id_: str, answer: str, by: str) -> Alarm:
+        """Notes that somebody has answered it, which is an acknowledgement, too; the alarm goes when its reason does.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        with self._guard:
+            known = self.acknowledge(id_, by)
+            self._tell(known, "answered", answer=answer, by=by)
+            return known
+
+    def require_choice(self, id_: str, answer: str, question: int | None = None) -> Alarm:
+        """Returns an alarm that may be answered so.
+
+        Args:
+            id_: Its id.
+            answer: The answer.
+            question: The question that is answered; None for whatever it asks.
+
+        Raises:
+            UnknownName: There is none of that id, or it does not offer that answer.
+            WrongState: It is over, asks nothing, or asks something else.
+        """
+        alarm = self.alarm(id_)
+        if not alarm.active:
+            raise WrongState(f"alarm {id_} is over: it waits for no answer any more")
+        if not alarm.choices:
+            raise WrongState(f"alarm {id_} asks nothing: acknowledge it")
+        if question is not None and question != alarm.question:
+            raise WrongState(f"alarm {id_} does not wait for the answer to question {question} (any more)")
+        if answer not in alarm.choices:
+            raise UnknownName("answer", answer, alarm.choices, where=f"of alarm {id_}")
+        return alarm
+
+    # ------------------------------------------------------------------ keeping
+
+    def _new(self, kind: AlarmKind, severity: Severity, text: str, source: str, *, lasts: bool) -> Alarm:
+        self._count += 1
+        id_ = f"{self._events.epoch}-{self._count}"
+        return Alarm(self._count, id_, kind, severity, text, source, self._clock(), lasts)
+
+    def _keep(self, alarm: Alarm, what: str) -> Alarm:
+        key = alarm.kind, alarm.source
+        self._known[alarm.id] = alarm
+        if alarm.active:
+            self._active[key] = alarm
+        elif key in self._active and self._active[key].id == alarm.id:
+            del self._active[key]
+            self._over[alarm.id] = None
+            self._forget()
+        self._tell(alarm, what)
+        return alarm
+
+    def _forget(self) -> None:
+        while len(self._over) > _KEPT:
+            oldest = next(iter(self._over))
+            del self._over[oldest], self._known[oldest]
+
+    def _tell(self, alarm: Alarm, what: str, **more: object) -> None:
+        data = alarm_info(alarm).model_dump(mode="json") | more
+        self._events.append(Kind.ALARM, what, alarm.id, job=alarm.job, data=data)
+
+
+def alarm_info(alarm: Alarm) -> AlarmInfo:
+    """Returns an alarm as it goes over the wire."""
+    return AlarmInfo(
+        id=alarm.id,
+        kind=alarm.kind,
+        severity=alarm.severity,
+        text=alarm.text,
+        source=alarm.source,
+        active=alarm.active,
+        state=alarm.state,
+        lasts=alarm.lasts,
+        since=datetime.fromtimestamp(alarm.since, UTC),
+        until=moment(alarm.until),
+        acknowledged=moment(alarm.acknowledged),
+        by=alarm.by,
+        choices=alarm.choices,
+        job=alarm.job,
+        question=alarm.question,
+    )

@@ -1,0 +1,192 @@
+"""Where alarms come from: what stops the robots of the session that is open, breaks, or waits for a person."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+from skiros_py.api.alarms import AlarmKind, Severity
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.pulse import Overrun, Watched
+from skiros_py.skills.outcome import BROKEN
+from skiros_py.station.alarms.alarms import Alarms
+from skiros_py.station.control import CLOSING, ControlThread
+from skiros_py.station.session import Session
+from skiros_py.tasks.jobs import Job
+from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.undertaking import Undertaking
+
+__all__ = ["AlarmSources"]
+
+_log = logging.getLogger(__name__)
+
+_OF_SESSION = (AlarmKind.HALTED, AlarmKind.CYCLE, AlarmKind.MANAGER, AlarmKind.QUESTION, AlarmKind.JOB)
+"""These end with the session; what is still so in the next one is raised anew."""
+_SELDOM = 200
+"""Cycles between two looks at what seldom changes."""
+
+
+class AlarmSources:
+    """Watches a session, and raises and ends its alarms.
+
+    Args:
+        alarms: The list.
+        control: Runs the session.
+    """
+
+    def __init__(self, alarms: Alarms, control: ControlThread) -> None:
+        self._alarms = alarms
+        self._control = control
+        self._ends: list[Callable[[], None]] = []
+        self._session: Session
+        self._halted = ""
+        self._lost: set[str] = set()
+        self._asked: dict[int, str] = {}
+        self._waiting: dict[str, Job] = {}
+
+    def open(self, session: Session) -> None:
+        """Watches a session."""
+        self._alarms.clear_all(AlarmKind.STATION)
+        self._session = session
+        self._halted, self._lost, self._asked, self._waiting = "", set(), {}, {}
+        for job in session.jobs.open.values():
+            self._job(job)
+        # The jobs' own observer comes before this one: what a job asks is known when the questions are looked at.
+        self._ends = [
+            session.jobs.subscribe(self._job),
+            session.cycle.observe(self._attend),
+            session.monitor.subscribe(self._module),
+            session.tasks.on_begin(self._task),
+        ]
+        session.station.watchdog.on_overrun(self._overrun)
+        session.station.watchdog.on_lost(self._stuck)
+        self._look_at_plugins()
+
+    def close(self, _session: Session) -> None:
+        """Watches it no longer."""
+        for end in self._ends:
+            end()
+        self._ends = []
+        self._alarms.clear_all(*_OF_SESSION)
+        if self._control.fault is not None:
+            self._alarms.raise_(
+                AlarmKind.STATION,
+                f"there is no station any more: {self._control.fault}",
+                severity=Severity.CRITICAL,
+            )
+
+    # ------------------------------------------------------------------ looked at in each cycle
+
+    def _attend(self) -> None:
+        try:
+            self._look()
+        except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
+            _log.exception("the watch for alarms broke; the robots go on")
+
+    def _look(self) -> None:
+        """Sees what nobody tells of; in good times a few comparisons."""
+        session = self._session
+        if session.cycle.halted != self._halted:
+            self._look_at_halt()
+        if session.questions.open or self._asked:
+            self._look_at_questions()
+        cycle = session.cycle.board.snapshot.cycle
+        if cycle % _SELDOM == 0:
+            self._look_at_plugins()
+        for agent in session.managers:
+            manager = session.managers.get(agent)
+            if manager is not None and bool(manager.lost) != (agent in self._lost):
+                self._note_manager(agent, manager.lost)
+
+    def _look_at_halt(self) -> None:
+        self._halted = self._session.cycle.halted
+        if self._halted == CLOSING:  # nobody has halted anything
+            return
+        if self._halted:
+            text = f"everything was halted ({self._halted}): look, then reset"
+            self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
+        else:
+            self._alarms.clear_all(AlarmKind.HALTED, AlarmKind.CYCLE)
+
+    def _look_at_questions(self) -> None:
+        """Questions of jobs are alarms of those jobs; the others are alarms of their own."""
+        of_jobs = {job.question for job in tuple(self._waiting.values())}
+        now = {question.id: question for question in self._session.questions.open if question.id not in of_jobs}
+        for number in tuple(self._asked):
+            if number not in now:
+                self._alarms.clear(AlarmKind.QUESTION, self._asked.pop(number))
+        for number, question in now.items():
+            if number not in self._asked:
+                self._asked[number] = source = f"{question.asker} (question {number})"
+                self._alarms.raise_(
+                    AlarmKind.QUESTION,
+                    question.text,
+                    source,
+                    severity=Severity.HIGH,
+                    choices=question.options,
+                    question=number,
+                )
+
+    def _note_manager(self, agent: str, lost: str) -> None:
+        if lost:
+            self._lost.add(agent)
+            text = f"the skill manager of {agent} is lost: {lost}"
+            self._alarms.raise_(AlarmKind.MANAGER, text, agent, severity=Severity.HIGH)
+        else:
+            self._lost.discard(agent)
+            self._alarms.clear(AlarmKind.MANAGER, agent)
+
+    def _look_at_plugins(self) -> None:
+        faults = {f"{fault.group}/{fault.name}": str(fault) for fault in self._session.catalogue.faults}
+        for source, text in faults.items():
+            self._alarms.raise_(AlarmKind.PLUGIN, text, source, severity=Severity.LOW)
+        for alarm in self._alarms.active:
+            if alarm.kind is AlarmKind.PLUGIN and alarm.source not in faults:
+                self._alarms.clear(AlarmKind.PLUGIN, alarm.source)
+
+    # ------------------------------------------------------------------ told
+
+    def _job(self, job: Job) -> None:
+        """In the thread that changed the job."""
+        if job.choices and job.state.is_open:
+            self._waiting[job.id] = job
+            self._alarms.raise_(
+                AlarmKind.JOB,
+                f"job {job.id} is {job.detail}" if job.detail.startswith("held") else f"job {job.id}: {job.detail}",
+                job.id,
+                severity=Severity.HIGH,
+                choices=job.choices,
+                job=job.id,
+                question=job.question,
+            )
+        elif self._waiting.pop(job.id, None) is not None:
+            self._alarms.clear(AlarmKind.JOB, job.id)
+
+    def _module(self, event: ModuleEvent) -> None:
+        source = f"{event.module} of {event.agent}"
+        if event.status is Status.ERROR and event.code == BROKEN:
+            text = f"{source} is broken: {event.text}"
+            self._alarms.raise_(AlarmKind.MODULE, text, source, severity=Severity.MEDIUM, lasts=False)
+        elif event.status is Status.TERMINATED:  # it works again
+            self._alarms.clear(AlarmKind.MODULE, source)
+
+    def _task(self, undertaking: Undertaking) -> None:
+        def hear(entry: TraceEntry) -> None:
+            report = undertaking.report
+            if self._session.cycle.halted:  # there is an alarm of that
+                return
+            if entry.what is Happening.FINISHED and report is not None and report.fault:
+                text = f"{undertaking.name} ended before its time: {report.fault}"
+                self._alarms.raise_(AlarmKind.TASK, text, undertaking.name, lasts=False)
+
+        undertaking.trace.subscribe(hear)
+
+    def _overrun(self, overrun: Overrun) -> None:
+        """In the watchdog's thread: the control thread cannot tell itself."""
+        text = f"everything was halted ({overrun}): look, then reset"
+        self._alarms.raise_(AlarmKind.HALTED, text, severity=Severity.HIGH)
+
+    def _stuck(self, task: Watched) -> None:
+        """In the watchdog's thread."""
+        text = f"{task.name} holds the control cycle and does not come back: the station has to be started anew"
+        self._alarms.raise_(AlarmKind.CYCLE, text, severity=Severity.CRITICAL)

@@ -1,0 +1,331 @@
+"""The control thread: owns the session, runs its cycle, and does what others ask between two cycles (D12)."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, wait
+from contextlib import contextmanager, nullcontext, suppress
+from typing import TypeVar
+
+from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
+from skiros_py.station.commands import Commands, trace_of
+from skiros_py.station.session import Session
+
+__all__ = ["CLOSING", "ControlThread", "Listener", "OpenSession"]
+
+T = TypeVar("T")
+OpenSession = Callable[[], Session]
+Listener = Callable[[Session], object]
+
+_log = logging.getLogger(__name__)
+
+CLOSING = "the station shuts down"
+"""Why all is braked before a session is closed: nobody has halted anything, and the next one is not halted by it."""
+_PATIENCE = 10.0
+"""How long a caller waits for its turn between two cycles [s]."""
+_OPENING = 60.0
+"""How long a caller waits while the session is being opened anew [s]."""
+_PLACES = 24
+"""So many callers wait at the same time, of the 40 threads that answer requests: the others answer what needs no turn,
+whatever holds the control cycle."""
+_REST = 0.005
+"""In lockstep, the pause between two cycles while nothing is to be done [s]: time stands still for nobody's sake."""
+
+
+class ControlThread:
+    """Runs a session in a thread of its own. Start it, and close it.
+
+    Args:
+        opening: Opens the session; called in the control thread, once more for each :meth:`reopen`.
+
+    Attributes:
+        beat: Counts cycles, over all sessions; stands still only when the thread does.
+        fault: Why there is no session any more; None in good times.
+    """
+
+    def __init__(self, opening: OpenSession) -> None:
+        self.beat = 0
+        self.fault: BaseException | None = None
+        self._opening = opening
+        self._session: Session | None = None
+        self._ready = threading.Condition()
+        self._commands = Commands()
+        self._places = threading.BoundedSemaphore(_PLACES)
+        self._ending = False
+        self._stepped = time.monotonic()
+        self._on_open: list[Listener] = []
+        self._on_close: list[Listener] = []
+        self._thread = threading.Thread(target=self._run, name="skiros-control", daemon=True)
+
+    # ------------------------------------------------------------------ life
+
+    def on_open(self, listener: Listener) -> None:
+        """Calls the listener in the control thread with each session before its first cycle; before :meth:`start`.
+
+        If it raises, that session is not opened.
+        """
+        self._on_open.append(listener)
+
+    def on_close(self, listener: Listener) -> None:
+        """Calls the listener in the control thread with each session after its last cycle; before :meth:`start`.
+
+        What it raises is logged.
+        """
+        self._on_close.append(listener)
+
+    def start(self) -> None:
+        """Starts the thread, and returns when the session is open.
+
+        Raises:
+            SkirosError: It cannot be opened.
+        """
+        self._commands.open()
+        self._thread.start()
+        with self._ready:
+            self._ready.wait_for(lambda: self._session is not None or self.fault is not None)
+        if self._session is None and self.fault is not None:
+            self._thread.join()
+            raise self.fault
+
+    def close(self) -> None:
+        """Stops everything, waits until all stands, closes the session and ends the thread; may be called twice."""
+        self._ending = True
+        self._commands.wake()
+        if self._thread.ident is not None and not self._is_mine:
+            self._thread.join()
+
+    @property
+    def alive(self) -> bool:
+        """True while there is a session whose cycle runs."""
+        return self._session is not None and self._thread.is_alive() and self.fault is None
+
+    @property
+    def opening(self) -> bool:
+        """True while there is no session yet, or not yet again, and one is on its way."""
+        return self._session is None and self.fault is None and self._thread.is_alive()
+
+    def stuck_for(self) -> float:
+        """Returns for how long the cycle of an open session has not come round [s]; 0 while none is open."""
+        return time.monotonic() - self._stepped if self._session is not None else 0.0
+
+    @property
+    def session(self) -> Session:
+        """The session; while it is being opened anew, that is waited for.
+
+        Raises:
+            Busy: There is none, and there will be none soon; or very many wait for it already.
+        """
+        session = self._session
+        if session is not None:
+            return session
+        if not self._is_mine:  # the control thread would wait for itself
+            with self._place():
+                self._await_session()
+        return self._present()
+
+    def _await_session(self) -> None:
+        with self._ready:
+            self._ready.wait_for(lambda: self._session is not None or self.fault is not None, timeout=_OPENING)
+
+    @contextmanager
+    def _place(self) -> Iterator[None]:
+        """Takes a place among those who wait.
+
+        Raises:
+            Busy: There is none left.
+        """
+        if not self._places.acquire(blocking=False):
+            raise Busy("very many requests wait for the control cycle already", retry_after=1.0)
+        try:
+            yield
+        finally:
+            self._places.release()
+
+    def _present(self) -> Session:
+        session = self._session
+        if session is None:
+            why = f": {self.fault}" if self.fault is not None else ""
+            raise Busy(f"the station is not running{why}", retry_after=5.0)
+        return session
+
+    @property
+    def _is_mine(self) -> bool:
+        return threading.get_ident() == self._thread.ident
+
+    # ------------------------------------------------------------------ asking
+
+    def call(self, work: Callable[[Session], T], *, urgent: bool = False) -> T:
+        """Has something quick done in the control thread between two cycles, and returns what comes of it.
+
+        In the control thread itself (a listener, an observer of the cycle) it is done at once.
+
+        Args:
+            work: Gets the session of that moment, which may be another one than when it was asked for.
+            urgent: True where it is asked for however many wait already.
+
+        Raises:
+            Busy: Its turn did not come in time, there is no session, or very many wait already; nothing was done.
+            DeviceError: It did not come to an end; nobody knows what was done.
+            Exception: Whatever the work raises.
+        """
+        if self._is_mine:
+            return work(self._present())
+        with nullcontext() if urgent else self._place():
+            self._await_session()  # while it is being opened anew, that may take longer than a turn
+            self._present()
+            return self._outcome(self._commands.ask(lambda: work(self._present())))
+
+    def soon(self, work: Callable[[Session], object]) -> None:
+        """Has something quick done in the control thread between two cycles, and does not wait for it.
+
+        For listeners that must not wait. What it raises is logged; where there is no session, nothing is done.
+        """
+        with suppress(Busy):
+            self._commands.ask_aside(lambda: work(self._present()))
+
+    def reopen(
+        self,
+        prepare: Callable[[Session], object] = lambda _session: None,
+        restore: Callable[[], object] | None = None,
+    ) -> None:
+        """Closes the session and opens it anew, such as after another scene was loaded; returns when that is done.
+
+        Where everything was halted, it still is in the new session: only a reset changes that.
+
+        Args:
+            prepare: Called in the control thread between its last cycle and its end; what it raises is raised here,
+                and the session goes on. Where the session broke before, it is not called.
+            restore: Called in the control thread where the new session cannot be opened: takes back what was prepared,
+                and then it is tried once more. The error is raised here all the same.
+
+        Raises:
+            SkirosError: The new one cannot be opened; where it cannot be restored either there is none until the next
+                :meth:`reopen`.
+            Busy: The server ends.
+            UsageError: The control thread itself calls it: the cycle would end in the midst of itself.
+        """
+        if self._is_mine:
+            raise UsageError("the control thread cannot open its own session anew: ask for it in another thread")
+        self._commands.ask(lambda: self._renew(prepare, restore)).result()
+
+    def _outcome(self, answer: Future[T]) -> T:
+        wait([answer], _PATIENCE)
+        if not answer.done() and self._session is None:  # somebody opens another session first
+            wait([answer], _OPENING)
+        if not answer.done() and answer.cancel():
+            raise Busy(f"the control cycle did not come round within {_PATIENCE:g} s")
+        wait([answer], _PATIENCE)
+        if not answer.done():
+            raise DeviceError(
+                "the control cycle is held up by what was asked for: whether it takes effect is not known"
+            )
+        return answer.result()
+
+    # ------------------------------------------------------------------ in the thread
+
+    def _run(self) -> None:
+        try:
+            self._enter()
+        except BaseException as error:  # noqa: BLE001 - told by start()
+            self._tell_fault(error)
+        else:
+            while not self._ending:
+                self._go_round()
+            if self._session is not None:
+                self._leave(self._session)
+        self._tell_fault(self.fault or DeviceError("the station was shut down"))
+        self._commands.refuse_all()
+
+    def _go_round(self) -> None:
+        self._commands.do_some()
+        session = self._session
+        if session is None:  # broken: only a new session helps
+            self._commands.wait(0.1)
+            return
+        try:
+            session.cycle.step()
+            rests = session.cycle.pace is None and session.resting
+        except BaseException as error:  # noqa: BLE001 - the server outlives its station, and says what broke
+            _log.critical("the control cycle broke: %s", error, exc_info=error)
+            self._break(session, error)
+            return
+        self.beat += 1
+        self._stepped = time.monotonic()
+        if rests:
+            self._commands.wait(_REST)
+
+    def _renew(self, prepare: Callable[[Session], object], restore: Callable[[], object] | None) -> None:
+        session, halted = self._session, ""
+        if session is not None:
+            prepare(session)
+            halted = session.cycle.halted
+            self._leave(session)
+        try:
+            try:
+                self._enter(halted)
+            except BaseException:
+                if restore is not None and session is not None:
+                    restore()
+                    self._enter(halted)
+                raise
+        except BaseException as error:
+            if self._session is None:
+                self._tell_fault(error)
+            raise
+
+    def _enter(self, halted: str = "") -> None:
+        self.fault = None
+        session = self._opening()
+        try:
+            if halted:
+                session.cycle.halt(halted)
+            session.jobs  # noqa: B018 - what is queued goes on, though nobody has asked for a job yet
+            for listener in self._on_open:
+                listener(session)
+        except BaseException:
+            self._end(session)
+            raise
+        self._stepped = time.monotonic()
+        with self._ready:
+            self._session = session
+            self._ready.notify_all()
+
+    def _leave(self, session: Session) -> None:
+        """Lets everything come to a standstill, and closes the session."""
+        try:
+            session.cycle.stop_all(CLOSING)  # what was halted a moment ago may still move
+        except BaseException as error:  # noqa: BLE001 - it is closed all the same
+            _log.error("not everything came to a standstill: %s", error, exc_info=trace_of(error))
+        self._part(session)
+
+    def _break(self, session: Session, error: BaseException) -> None:
+        """Brakes what can be braked, and closes the session: what it was about to do is not known any more."""
+        fault = error if isinstance(error, SkirosError) else DeviceError(f"the control cycle broke: {error}")
+        with self._ready:
+            self.fault = fault
+        try:
+            session.cycle.halt(str(fault))
+        except BaseException as worse:  # noqa: BLE001 - it is closed all the same
+            _log.error("the devices cannot be halted: %s", worse, exc_info=trace_of(worse))
+        self._part(session)
+
+    def _part(self, session: Session) -> None:
+        with self._ready:
+            self._session = None
+        self._end(session)
+
+    def _end(self, session: Session) -> None:
+        """Tells everybody, and closes the session; whatever breaks, the rest is still done."""
+        for end in (*self._on_close, Session.close):
+            try:
+                end(session)
+            except BaseException as error:  # noqa: BLE001 - the thread outlives whatever breaks here
+                _log.error("a session did not end well: %s", error, exc_info=error)
+
+    def _tell_fault(self, error: BaseException) -> None:
+        with self._ready:
+            self.fault = error
+            self._ready.notify_all()

@@ -1,0 +1,1 @@
+"""What happens, as one log; and what the robots do at this moment."""

@@ -1,0 +1,153 @@
+"""What the robots do at this moment: built at most once for each tick, however many look on, and never kept."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from typing import Any
+
+from fastapi.sse import format_sse_event
+
+from skiros_py.geometry import Pose
+from skiros_py.station.events.event import as_text
+from skiros_py.station.robots.kinematics import known_model
+from skiros_py.station.robots.looks import Looks
+from skiros_py.station.robots.motions import Motions
+from skiros_py.station.session import Session
+from skiros_py.world.index import Index
+from skiros_py.world.vocabulary import HELD_BY
+
+__all__ = ["LiveState"]
+
+_RATE = 20.0
+"""How often the state is built at most [Hz]."""
+_QUIET = 10.0
+"""After so long without a station a stream says that it is still there [s]."""
+
+
+class LiveState:
+    """The present state of the robots, for many streams.
+
+    Args:
+        looks: What the cameras saw.
+        motions: What the robots are about to do.
+        ended: Tells whether streams have to end.
+    """
+
+    def __init__(self, looks: Looks, motions: Motions, ended: Callable[[], bool] = lambda: False) -> None:
+        self._looks = looks
+        self._motions = motions
+        self._ended = ended
+        self._session: Session | None = None
+        self._tick = -1
+        self._text = ""
+        self.built = 0
+
+    def open(self, session: Session) -> None:
+        """Shows another session from now on."""
+        for robot in session.spec.robots:
+            known_model(robot.model)  # read now, and not when somebody wants to look
+        self._session = session
+
+    def close(self, _session: Session) -> None:
+        """Shows nothing until there is a session again."""
+        self._session = None
+
+    def state(self, session: Session) -> dict[str, Any]:
+        """Returns what the robots do at this moment as plain data; quick, and for any thread."""
+        return _live_state(session) | {"looks": self._looks.numbers(), "motions": self._motions.numbers()}
+
+    def text(self, now: float) -> str:
+        """Returns the state as JSON in one line; empty while there is no session.
+
+        Args:
+            now: Any steady clock [s]; within one tick the same text is returned.
+        """
+        session, tick = self._session, int(now * _RATE)
+        if session is None:
+            return ""
+        if tick != self._tick or not self._text:
+            self._tick, self._text = tick, as_text(self.state(session))
+            self.built += 1
+        return self._text
+
+    async def follow(self, rate: float, allowed: Callable[[], bool]) -> AsyncIterator[bytes]:
+        """Yields the state as server-sent events, at most so often; what a client is too slow for is left out.
+
+        Args:
+            rate: How often [Hz].
+            allowed: Tells whether the client may go on.
+        """
+        due = sent = time.monotonic()
+        while not self._ended() and allowed():
+            now = time.monotonic()
+            text = self.text(now)
+            if text:
+                yield format_sse_event(data_str=text, event="state")
+                sent = now
+            elif now - sent > _QUIET:
+                yield format_sse_event(comment="still here")
+                sent = now
+            due = max(due + 1.0 / rate, time.monotonic())
+            await asyncio.sleep(due - time.monotonic())
+
+
+def _live_state(session: Session) -> dict[str, Any]:
+    cycle, index = session.cycle, session.world.snapshot()
+    snapshot, tools = cycle.board.snapshot, _tools(session)
+    return {
+        "time": snapshot.time,
+        "cycle": snapshot.cycle,
+        "pace": cycle.pace,
+        "halted": cycle.halted,
+        "standing": cycle.board.still,
+        "arms": {
+            name: {
+                "positions": arm.positions,
+                "velocities": arm.velocities,
+                "still": arm.still,
+                "tool": tools.get(name),
+            }
+            for name, arm in snapshot.arms.items()
+        },
+        "grippers": {
+            name: {"gap": gripper.gap, "force": gripper.force, "still": gripper.still, "holds": _held(index, name)}
+            for name, gripper in snapshot.grippers.items()
+        },
+        "bases": {
+            name: {"pose": _pose(base.pose), "linear": base.linear, "angular": base.angular, "still": base.still}
+            for name, base in snapshot.bases.items()
+        },
+        "modules": [
+            {"agent": agent, "module": name, "status": running.status}
+            for agent in session.managers
+            if (manager := session.managers.get(agent)) is not None  # they come and go meanwhile
+            for name, running in manager.running.items()
+        ],
+        "tasks": [{"name": task.name, "status": task.status} for task in session.tasks.undertakings],
+    }
+
+
+def _tools(session: Session) -> dict[str, dict[str, tuple[float, ...]]]:
+    """Returns where the tips of the arms are in the map, as far as the robots' models are known."""
+    snapshot = session.cycle.board.snapshot
+    found = {}
+    for robot in session.spec.robots:
+        model, base = known_model(robot.model), snapshot.bases[robot.base.id].pose
+        if model is None:
+            continue
+        for arm in robot.arms:
+            tip = model.tool(arm, snapshot.arms[arm.id].positions)
+            if tip is not None:
+                found[arm.id] = _pose(base @ tip)
+    return found
+
+
+def _held(index: Index, gripper: str) -> str | None:
+    """Returns what a gripper holds as far as anybody knows; None for nothing."""
+    return next(iter(index.subjects(HELD_BY, gripper)), None)
+
+
+def _pose(pose: Pose) -> dict[str, tuple[float, ...]]:
+    return {"position": pose.position, "orientation": pose.orientation}

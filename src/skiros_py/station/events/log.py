@@ -1,0 +1,100 @@
+"""The events of the last while, in order: written by any thread, read by streams that each are but a place in it."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from skiros_py.station.events.event import Event, Kind, written
+
+__all__ = ["EventLog"]
+
+_log = logging.getLogger(__name__)
+
+_MOST_ELEMENTS = 1000
+"""Of more elements than these an event keeps no list: it counts as one that may touch any."""
+
+
+class EventLog:
+    """A bounded log. Who reads slowly loses the oldest events, and nobody waits for them.
+
+    Args:
+        kept: How many events are kept.
+        clock: Gives the run time [s]; may be replaced.
+        room: How many bytes the kept events may have together.
+
+    Attributes:
+        epoch: Names this start of the server: numbers of another one mean nothing here.
+        clock: Gives the run time [s].
+    """
+
+    def __init__(self, kept: int, clock: Callable[[], float] = lambda: 0.0, *, room: int = 32_000_000) -> None:
+        self.epoch = secrets.token_hex(4)
+        self.clock = clock
+        self._events: deque[Event] = deque()
+        self._kept = kept
+        self._room = room
+        self._size = 0
+        self._guard = threading.Lock()
+        self._last = 0
+        self._listeners: list[Callable[[], None]] = []
+
+    @property
+    def last(self) -> int:
+        """Number of the last event; 0 before the first."""
+        return self._last
+
+    @property
+    def first(self) -> int:
+        """Number of the oldest event that is kept; one more than :attr:`last` where none is."""
+        with self._guard:
+            return self._last - len(self._events) + 1
+
+    def append(
+        self,
+        kind: Kind,
+        type_: str,
+        subject: str = "",
+        *,
+        job: str = "",
+        elements: Iterable[str] = (),
+        data: Mapping[str, Any] | None = None,
+    ) -> Event:
+        """Writes an event down, and wakes who waits for it; quick, and for any thread."""
+        touched = frozenset(elements)
+        with self._guard:
+            number, moment = self._last + 1, (time.time(), self.clock())
+            listed = touched if len(touched) <= _MOST_ELEMENTS else None
+            event = written(self.epoch, number, moment, kind, type_, subject, job, listed, data or {})
+            self._keep(event)
+        for listener in tuple(self._listeners):
+            try:
+                listener()
+            except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
+                _log.exception("a listener of events broke")
+        return event
+
+    def since(self, number: int, most: int = 500) -> list[Event]:
+        """Returns the events after a number, oldest first, at most so many; those that are lost are left out."""
+        with self._guard:
+            first = self._last - len(self._events) + 1
+            skip = max(0, number + 1 - first)
+            end = min(len(self._events), skip + most)
+            return [self._events[index] for index in range(skip, end)]
+
+    def on_event(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Calls the listener after each event, in the thread that wrote it; returns how to end that."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)
+
+    def _keep(self, event: Event) -> None:
+        self._events.append(event)
+        self._last = event.number
+        self._size += len(event.frame)
+        while len(self._events) > self._kept or self._size > self._room:
+            self._size -= len(self._events.popleft().frame)

@@ -1,0 +1,148 @@
+"""Where events come from: the world, modules, tasks, questions and jobs of the session that is open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.skills.questions import Question
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.log import EventLog
+from skiros_py.station.jobs.views import state_name
+from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Turn
+from skiros_py.station.session import Session
+from skiros_py.station.tasks.book import TaskBook
+from skiros_py.tasks.jobs import Job
+from skiros_py.tasks.trace import TraceEntry
+from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.world.change import Change
+from skiros_py.world.element import is_learned
+
+__all__ = ["EventSources", "change_data", "job_data"]
+
+_MOST_EDITS = 100
+"""So many edits of one change are told; the history has all of them."""
+
+
+class EventSources:
+    """Writes down what happens in a session. Everything in it is called by whoever made it happen, and is quick.
+
+    Args:
+        events: Takes it.
+        tasks: Knows which task is of which job; hears of a task before this does.
+        modules: Tells when a run stands, and when it goes on.
+    """
+
+    def __init__(self, events: EventLog, tasks: TaskBook, modules: ModuleRuns) -> None:
+        self._events = events
+        self._tasks = tasks
+        self._modules = modules
+        self._ends: list[Callable[[], None]] = []
+
+    def open(self, session: Session) -> None:
+        """Listens to a session."""
+        board = session.cycle.board
+        self._events.clock = lambda: board.snapshot.time
+        self._ends = [
+            session.world.subscribe(self._change),
+            session.monitor.subscribe(self._module),
+            self._modules.on_turn(self._turn),
+            session.questions.subscribe(self._question),
+            session.tasks.on_begin(self._task),
+            session.jobs.subscribe(self._job),
+            session.jobs.on_remove(self._job_removed),
+        ]
+        data = {"scene": session.scene, "world_version": session.world.version}
+        self._events.append(Kind.SYSTEM, "opened", data=data)
+
+    def close(self, _session: Session) -> None:
+        """Listens to it no longer."""
+        for end in self._ends:
+            end()
+        self._ends = []
+        self._events.append(Kind.SYSTEM, "closed")
+
+    # ------------------------------------------------------------------ what happens
+
+    def _change(self, change: Change) -> None:
+        about = {name for edit in change.edits for name in edit.concerns()}
+        learned = bool(about) and all(is_learned(name) for name in change.marks())
+        type_ = "learned" if learned else "scene"
+        self._events.append(Kind.WORLD, type_, elements=about, data=change_data(change))
+
+    def _module(self, event: ModuleEvent) -> None:
+        elements = [name for name in (event.agent, event.target) if name]
+        job, data = self._tasks.job_of(event.task), _module_data(event)
+        self._events.append(Kind.MODULE, event.status.value, event.module, job=job, elements=elements, data=data)
+
+    def _turn(self, run: ModuleRun, turn: Turn) -> None:
+        text = {"paused": "stands where it is", "resumed": "goes on"}[turn]
+        told = {"kind": run.kind, "agent": run.wish.agent, "code": 0, "text": text, "run": run.id}
+        blank = {"target": "", "caller": "", "task": "", "implementation": None}
+        self._events.append(Kind.MODULE, turn, run.wish.module, elements=[run.wish.agent], data=told | blank)
+
+    def _question(self, question: Question) -> None:
+        data = {
+            "question": question.id,
+            "kind": question.kind.value,
+            "text": question.text,
+            "options": question.options,
+            "asker": question.asker,
+        }
+        self._events.append(Kind.TASK, "question", question.asker, data=data)
+
+    def _task(self, undertaking: Undertaking) -> None:
+        name, job = undertaking.name, self._tasks.job_of(undertaking.name)
+
+        def tell(entry: TraceEntry) -> None:
+            data = {key: value for key, value in entry.as_json().items() if key not in ("time", "what")}
+            elements = {*entry.arguments.values(), entry.agent} - {""}
+            self._events.append(Kind.TASK, entry.what.value, name, job=job, elements=elements, data=data)
+
+        undertaking.trace.subscribe(tell)
+
+    def _job(self, job: Job) -> None:
+        self._events.append(Kind.JOB, state_name(job.state).value, job.id, job=job.id, data=job_data(job))
+
+    def _job_removed(self, job: Job) -> None:
+        self._events.append(Kind.JOB, "Removed", job.id, job=job.id, data=job_data(job))
+
+
+def _module_data(event: ModuleEvent) -> dict[str, Any]:
+    return {
+        "kind": event.kind,
+        "agent": event.agent,
+        "code": event.code,
+        "text": event.text,
+        "target": event.target,
+        "caller": event.caller,
+        "task": event.task,
+        "implementation": event.implementation,
+    }
+
+
+def change_data(change: Change) -> dict[str, Any]:
+    """Returns a change of the world as plain data; of a great many edits the first, and how many there are."""
+    few = change.edits[:_MOST_EDITS]
+    data = Change(change.number, change.author, change.reason, change.time, few, change.writer, change.undoes).as_json()
+    if len(few) < len(change.edits):
+        data |= {"all_edits": len(change.edits), "read": f"/api/v1/world/changes/{change.number}"}
+    return data
+
+
+def job_data(job: Job) -> dict[str, Any]:
+    """Returns what an event tells of a job: how far it is; the whole of it is where jobs are."""
+    return {
+        "id": job.id,
+        "version": job.version,
+        "state": state_name(job.state).value,
+        "state_number": job.state.value,
+        "detail": job.detail,
+        "choices": job.choices,
+        "question": job.question,
+        "outcome": job.outcome.value if job.outcome is not None else None,
+        "reasons": [reason[:1000] for reason in job.reasons[:10]],
+        "attempts": job.attempts,
+        "late": job.late,
+    }

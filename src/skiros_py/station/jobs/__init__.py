@@ -1,0 +1,1 @@
+"""Orders: goals as texts, templates, what came of a job."""

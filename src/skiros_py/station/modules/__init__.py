@@ -1,0 +1,1 @@
+"""Skills and primitives that are run by themselves."""

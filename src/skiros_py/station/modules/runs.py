@@ -1,0 +1,351 @@
+"""Modules that were started from outside: followed to their end, so many times over, and remembered for a while."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import OrderedDict, deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import count
+from typing import Any, Literal
+
+from skiros_py.api.modules import ModuleRunStatus
+from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.running import RunningModule
+from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.parameters import Param
+from skiros_py.station.session import Session
+from skiros_py.world.change import Change
+
+__all__ = ["ModuleRun", "ModuleRuns", "Round", "Turn", "Wish"]
+
+Turn = Literal["paused", "resumed"]
+"""What becomes of a run that goes on all the same."""
+_KEPT = 200
+"""Runs that are over and still known; the oldest go first."""
+_ROUNDS, _PROGRESS, _CHANGES = 100, 500, 100
+"""What is kept of one run, the last of each."""
+_AT_ONCE = 4
+"""Cycles in which what must start at once has to have its devices: one to start, and some to spare."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What somebody wants to be run.
+
+    Attributes:
+        agent: Id of the subsystem.
+        module: Name of the module.
+        given: Value by parameter key; what is left out is inferred.
+        by: Who wants it.
+        repeat: How often.
+        at_once: True for what must not wait for devices: a person stands beside it and looks.
+    """
+
+    agent: str
+    module: str
+    given: Mapping[str, Any]
+    by: str
+    repeat: int = 1
+    at_once: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """How a module ended once.
+
+    Attributes:
+        outcome: How.
+        start, end: Run time [s].
+    """
+
+    outcome: Outcome
+    start: float
+    end: float
+
+
+class ModuleRun:
+    """One run; written in the control thread, read in any.
+
+    Attributes:
+        id: Its id.
+        wish: What was wanted.
+        kind: "skill" or "primitive".
+        params: The parameters of its module.
+        wall: When it was started [s since 1970].
+        values: Its arguments as far as they are known, with what was inferred.
+        running: What runs now; what ran last when it is over.
+        rounds: How it ended each time; the last of very many.
+        done: How often it ended.
+        succeeded: How often it worked.
+        progress: What it reported.
+        changes: What it wrote into the world.
+        ended_as: How it ended; None while it goes on.
+        cut_off: True when the last round was broken off, and says nothing of the module.
+        begun: True when it has its devices, in this round.
+    """
+
+    def __init__(self, id_: str, wish: Wish, kind: str, params: tuple[Param, ...], values: Mapping[str, Any]) -> None:
+        self.id = id_
+        self.wish = wish
+        self.kind = kind
+        self.params = params
+        self.wall = time.time()
+        self.values = dict(values)
+        self.running: RunningModule | None = None
+        self.rounds: deque[Round] = deque(maxlen=_ROUNDS)
+        self.done = 0
+        self.succeeded = 0
+        self.progress: deque[ModuleEvent] = deque(maxlen=_PROGRESS)
+        self.changes: deque[Change] = deque(maxlen=_CHANGES)
+        self.ended_as: Literal["stopped", "succeeded", "failed"] | None = None
+        self.cut_off = False
+        self.stop_wanted = False
+        self.begun = False
+        self.since = 0.0
+        self.cycles = 0
+        self.refusal = ""
+        self._stood = False
+
+    @property
+    def over(self) -> bool:
+        """True when it does not go on."""
+        return self.ended_as is not None
+
+    @property
+    def status(self) -> ModuleRunStatus:
+        """What it does, or how it ended."""
+        if self.ended_as is not None:
+            return self.ended_as
+        status = self.running.status if self.running is not None else "running"
+        return "paused" if status == "paused" else "stopping" if status in ("stopping", "stopped") else "running"
+
+    def command(self, verb: str) -> None:
+        """Pauses, resumes, steps or stops it; in the control thread.
+
+        Raises:
+            WrongState: It is over, or stops already; stopping once more changes nothing.
+        """
+        if verb == "stop":
+            if self.over:
+                return
+        elif self.over or self.status == "stopping":
+            raise WrongState(f"run {self.id} of {self.wish.module} is {self.status}: it takes no {verb}")
+        self.stop_wanted = self.stop_wanted or verb == "stop"
+        assert self.running is not None
+        getattr(self.running, verb)()
+
+    def turn(self) -> Turn | None:
+        """Returns what has become of it since this was asked last: it came to a standstill, or goes on again."""
+        before, self._stood = self._stood, self.status == "paused"
+        if self._stood:
+            return None if before else "paused"
+        return "resumed" if before and self.status == "running" else None  # else it was stopped meanwhile
+
+    def is_about(self, event: ModuleEvent) -> bool:
+        """Tells whether a message is of the module itself, whoever's turn it is."""
+        return (event.module, event.agent, event.caller) == (self.wish.module, self.wish.agent, "")
+
+    def begin(self, running: RunningModule, now: float) -> None:
+        """Notes that it starts, once more."""
+        self.running, self.since, self.cycles, self.begun = running, now, 0, False
+
+    def note(self, event: ModuleEvent, kind: str) -> None:
+        """Takes a message."""
+        self.progress.append(event)
+        if event.status is Status.STARTED and self.is_about(event):
+            self.begun = True
+        if kind == "skill" and self.begun and self.running is not None:
+            inferred = {k: v for k, v in self.running.arguments.items() if k not in self.wish.given}
+            self.values = {**self.values, **inferred}
+
+    def end(self, outcome: Outcome, now: float) -> None:
+        """Notes how it ended."""
+        self.rounds.append(Round(outcome, self.since, now))
+        self.done += 1
+        self.succeeded += not isinstance(outcome, Failure)
+        stopped = self.stop_wanted or self._was_stopped
+        self.cut_off = stopped and isinstance(outcome, Failure) and not self._broke_by_itself
+        if stopped or self.refusal or self.done >= self.wish.repeat:
+            good = self.succeeded == self.wish.repeat
+            self.ended_as = "succeeded" if good else "stopped" if stopped and not self.refusal else "failed"
+
+    def leave(self) -> None:
+        """Notes that there is no further round, because everything was stopped after the last one."""
+        self.ended_as = "stopped"
+
+    @property
+    def _broke_by_itself(self) -> bool:
+        """True when it had come to an end before it could be broken off."""
+        return self.running is not None and self.running.done and self.running.status != "stopped"
+
+    @property
+    def _was_stopped(self) -> bool:
+        """True when it was broken off, such as with everything else, and did not break by itself."""
+        return self.running is not None and self.running.task.fault is None and self.running.status == "stopped"
+
+
+class ModuleRuns:
+    """The modules that were started from outside, of all sessions of one server.
+
+    Args:
+        name: Begins the ids of runs: those of another start of the server are others.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._numbers = count(1)
+        self._runs: OrderedDict[str, ModuleRun] = OrderedDict()
+        self._active: tuple[ModuleRun, ...] = ()
+        self._session: Session | None = None
+        self._listeners: list[Callable[[ModuleRun, Turn], None]] = []
+        self._guard = threading.Lock()
+
+    # ------------------------------------------------------------------ asking
+
+    def all(self) -> tuple[ModuleRun, ...]:
+        """Returns what is under way or was lately, the youngest first."""
+        with self._guard:
+            return tuple(reversed(self._runs.values()))
+
+    def find(self, id_: str) -> ModuleRun:
+        """Returns a run.
+
+        Raises:
+            UnknownName: There is none, or it is long over.
+        """
+        with self._guard:
+            found = self._runs.get(id_)
+        if found is None:
+            raise UnknownName("module run", id_, tuple(run.id for run in self.all()[:20]))
+        return found
+
+    def of(self, running: RunningModule) -> ModuleRun | None:
+        """Returns the run that something belongs to; None where nobody started it from outside."""
+        return next((run for run in self._active if run.running is running), None)
+
+    # ------------------------------------------------------------------ in the control thread
+
+    def start(self, session: Session, wish: Wish) -> ModuleRun:
+        """Starts a module; in the control thread.
+
+        Raises:
+            UnknownName: There is no such module, parameter or element.
+            UsageError: Something is wrong with what is given.
+            WrongState: It cannot be started now: it runs already, its manager is lost, everything was halted.
+        """
+        manager = session.managers[wish.agent]
+        _require_startable(session, manager, wish.module)
+        panel, kind = manager.panel(wish.module, wish.given), manager.info(wish.module).kind
+        run = ModuleRun(f"{self._name}-{next(self._numbers)}", wish, kind, panel.params, panel.values)
+        run.begin(manager.start(wish.module, wish.given), session.cycle.board.now)
+        with self._guard:
+            self._runs[run.id] = run
+            self._forget()
+        self._active = (*self._active, run)
+        return run
+
+    def _forget(self) -> None:
+        over = [id_ for id_, run in self._runs.items() if run.over]
+        for id_ in over[: max(0, len(over) - _KEPT)]:
+            del self._runs[id_]
+
+    def on_turn(self, listener: Callable[[ModuleRun, Turn], None]) -> Callable[[], None]:
+        """Calls the listener when a run has come to a standstill, and when it goes on; returns how to end that."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)
+
+    def open(self, session: Session) -> None:
+        """Follows what runs in a session, from its first cycle on."""
+        self._session = session
+        session.cycle.observe(self._attend)
+        session.monitor.subscribe(self._on_event)
+        session.world.subscribe(self._on_change)
+
+    def close(self, session: Session) -> None:
+        """Whatever still runs ends with its session."""
+        for run in self._active:
+            run.stop_wanted = True
+            run.end(Failure("the station was shut down"), session.cycle.board.now)
+        self._active, self._session = (), None
+
+    def _attend(self) -> None:
+        """Looks at the end of each cycle what has ended, and does it once more where that is wanted."""
+        if not self._active or self._session is None:
+            return
+        for run in self._active:
+            self._follow(run, self._session)
+            if turn := run.turn():
+                self._tell(run, turn)
+        self._active = tuple(run for run in self._active if not run.over)
+
+    def _tell(self, run: ModuleRun, turn: Turn) -> None:
+        for listener in tuple(self._listeners):
+            listener(run, turn)
+
+    def _follow(self, run: ModuleRun, session: Session) -> None:
+        running = run.running
+        assert running is not None
+        run.cycles += 1
+        if run.wish.at_once and not run.begun and run.cycles >= _AT_ONCE and not running.task.done:
+            run.refusal = f"{run.wish.module} did not start: something else uses its devices"
+            running.stop()
+        manager = session.managers.get(run.wish.agent)
+        if not running.done or (manager is not None and manager.running.get(run.wish.module) is running):
+            return
+        run.end(Failure(run.refusal) if run.refusal else running.result, session.cycle.board.now)
+        if not run.over:
+            self._again(run, session)
+
+    def _again(self, run: ModuleRun, session: Session) -> None:
+        if session.cycle.halted:
+            run.leave()
+            return
+        try:
+            manager = session.managers[run.wish.agent]
+            _require_startable(session, manager, run.wish.module)
+            run.begin(manager.start(run.wish.module, run.wish.given), session.cycle.board.now)
+        except (SkirosError, KeyError) as error:
+            run.refusal = f"it cannot be done once more: {error}"
+            run.end(Failure(run.refusal), session.cycle.board.now)
+
+    # ------------------------------------------------------------------ what a run reports and writes
+
+    def _on_event(self, event: ModuleEvent) -> None:
+        for run in self._active:
+            if self._is_at_work(run) or run.is_about(event):
+                run.note(event, event.kind)
+
+    def _on_change(self, change: Change) -> None:
+        for run in self._active:
+            if self._is_at_work(run):
+                run.changes.append(change)
+
+    def _is_at_work(self, run: ModuleRun) -> bool:
+        """Tells whether it is this run's code that the control thread executes, and that calls."""
+        pulse = self._session.cycle.pulse if self._session is not None else None
+        return (
+            pulse is not None
+            and pulse.thread == threading.get_ident()
+            and run.running is not None
+            and pulse.task is run.running.task
+        )
+
+
+def _require_startable(session: Session, manager: SkillManager, module: str) -> None:
+    """Sees that a module can be started now.
+
+    Raises:
+        WrongState: Everything was halted, the manager is lost, or it runs the module already.
+    """
+    try:
+        session.station.require_ready()
+    except UsageError as error:
+        raise WrongState(str(error)) from None
+    if manager.lost:
+        raise WrongState(f"the skill manager of {manager.agent} is lost: {manager.lost}")
+    if module in manager.running:
+        raise WrongState(f"{module} of {manager.agent} is running already: wait for its end, or stop it")

@@ -1,0 +1,235 @@
+"""Skill managers, modules and skills, as they are told to whoever asks from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from typing import Any, Literal, cast
+
+from skiros_py.api.modules import (
+    Implementation,
+    ManagerInfo,
+    ModuleDetails,
+    ModuleParameter,
+    ModulePlace,
+    ModuleProgress,
+    ModuleRound,
+    ModuleRunInfo,
+    ModuleSummary,
+    PanelInfo,
+    RunningInfo,
+    SkillCondition,
+    SkillInfo,
+)
+from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.planning.problem.task import Capability
+from skiros_py.skills.composition import lines
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.outcome import Failure
+from skiros_py.skills.parameters import Kind, Param, as_json, as_shown, schema
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.skills.surroundings import owner
+from skiros_py.station.modules.runs import ModuleRun, Round
+from skiros_py.station.session import Session
+
+__all__ = ["managers", "module", "modules", "panel", "run_info", "skills", "skills_of"]
+
+ModuleKind = Literal["skill", "primitive"]
+
+# ---------------------------------------------------------------------- managers and modules
+
+
+def managers(session: Session) -> list[ManagerInfo]:
+    """Describes all skill managers; in the control thread."""
+    return [_manager(session, manager) for _, manager in sorted(session.managers.items())]
+
+
+def _manager(session: Session, manager: SkillManager) -> ManagerInfo:
+    element = session.world.element(manager.agent) if session.world.has(manager.agent) else None
+    offered = set(manager.descriptions)
+    return ManagerInfo(
+        agent=manager.agent,
+        label=element.label if element else "",
+        type=element.type if element else "",
+        robot=_place(session, manager.agent).robot,
+        skills=sorted(offered),
+        primitives=[name for name in manager.modules if manager.info(name).kind == "primitive"],
+        running=[RunningInfo(module=name, status=run.status) for name, run in sorted(manager.running.items())],
+        lost=manager.lost,
+    )
+
+
+def _place(session: Session, agent: str) -> ModulePlace:
+    there = session.world.has(agent)
+    return ModulePlace(agent=agent, robot=(owner(session.world, agent) or "") if there else "")
+
+
+def modules(session: Session) -> list[ModuleSummary]:
+    """Describes every module once, with who can run it; in the control thread."""
+    able: dict[str, list[SkillManager]] = {}
+    for _, manager in sorted(session.managers.items()):
+        for name in manager.modules:
+            able.setdefault(name, []).append(manager)
+    return [_summary(session, name, able[name]) for name in sorted(able)]
+
+
+def _summary(session: Session, name: str, able: list[SkillManager]) -> ModuleSummary:
+    info = able[0].info(name)
+    return ModuleSummary(
+        name=name,
+        kind=cast(ModuleKind, info.kind),
+        help=info.help,
+        version=info.version,
+        agents=[_place(session, manager.agent) for manager in able],
+    )
+
+
+def module(manager: SkillManager, name: str) -> ModuleDetails:
+    """Describes one module of a manager.
+
+    Raises:
+        UnknownName: It has none of that name.
+    """
+    info = manager.info(name)
+    ways = manager.implementations(name) if info.kind == "skill" else ()
+    description = ways[0].description if ways else None
+    return ModuleDetails(
+        agent=manager.agent,
+        name=name,
+        kind=cast(ModuleKind, info.kind),
+        help=info.help,
+        version=info.version,
+        parameters=_parameters(info.params),
+        pre=_conditions(description.pre if description else ()),
+        hold=_conditions(description.hold if description else ()),
+        post=_conditions(description.post if description else ()),
+        implementations=[_implementation(way) for way in ways],
+    )
+
+
+def _parameters(params: Iterable[Param]) -> list[ModuleParameter]:
+    return [
+        ModuleParameter(
+            key=param.key,
+            type=param.type_name,
+            kind=param.kind.value,
+            help=param.help,
+            unit=param.unit,
+            required=param.kind.is_required,
+            planning=param.kind is Kind.PLANNING,
+            default=as_json(param, param.default),
+            json_schema=schema(param),
+        )
+        for param in params
+    ]
+
+
+def _conditions(conditions: Iterable[Condition]) -> list[SkillCondition]:
+    return [
+        SkillCondition(
+            text=str(condition),
+            words=condition.type.help,
+            word=condition.type.name,
+            arguments=list(condition.arguments),
+            negated=condition.negated,
+        )
+        for condition in conditions
+    ]
+
+
+def _implementation(way: Skill) -> Implementation:
+    return Implementation(
+        label=way.label,
+        version=way.version,
+        driver=way.driver or "",
+        order=way.order,
+        requires=list(way.requires),
+        when=_conditions(way.when),
+        body=[line for node in way.nodes for line in lines(node)],
+    )
+
+
+def panel(manager: SkillManager, name: str, given: Mapping[str, Any]) -> PanelInfo:
+    """Tells what a module would be run with now; in the control thread.
+
+    Raises:
+        UnknownName: There is no such module, parameter or element.
+        UsageError: Something is wrong with what is given.
+    """
+    return PanelInfo.model_validate(manager.panel(name, given).as_json())
+
+
+# ---------------------------------------------------------------------- skills
+
+
+def skills_of(session: Session) -> Mapping[str, Capability]:
+    """Returns the skills that somebody offers now, by name; in the control thread."""
+    return {capability.skill.name: capability for capability in session.tasks.capabilities}
+
+
+def skills(session: Session) -> list[SkillInfo]:
+    """Describes the skills that somebody offers now; in the control thread."""
+    return [_skill(session, capability) for _, capability in sorted(skills_of(session).items())]
+
+
+def _skill(session: Session, capability: Capability) -> SkillInfo:
+    skill: SkillDescription = capability.skill
+    return SkillInfo(
+        name=skill.name,
+        help=skill.help,
+        agent=skill.agent,
+        agent_class=skill.agent_class,
+        target=skill.target,
+        duration=skill.duration,
+        parameters=_parameters(skill.params),
+        needs=_conditions(skill.needs),
+        pre=_conditions(skill.pre),
+        hold=_conditions(skill.hold),
+        post=_conditions(skill.post),
+        agents=[_place(session, agent) for agent in capability.agents],
+    )
+
+
+# ---------------------------------------------------------------------- runs
+
+
+def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
+    """Tells how far a run is, in any thread; not in full leaves out what it reported and wrote."""
+    return ModuleRunInfo(
+        id=run.id,
+        agent=run.wish.agent,
+        module=run.wish.module,
+        by=run.wish.by,
+        status=run.status,
+        started=datetime.fromtimestamp(run.wall, UTC),
+        given=dict(run.wish.given),
+        arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
+        repeat=run.wish.repeat,
+        done=run.done,
+        succeeded=run.succeeded,
+        cut_off=run.cut_off,
+        rounds=[_round(one) for one in tuple(run.rounds)],
+        progress=[_progress(event) for event in tuple(run.progress)] if in_full else [],
+        changes=[change.as_json() for change in tuple(run.changes)] if in_full else [],
+    )
+
+
+def _round(one: Round) -> ModuleRound:
+    outcome = one.outcome
+    if isinstance(outcome, Failure):
+        return ModuleRound(success=False, code=outcome.code, text=outcome.reason, start=one.start, end=one.end)
+    return ModuleRound(success=True, code=1, text=outcome.message, start=one.start, end=one.end)
+
+
+def _progress(event: ModuleEvent) -> ModuleProgress:
+    return ModuleProgress(
+        time=event.time,
+        module=event.module,
+        kind=event.kind,
+        status=event.status.value,
+        code=event.code,
+        text=event.text,
+        agent=event.agent,
+        caller=event.caller,
+    )

@@ -1,0 +1,1 @@
+"""Robots: their models, what they see and where they go."""

@@ -1,0 +1,182 @@
+"""What the cameras saw last, for people: requests are noted where they are made, and turned into points where asked."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections import Counter, deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skiros_py.api.looks import Look, Seen
+from skiros_py.api.state import PoseInfo
+from skiros_py.errors import SkirosError, UnknownName
+from skiros_py.execution.library_monitor import LibraryCall
+from skiros_py.geometry import Pose
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
+from skiros_py.ports.values import DepthImage
+from skiros_py.station.session import Session
+
+__all__ = ["MOST_POINTS", "Looks"]
+
+MOST_POINTS = 20_000
+"""Points of one look."""
+_KEPT = 2
+"""Shots kept of a camera: the last that is answered, and one that is not yet."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shot:
+    """A picture that somebody asked about.
+
+    Attributes:
+        number: Counts the shots of the camera.
+        time: When it was taken [s, run time].
+        call: What was asked, and the answer.
+        what: Class of the body that was looked for; None where it was not one.
+    """
+
+    number: int
+    time: float
+    call: LibraryCall
+    what: str | None
+
+    @property
+    def answered(self) -> bool:
+        """True when it is known what it shows."""
+        return self.call.answer.done()
+
+
+class Looks:
+    """The last look of each camera; for any thread.
+
+    Nothing is copied or worked out in the control thread.
+    """
+
+    def __init__(self) -> None:
+        self._session: Session | None = None
+        self._shots: dict[str, deque[_Shot]] = {}
+        self._counts: Counter[str] = Counter()
+        self._told: dict[str, Look] = {}
+        self._leave: Callable[[], None] = lambda: None
+
+    def open(self, session: Session) -> None:
+        """Notes the looks of a session."""
+        self._shots = {camera.id: deque(maxlen=_KEPT) for robot in session.spec.robots for camera in robot.cameras}
+        self._told = {}
+        self._session = session
+        self._leave = session.station.asked.subscribe(self._note)
+
+    def close(self, _session: Session) -> None:
+        """Notes them no longer; what was seen in it is forgotten."""
+        self._leave()
+        self._session, self._shots = None, {}
+
+    def numbers(self) -> dict[str, int]:
+        """Returns the number of the last look of each camera; 0 for none."""
+        return {camera: shot.number if (shot := _last(shots)) else 0 for camera, shots in self._shots.items()}
+
+    def look(self, robot: RobotSpec, camera: str) -> Look:
+        """Returns the last look of a camera.
+
+        Raises:
+            UnknownName: The robot has no such camera.
+        """
+        known = [spec.id for spec in robot.cameras]
+        if camera not in known:
+            raise UnknownName("camera", camera, known, where=f"of robot '{robot.id}'")
+        shot = _last(self._shots.get(camera, ()))
+        if shot is None:
+            return Look(number=0, camera=camera, time=0.0, pose=None, points="", colours="", seen=(), purpose="")
+        told = self._told.get(camera)
+        if told is None or told.number != shot.number:
+            self._told[camera] = told = _look(camera, shot)
+        return told
+
+    def _note(self, call: LibraryCall) -> None:
+        """Keeps what was asked; in the control thread."""
+        request, session = call.request, self._session
+        if session is None or not isinstance(request, LookRequest | RegistrationRequest):
+            return
+        if request.camera not in self._shots:  # whoever asked does not say which
+            return
+        board, what = session.cycle.board, None
+        if isinstance(request, RegistrationRequest) and session.world.has(request.body):
+            what = session.world.element(request.body).type
+        self._counts[request.camera] += 1
+        taken = board.now - (board.snapshot.cycle - request.image.cycle) * board.period
+        self._shots[request.camera].append(_Shot(self._counts[request.camera], taken, call, what))
+
+
+def _last(shots: deque[_Shot] | tuple[()]) -> _Shot | None:
+    """Returns the last shot of which is known what it shows."""
+    return next((shot for shot in reversed(tuple(shots)) if shot.answered), None)
+
+
+def _look(camera: str, shot: _Shot) -> Look:
+    request = shot.call.request
+    assert isinstance(request, LookRequest | RegistrationRequest)
+    points, colours = _points(request.image, request.camera_pose)
+    return Look(
+        number=shot.number,
+        camera=camera,
+        time=shot.time,
+        pose=_pose(request.camera_pose),
+        points=points,
+        colours=colours,
+        seen=_seen(shot),
+        purpose="parts" if isinstance(request, LookRequest) else "kit",
+    )
+
+
+def _points(image: DepthImage, camera: Pose) -> tuple[str, str]:
+    """Returns points in the map and their colours, as text."""
+    step = max(1, math.ceil(math.sqrt(np.count_nonzero(image.depth) / MOST_POINTS)))
+    thin = _thinned(image, step)
+    colours = thin.colour[thin.depth > 0.0]
+    every = max(1, math.ceil(len(colours) / MOST_POINTS))  # where the measured ones lie in the pattern of the step
+    points = camera.apply(thin.points()[::every]).astype("<f4") if len(colours) else np.empty((0, 3), "<f4")
+    return _text(points.tobytes()), _text(np.ascontiguousarray(colours[::every], dtype=np.uint8).tobytes())
+
+
+def _thinned(image: DepthImage, step: int) -> DepthImage:
+    """Returns an image with every so-manieth row and column only."""
+    depth, colour, whole = image.depth[::step, ::step], image.colour[::step, ::step], image.intrinsics
+    height, width = depth.shape
+    fx, fy, cx, cy = (value / step for value in (whole.fx, whole.fy, whole.cx, whole.cy))
+    intrinsics = replace(whole, width=width, height=height, fx=fx, fy=fy, cx=cx, cy=cy)
+    return replace(image, depth=depth, colour=colour, intrinsics=intrinsics)
+
+
+def _seen(shot: _Shot) -> tuple[Seen, ...]:
+    try:
+        result = shot.call.answer.result()
+    except SkirosError:  # whoever asked says what broke
+        return ()
+    if isinstance(result, LookResult):
+        return tuple(
+            Seen(type=one.type, pose=_pose(one.pose), size=one.size, cost=one.cost, margin=one.margin)
+            for one in result.detections
+        )
+    return _registered(shot, result) if isinstance(result, RegistrationResult) else ()
+
+
+def _registered(shot: _Shot, result: RegistrationResult) -> tuple[Seen, ...]:
+    request = shot.call.request
+    if result.pose is None or not isinstance(request, RegistrationRequest):
+        return ()
+    low, high = request.solid.bounds()
+    length, width, height = (high - low).tolist()
+    size = (length, width, height)
+    return (Seen(type=shot.what, pose=_pose(result.pose), size=size, cost=result.cost, margin=0.0),)
+
+
+def _pose(pose: Pose) -> PoseInfo:
+    return PoseInfo(position=pose.position, orientation=pose.orientation)
+
+
+def _text(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")

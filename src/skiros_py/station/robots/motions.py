@@ -1,0 +1,198 @@
+"""Where the robots are about to go, for people: what planners answered, until it is done or given up."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import Counter, deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from skiros_py.api.looks import ArmWay, RobotMotion, Waypoint
+from skiros_py.errors import SkirosError
+from skiros_py.execution.library_monitor import LibraryCall
+from skiros_py.execution.task import Task
+from skiros_py.geometry import wrap_angle
+from skiros_py.ports.cell import ArmSpec, RobotSpec
+from skiros_py.ports.devices import Commander
+from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
+from skiros_py.ports.values import Snapshot
+from skiros_py.station.robots.kinematics import known_model
+from skiros_py.station.session import Session
+
+__all__ = ["MOST_POINTS", "Motions"]
+
+MOST_POINTS = 60
+"""Points on the way of one arm."""
+_KEPT = 8
+"""Plans kept that nobody has looked at yet."""
+_THERE, _FACING, _BENT = 0.04, math.radians(3.0), 0.02
+"""How far from the end of its way a base may stand [m, rad], and an arm's joints [rad]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Way:
+    """What was planned for one device.
+
+    Attributes:
+        device: Id of the base or arm.
+        call: What was asked, and the answer.
+        asker: Who asked; None where nobody knows.
+        time: When [s, run time].
+    """
+
+    device: str
+    call: LibraryCall
+    asker: Commander | None
+    time: float
+
+    def is_over(self, snapshot: Snapshot, period: float) -> bool:
+        """Tells whether the device has come to its end, or whoever asked goes there no more."""
+        if isinstance(self.asker, Task) and self.asker.done:
+            return True
+        answer = self.call.answer.result()
+        if isinstance(answer, BasePath):
+            return _base_arrived(snapshot, self.device, self.call, answer)
+        samples = sum(len(leg.positions) for leg in answer.legs)
+        if snapshot.time < self.time + samples * period:  # a pose on the way may be that at the end
+            return False
+        return _arm_arrived(snapshot, self.device, answer)
+
+
+class Motions:
+    """What each robot is about to do; for any thread.
+
+    Nothing is worked out in the control thread: it only notes what is planned.
+    """
+
+    def __init__(self) -> None:
+        self._session: Session | None = None
+        self._lock = threading.Lock()
+        self._asked: dict[str, deque[_Way]] = {}
+        self._ways: dict[str, dict[str, _Way]] = {}
+        self._robots: dict[str, str] = {}
+        self._counts: Counter[str] = Counter()
+        self._leave: Callable[[], None] = lambda: None
+
+    def open(self, session: Session) -> None:
+        """Notes the plans of a session."""
+        robots = session.spec.robots
+        with self._lock:
+            self._asked = {robot.id: deque(maxlen=_KEPT) for robot in robots}
+            self._ways = {robot.id: {} for robot in robots}
+            self._robots = {id_: robot.id for robot in robots for id_ in (robot.base.id, *(a.id for a in robot.arms))}
+            self._session = session
+        self._leave = session.station.asked.subscribe(self._note)
+
+    def close(self, _session: Session) -> None:
+        """Notes them no longer; what was planned in it is given up."""
+        self._leave()
+        with self._lock:
+            self._session, self._asked, self._ways = None, {}, {}
+
+    def numbers(self) -> dict[str, int]:
+        """Returns for each robot a number that is another one as soon as its motion is."""
+        with self._lock:
+            if self._session is None:
+                return {}
+            for robot in self._ways:
+                self._look(self._session, robot)
+            return {robot: self._counts[robot] for robot in self._ways}
+
+    def motion(self, robot: RobotSpec) -> RobotMotion:
+        """Returns what a robot is about to do."""
+        with self._lock:
+            if self._session is not None and robot.id in self._ways:
+                self._look(self._session, robot.id)
+            ways, number = tuple(self._ways.get(robot.id, {}).values()), self._counts[robot.id]
+        base: tuple[Waypoint, ...] = ()
+        arms: list[ArmWay] = []
+        for way in ways:
+            request, answer = way.call.request, way.call.answer.result()
+            if isinstance(request, BasePathRequest):
+                base = _waypoints(request, answer)
+            elif isinstance(request, MotionRequest):
+                arms.append(ArmWay(arm=way.device, points=_tips(robot, request, answer)))
+        return RobotMotion(number=number, base=base, arms=tuple(arms))
+
+    def _note(self, call: LibraryCall) -> None:
+        """Keeps what was asked; in the control thread."""
+        request, session = call.request, self._session
+        if session is None or not isinstance(request, BasePathRequest | MotionRequest):
+            return
+        device = request.base if isinstance(request, BasePathRequest) else request.arm
+        board = session.cycle.board
+        with self._lock:  # never held for long
+            if device in self._robots:
+                self._asked[self._robots[device]].append(_Way(device, call, board.owner, board.now))
+
+    def _look(self, session: Session, robot: str) -> None:
+        """Takes over what was answered, and drops what is over; with the lock."""
+        asked, ways = self._asked[robot], self._ways[robot]
+        board = session.cycle.board
+        while asked and asked[0].call.answer.done():
+            way = asked.popleft()
+            if _is_plan(way.call):
+                ways[way.device] = way
+                self._counts[robot] += 1
+        for way in tuple(ways.values()):
+            if way.is_over(board.snapshot, board.period):
+                del ways[way.device]
+                self._counts[robot] += 1
+
+
+def _is_plan(call: LibraryCall) -> bool:
+    try:
+        return isinstance(call.answer.result(), BasePath | MotionPlan)
+    except SkirosError:  # whoever asked says what broke
+        return False
+
+
+def _base_arrived(snapshot: Snapshot, base: str, call: LibraryCall, path: BasePath) -> bool:
+    state, request = snapshot.bases[base], call.request
+    assert isinstance(request, BasePathRequest)
+    x, y, _ = request.goal.position
+    away = math.dist((x, y), state.pose.position[:2])
+    return state.still and away < _THERE and abs(wrap_angle(path.heading - state.pose.yaw)) < _FACING
+
+
+def _arm_arrived(snapshot: Snapshot, arm: str, plan: MotionPlan) -> bool:
+    state = snapshot.arms[arm]
+    if not (plan.legs and state.still):
+        return state.still
+    last = plan.legs[-1].positions[-1]
+    return bool(np.abs(np.asarray(state.positions) - last).max() < _BENT)
+
+
+def _waypoints(request: BasePathRequest, path: BasePath) -> tuple[Waypoint, ...]:
+    """Returns where a base begins, where each leg ends, and how it turns at last."""
+    x, y, _ = request.start.position
+    points = [Waypoint(x=x, y=y, heading=request.start.yaw)]
+    for leg in path.legs:
+        heading = math.atan2(leg.y - y, leg.x - x) + (math.pi if leg.backwards else 0.0)
+        x, y = leg.x, leg.y
+        points.append(Waypoint(x=x, y=y, heading=wrap_angle(heading)))
+    points.append(Waypoint(x=x, y=y, heading=path.heading))
+    return tuple(points)
+
+
+def _tips(robot: RobotSpec, request: MotionRequest, plan: MotionPlan) -> tuple[tuple[float, float, float], ...]:
+    """Returns where the tip of an arm goes, in the map [m]; nothing where nobody knows the robot's model."""
+    model, arm = known_model(robot.model), _arm(robot, request.arm)
+    rows = [row for leg in plan.legs for row in leg.positions.tolist()]
+    if model is None or arm is None or not rows:
+        return ()
+    tips = [model.tool(arm, rows[index]) for index in _spread(len(rows))]
+    return tuple((request.base @ tip).position for tip in tips if tip is not None)
+
+
+def _arm(robot: RobotSpec, arm: str) -> ArmSpec | None:
+    return next((one for one in robot.arms if one.id == arm), None)
+
+
+def _spread(count: int) -> list[int]:
+    """Returns which of so many to take: the first, the last, and evenly between."""
+    most = min(count, MOST_POINTS)
+    return sorted({round(index * (count - 1) / max(1, most - 1)) for index in range(most)})

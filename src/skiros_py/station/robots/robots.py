@@ -1,0 +1,221 @@
+"""Robots as they are told to whoever asks, and what is started on one of them by hand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from skiros_py.api.robots import (
+    ArmDescription,
+    ArmReading,
+    BaseDescription,
+    CameraDescription,
+    GripperDescription,
+    Jog,
+    JointDescription,
+    RobotInfo,
+    RobotReading,
+)
+from skiros_py.api.state import BaseInfo, GripperInfo, PoseInfo
+from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
+from skiros_py.geometry import Pose
+from skiros_py.ports.cell import ArmSpec, RobotSpec
+from skiros_py.ports.models import BASE_JOINTS
+from skiros_py.ports.values import ArmState, BaseState
+from skiros_py.skills.surroundings import owner
+from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Wish
+from skiros_py.station.robots.kinematics import RobotModel, robot_model
+from skiros_py.station.session import Session
+from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.world.vocabulary import HELD_BY
+
+__all__ = ["info", "jog", "reading", "robot_of", "start_by_hand"]
+
+# ---------------------------------------------------------------------- what there is
+
+
+def robot_of(session: Session, id_: str) -> RobotSpec:
+    """Returns a robot.
+
+    Raises:
+        UnknownName: There is none of that id.
+    """
+    by_id = {robot.id: robot for robot in session.spec.robots}
+    if id_ not in by_id:
+        raise UnknownName("robot", id_, by_id)
+    return by_id[id_]
+
+
+def info(session: Session, robot: RobotSpec) -> RobotInfo:
+    """Describes a robot; in any thread."""
+    base, model, view = robot.base, _model(robot), session.world.snapshot()
+    return RobotInfo(
+        id=robot.id,
+        label=view.element(robot.id).label if view.has(robot.id) else "",
+        model=robot.model,
+        base=BaseDescription(
+            id=base.id,
+            joints=tuple(name for name in BASE_JOINTS if model is not None and model.joint(name) is not None),
+            max_linear=base.max_linear,
+            max_angular=base.max_angular,
+            footprint=base.footprint,
+        ),
+        arms=tuple(_arm(arm, model) for arm in robot.arms),
+        grippers=tuple(
+            GripperDescription(id=g.id, arm=g.arm, joints=g.joints, max_gap=g.max_gap, max_force=g.max_force)
+            for g in robot.grippers
+        ),
+        cameras=tuple(
+            CameraDescription(id=c.id, frame=c.frame, width=c.width, height=c.height, vertical_fov=c.vertical_fov)
+            for c in robot.cameras
+        ),
+        agents=_agents(session, robot),
+    )
+
+
+def _model(robot: RobotSpec) -> RobotModel | None:
+    """The model, where it is one that can be read: cells of plug-ins may have robots of their own."""
+    try:
+        return robot_model(robot.model)
+    except SkirosError:
+        return None
+
+
+def _arm(arm: ArmSpec, model: RobotModel | None) -> ArmDescription:
+    return ArmDescription(id=arm.id, joints=tuple(_joint(n, model) for n in arm.joints), home=arm.home, tip=arm.tip)
+
+
+def _joint(name: str, model: RobotModel | None) -> JointDescription:
+    joint = model.joint(name) if model is not None else None
+    if joint is None:
+        return JointDescription(name=name, lower=None, upper=None, velocity=None)
+    return JointDescription(name=name, lower=joint.lower, upper=joint.upper, velocity=joint.velocity)
+
+
+def _agents(session: Session, robot: RobotSpec) -> tuple[str, ...]:
+    view = session.world.snapshot()
+    return tuple(a for a in sorted(session.managers) if view.has(a) and owner(view, a) == robot.id)
+
+
+# ---------------------------------------------------------------------- where it is
+
+
+def reading(session: Session, robot: RobotSpec) -> RobotReading:
+    """Tells where a robot is at this moment; quick, and for any thread."""
+    snapshot, view = session.cycle.board.snapshot, session.world.snapshot()
+    base = snapshot.bases[robot.base.id]
+    placement = view.placement(robot.id) if view.has(robot.id) else None
+    grippers = {g.id: snapshot.grippers[g.id] for g in robot.grippers}
+    return RobotReading(
+        id=robot.id,
+        time=snapshot.time,
+        cycle=snapshot.cycle,
+        halted=session.cycle.halted,
+        at=placement.place if placement else "",
+        base=BaseInfo(pose=_pose(base.pose), linear=base.linear, angular=base.angular, still=base.still),
+        arms={arm.id: _arm_reading(arm, robot, snapshot.arms[arm.id], base) for arm in robot.arms},
+        grippers={
+            id_: GripperInfo(
+                gap=g.gap, force=g.force, still=g.still, holds=next(iter(view.subjects(HELD_BY, id_)), None)
+            )
+            for id_, g in grippers.items()
+        },
+    )
+
+
+def _arm_reading(arm: ArmSpec, robot: RobotSpec, state: ArmState, base: BaseState) -> ArmReading:
+    model = _model(robot)
+    tool = model.tool(arm, state.positions) if model is not None else None
+    return ArmReading(
+        positions=state.positions,
+        velocities=state.velocities,
+        still=state.still,
+        tool=_pose(base.pose @ tool) if tool is not None else None,
+    )
+
+
+def _pose(pose: Pose) -> PoseInfo:
+    return PoseInfo(position=pose.position, orientation=pose.orientation)
+
+
+# ---------------------------------------------------------------------- by hand
+
+
+def jog(robot: RobotSpec, wanted: Jog) -> tuple[str, dict[str, Any]]:
+    """Returns which primitive does what is wanted, and with which arguments.
+
+    Raises:
+        UnknownName: The robot has no such arm or gripper.
+        UsageError: It has several, and nobody said which; or it is no small step.
+    """
+    if wanted.joints is not None:
+        arm = _one("arm", wanted.joints.arm, [arm.id for arm in robot.arms])
+        joints = next(one.joints for one in robot.arms if one.id == arm)
+        if len(wanted.joints.deltas) != len(joints):
+            raise UsageError(f"deltas: one number for each joint of {arm}: {', '.join(joints)}")
+        return "jog_joints", {"arm": arm, "deltas": list(wanted.joints.deltas)}
+    if wanted.tool is not None:
+        tool = wanted.tool
+        _require_short("translation", tool.translation, 0.1, "m")
+        _require_short("rotation", tool.rotation, 0.35, "rad")
+        arm = _one("arm", tool.arm, [arm.id for arm in robot.arms])
+        return "jog_tool", {"arm": arm, **tool.model_dump(mode="json", exclude={"arm"}, exclude_none=True)}
+    if wanted.base is not None:
+        _require_short("dx, dy", (wanted.base.dx, wanted.base.dy), 0.2, "m")
+        return "jog_base", {"base": robot.base.id, "robot": robot.id, **wanted.base.model_dump()}
+    assert wanted.gripper is not None
+    gripper = _one("gripper", wanted.gripper.gripper, [gripper.id for gripper in robot.grippers])
+    return "gripper_control", {"gripper": gripper, "gap": wanted.gripper.width}
+
+
+def _one(kind: str, wanted: str | None, there: list[str]) -> str:
+    if wanted is None and len(there) == 1:
+        return there[0]
+    if wanted is None:
+        raise UsageError(f"{kind}: say which: {', '.join(there) or 'there is none'}")
+    if wanted not in there:
+        raise UnknownName(kind, wanted, there, where="of this robot")
+    return wanted
+
+
+def _require_short(what: str, way: tuple[float, ...], most: float, unit: str) -> None:
+    length = math.hypot(*way)
+    if length > most + 1e-9:
+        raise UsageError(f"{what}: one step is at most {most:g} {unit} long, not {length:.3g} {unit}")
+
+
+def start_by_hand(
+    session: Session, runs: ModuleRuns, robot: RobotSpec, module: str, arguments: Mapping[str, Any], by: str
+) -> ModuleRun:
+    """Starts a module on a robot that does nothing else; in the control thread.
+
+    Raises:
+        UsageError: The robot has no such module, or something is wrong with the arguments.
+        WrongState: Something is under way on that robot, or everything was halted.
+    """
+    able = [agent for agent in _agents(session, robot) if module in session.managers[agent].modules]
+    if not able:
+        raise UsageError(f"{robot.id} has no module {module}: it is a primitive of skiros-primitives")
+    busy = _at_work(session, robot)
+    if busy:
+        raise WrongState(
+            f"{robot.id} is at work ({busy}): wait, or pause or stop that; nobody jogs what moves by itself"
+        )
+    devices = [value for value in arguments.values() if value in able]
+    agent = devices[0] if devices else able[0]
+    return runs.start(session, Wish(agent, module, arguments, by, at_once=True))
+
+
+def _at_work(session: Session, robot: RobotSpec) -> str:
+    """Returns what is under way on a robot; empty where it waits for a person, or stands paused between two steps."""
+    agents = _agents(session, robot)
+    running = [f"{name} of {agent}" for agent in agents for name in session.managers[agent].running]
+    tasks = [task.name for task in session.tasks.undertakings if _may_move(task, agents)]
+    return ", ".join([*running, *tasks])
+
+
+def _may_move(task: Undertaking, agents: tuple[str, ...]) -> bool:
+    if task.status not in ("planning", "running"):
+        return False
+    return task.plan is None or any(set(step.arguments.values()) & set(agents) for step in task.plan.steps)

@@ -1,0 +1,1 @@
+"""Scenes that can be saved and loaded."""

@@ -1,0 +1,110 @@
+"""Loads another scene into a running station, as one change of its world, and lets it live on in that."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from skiros_py.errors import DescriptionError, FileError, UsageError, WrongState
+from skiros_py.station.control import ControlThread
+from skiros_py.station.scenes.content import changes_to
+from skiros_py.station.session import Session, open_data
+from skiros_py.world.change import Change, Writer
+from skiros_py.world.index import Index
+from skiros_py.world.world import World
+
+__all__ = ["LOADED", "load", "require_rest", "scene_of"]
+
+LOADED = "loaded scene "
+"""What the reasons of such changes begin with; the name of the scene comes next, or "(upload)"."""
+_UPLOAD = "(upload)"
+_FIRST = "read from "
+
+
+def load(
+    control: ControlThread, data: Path, scene: Index, name: str, *, author: str, holder: str = "", seen: int | None
+) -> None:
+    """Makes the live world's scene another one; what was learned stays. Returns when the station is up again.
+
+    Robots, skill managers and bodies are those of the new scene then. Where they cannot be brought up, the scene is
+    again what it was.
+
+    Args:
+        control: Runs the session.
+        data: The data directory.
+        scene: What it shall be.
+        name: What that is called; empty for an upload.
+        author: Who wants it.
+        holder: Whose locks let it through, where they are not the author's.
+        seen: Version of the world that they have seen; None for any.
+
+    Raises:
+        WrongState: Something is under way.
+        StaleVersion: The world was changed since.
+        WorldError: A lock or a reasoner does not allow it.
+        SkirosError: The station cannot be brought up in that scene; it is up in the old one.
+    """
+    before: list[tuple[Index, Change | None]] = []
+    reason = LOADED + (name or _UPLOAD)
+
+    def prepare(session: Session) -> None:
+        require_rest(session)
+        old = session.world.snapshot()
+        expects = None if seen is None else {"": seen}
+        with session.world.transaction(author, reason, writer=Writer.PERSON, expects=expects, holder=holder) as tx:
+            tx.apply(changes_to(scene, old))
+        before.append((old, tx.change))
+
+    try:
+        control.reopen(prepare, lambda: _take_back(data, *before[0]))
+    except (DescriptionError, FileError) as error:
+        if not before:
+            raise
+        raise UsageError(f"the station cannot be brought up in that scene, and is in the old one: {error}") from error
+
+
+def require_rest(session: Session) -> None:
+    """Sees that nothing is under way, and that no job was left in the middle of its work.
+
+    Raises:
+        WrongState: Something is.
+    """
+    if not session.resting:
+        raise WrongState(
+            "something is under way, or would start by itself now: wait until it is over, or stop it, and take back the"
+            " leave to start of jobs that wait; nothing was changed"
+        )
+    held = next((job.id for job in session.jobs.open.values() if job.state.has_begun), None)
+    if held is not None:
+        raise WrongState(f"job '{held}' waits in the middle of its work: answer or abort it first; nothing was changed")
+
+
+def _take_back(data: Path, old: Index, change: Change | None) -> None:
+    """Makes the scene what it was, while no session has the data directory."""
+    with open_data(data, create=False) as directory:
+        world = directory.world
+        reason = "takes the last scene back: the station cannot be brought up in it"
+        undoes = None if change is None else change.number
+        with world.transaction("server", reason, writer=Writer.PERSON, undoes=undoes) as tx:
+            tx.apply(changes_to(old, world.snapshot()))
+
+
+def scene_of(world: World) -> tuple[str, int]:
+    """Returns the name of the scene that was loaded last, and the change that did it.
+
+    The name is empty for an upload, and where nobody remembers.
+    """
+    undone: set[int] = set()
+    for change in world.log.by_people():
+        if change.undoes is not None:
+            undone.add(change.undoes)
+        elif change.number not in undone and change.reason.startswith(LOADED):
+            return change.reason.removeprefix(LOADED).removeprefix(_UPLOAD), change.number
+    first = _first(world)
+    if first is None or not first.reason.startswith(_FIRST):
+        return "", 0
+    return Path(first.reason.removeprefix(_FIRST)).stem, first.number
+
+
+def _first(world: World) -> Change | None:
+    log = world.log
+    return log.since(0)[0] if log.first == 1 and log.version else None

@@ -1,0 +1,168 @@
+"""Scenes that can be loaded: those that came with packages, and those saved in the data directory."""
+
+from __future__ import annotations
+
+import re
+import threading
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from skiros_py.api.scenes import SCENE_NAME
+from skiros_py.config import named_scene, scene_names
+from skiros_py.errors import FileError, StaleVersion, UnknownName, UsageError
+from skiros_py.station.scenes.content import scene_only
+from skiros_py.world.index import Index
+from skiros_py.world.scene.atomic import write_atomically
+from skiros_py.world.scene.writer import scene_turtle
+
+__all__ = ["SceneFile", "SceneShelf"]
+
+_NAME = re.compile(SCENE_NAME)
+_SUFFIX = ".ttl"
+
+
+@dataclass(frozen=True, slots=True)
+class SceneFile:
+    """The file of a scene.
+
+    Attributes:
+        name: Name of the scene.
+        path: Where it is.
+        saved: True for one in the data directory, False for one that came with a package.
+    """
+
+    name: str
+    path: Path
+    saved: bool
+
+    @property
+    def version(self) -> int:
+        """A number that is another one when the file says something else.
+
+        Raises:
+            FileError: It cannot be read.
+        """
+        try:
+            return zlib.crc32(self.path.read_bytes())
+        except OSError as error:
+            raise FileError(self.path, f"cannot be read: {error.strerror}") from error
+
+    @property
+    def written(self) -> datetime | None:
+        """When it was saved; None for one that is installed, or gone meanwhile."""
+        try:
+            return datetime.fromtimestamp(self.path.stat().st_mtime, UTC) if self.saved else None
+        except OSError:
+            return None
+
+
+class SceneShelf:
+    """The scenes of a server; for any thread.
+
+    Args:
+        folder: Where scenes are saved; made when the first one is.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._writing = threading.Lock()
+
+    def names(self) -> list[str]:
+        """Returns the names of all scenes, sorted."""
+        return sorted({*self._saved(), *scene_names()})
+
+    def find(self, name: str) -> SceneFile:
+        """Returns the file of a scene; a saved one comes before one that was installed later under the same name.
+
+        Raises:
+            UnknownName: There is no scene of that name.
+            UsageError: It cannot be a name; or the plug-in that it is from is broken.
+            FileError: It is a symbolic link to somewhere else.
+        """
+        path = self._path(name) if _NAME.fullmatch(name) else None
+        if path is not None and _is_plain(path):
+            return SceneFile(name, path, saved=True)
+        try:
+            return SceneFile(name, named_scene(name), saved=False)
+        except UnknownName:
+            raise UnknownName("scene", name, self.names()) from None
+
+    def save(self, name: str, scene: Index, *, expects: int | None = None) -> SceneFile:
+        """Saves a state as a scene, whole or not at all.
+
+        Args:
+            name: Under which name.
+            scene: The state.
+            expects: The version of the saved scene that it replaces; None where it shall be a new one.
+
+        Raises:
+            UsageError: It cannot be a name, or it is that of an installed scene.
+            StaleVersion: There is another version of it, or none.
+            FileError: It cannot be written.
+        """
+        if not _NAME.fullmatch(name):
+            raise UsageError("a scene is saved under small letters, digits, '_' and '-', 64 at most")
+        text = scene_turtle(scene_only(scene))
+        with self._writing:
+            self._check(name, expects)
+            self._make_folder()
+            path = self._path(name)
+            write_atomically(path, text)
+        return SceneFile(name, path, saved=True)
+
+    def remove(self, name: str, *, expects: int | None = None) -> None:
+        """Removes a saved scene.
+
+        Raises:
+            UnknownName: There is none of that name.
+            UsageError: It is installed, not saved here.
+            StaleVersion: There is another version of it than expected.
+        """
+        with self._writing:
+            file = self.find(name)
+            if not file.saved:
+                raise UsageError(f"scene '{name}' came with a package, and stays: only saved ones can be removed")
+            if expects is not None and expects != file.version:
+                raise _stale(file, expects)
+            file.path.unlink(missing_ok=True)
+
+    def _check(self, name: str, expects: int | None) -> None:
+        try:
+            file = self.find(name)
+        except UnknownName:
+            if expects is not None:
+                raise StaleVersion(f"there is no scene '{name}' any more: it was removed since") from None
+            return
+        if not file.saved:
+            raise UsageError(f"'{name}' is a scene that came with a package: choose another name")
+        if expects != file.version:
+            raise _stale(file, expects)
+
+    def _saved(self) -> Iterator[str]:
+        files = sorted(self._folder.glob(f"*{_SUFFIX}")) if self._folder.is_dir() else []
+        yield from (file.stem for file in files if _NAME.fullmatch(file.stem) and _is_plain(file))
+
+    def _path(self, name: str) -> Path:
+        """Returns where a scene is saved, which is in the folder and nowhere else."""
+        path = self._folder / f"{name}{_SUFFIX}"
+        if path.is_symlink() or not path.resolve().is_relative_to(self._folder.parent.resolve()):
+            raise FileError(path, "is a symbolic link: scenes are saved as files of their own")
+        return path
+
+    def _make_folder(self) -> None:
+        try:
+            self._folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise FileError(self._folder, f"cannot be made: {error.strerror}") from error
+
+
+def _is_plain(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink()
+
+
+def _stale(file: SceneFile, expects: int | None) -> StaleVersion:
+    seen = "you have seen none" if expects is None else f"not version {expects}"
+    return StaleVersion(f"there is a scene '{file.name}' of version {file.version}, {seen}: look again, then decide")

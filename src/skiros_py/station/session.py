@@ -1,0 +1,545 @@
+"""The composition root: reads the scene, loads plug-ins, wires adapters to ports, starts and stops everything."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from skiros_py.catalogue import Catalogue, fitting, load_catalogue
+from skiros_py.config import find_scene, ontology_paths
+from skiros_py.errors import FileError, UnknownName, UsageError
+from skiros_py.execution.digest import RunDigest
+from skiros_py.execution.running import RunningModule
+from skiros_py.execution.station import Station, StationOptions
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
+from skiros_py.planning.service import Planned
+from skiros_py.plugins import PluginFault
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.driver import CellDriver
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.context import Libraries
+from skiros_py.skills.outcome import Outcome
+from skiros_py.skills.respawn import respawn
+from skiros_py.system import check_system_libraries
+from skiros_py.tasks.goals import parse_goal
+from skiros_py.tasks.learning import learn_durations
+from skiros_py.tasks.pursuit import pursue
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.task_manager import TaskManager
+from skiros_py.world.ontology import Ontology, load_installed
+from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.scene import load_scene
+from skiros_py.world.view import WorldView
+from skiros_py.world.vocabulary import ROBOT
+from skiros_py.world.world import World
+
+if TYPE_CHECKING:
+    from skiros_py.simulation.pybullet.cell import PyBulletCell
+    from skiros_py.tasks.jobs import JobManager
+    from skiros_py.world.journal import DataDirectory
+
+__all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
+
+_log = logging.getLogger(__name__)
+
+_STREAM = 1
+"""Random numbers of modules are a stream of their own beside those of the simulation."""
+_HASH_EVERY = 20
+"""Cycles between two entries of joint states into a run's digest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to open a session.
+
+    Attributes:
+        seed: Seed of every random choice.
+        robot: Id of the robot to use; None for all robots of the scene.
+        fake: True for no physics: skills only pretend.
+        pace: Simulated seconds per wall second; None for as fast as possible.
+        gui: True to open PyBullet's window.
+        goal: Goal text or texts; empty for the goal that goes with the scene.
+        driver: Name of a cell driver that a plug-in brings; None for the simulation (or the fake).
+        config: Values of configuration parameters by "module.key".
+        planner: Name of the planner; None for the first that takes what a task uses.
+        planner_command: Command line of a planner, with ``{domain}``, ``{problem}`` and perhaps ``{plan}``; instead of
+            a name.
+        data: A data directory, in which world and jobs outlive the session; the scene is the first content of a new
+            one. None for a session that leaves nothing behind.
+        temporal: True to plan in time, with durations; that takes a planner for durative actions.
+        overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
+    """
+
+    seed: int = 0
+    robot: str | None = None
+    fake: bool = False
+    pace: float | None = None
+    gui: bool = False
+    goal: str | tuple[str, ...] = ()
+    driver: str | None = None
+    config: Mapping[str, Any] = field(default_factory=dict)
+    planner: str | None = None
+    planner_command: str | None = None
+    data: Path | None = None
+    temporal: bool = False
+    overrun: float | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise UsageError(f"seed: a whole number from 0, not {self.seed!r}")
+        if self.pace is not None and not 0.0 < self.pace < float("inf"):
+            raise UsageError(f"pace: a positive factor, or None for as fast as possible, not {self.pace!r}")
+        if self.planner is not None and self.planner_command is not None:
+            raise UsageError("planner: give its name or its command line, not both")
+
+
+class Session:
+    """A scene brought to life: world, robots, skill managers, task manager. Close it, or use it in a ``with``.
+
+    Args:
+        scene: Name or path of the scene; empty where the data directory has its world already.
+        options: How to open it.
+        catalogue: Plug-ins, where they were found already.
+
+    Attributes:
+        world: The live world model.
+        monitor: Module events.
+        goal: The goal: that of the options, else the one that goes with the scene.
+        catalogue: The plug-ins found.
+        cell: The driver: simulation or fake.
+        spec: The cell as brought up.
+        station: What runs everything.
+        cycle: The control cycle.
+        managers: The skill managers by the id of their subsystem.
+        questions: What the robots ask a person.
+        stopped: True when somebody asked for a stop.
+        left_out: Bodies that it was opened without, each with the reason: what people have written of them does not do.
+    """
+
+    def __init__(self, scene: str, options: Options = Options(), *, catalogue: Catalogue | None = None) -> None:
+        self._stack = ExitStack()
+        self._stop_wanted = False
+        self._closed = self._opened = False
+        self.stopped = False
+        self.left_out: dict[str, str] = {}
+        self._digest = RunDigest()
+        self._on_plan: list[Callable[[Planned], None]] = []
+        self.options = options
+        self.scene = scene
+        self.catalogue = catalogue or load_catalogue()
+        try:
+            self._open(scene)
+            self._opened = True
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, scene: str) -> None:
+        self.world, faults = self._open_world(scene)
+        # They are known already where the catalogue is that of the installation.
+        self.catalogue = replace(self.catalogue, early=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
+        fake = None if self.options.driver else self.options.fake  # what a driver is for is known when it is there
+        self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners, fake=fake)
+        _warn(self.catalogue.faults)
+        self.goal = self._own_goal()
+        self.spec = self._read_cell()
+        libraries = Libraries() if self.options.fake else self._start_libraries()
+        self.cell = self._start_cell()
+        self.world.subscribe(self._digest.add_change)
+        self._set_up(libraries)
+        self._watch()
+        planners = self._stack.enter_context(closing(self._planners()))
+        title = self._source.stem
+        self.tasks = TaskManager.of(
+            self.station,
+            planners,
+            title,
+            on_plan=self._tell_plan,
+            leaving=self._is_stopping,
+            temporal=self.options.temporal,
+        )
+        if not self.options.fake:
+            learn_durations(self.tasks, self.station)
+
+    def _read_cell(self) -> CellSpec:
+        """Reads the cell; of a world that people have changed since it began, without what they have left unfinished.
+
+        In a scene that has just been read that is its author's mistake.
+        """
+        lived = self.options.data is not None and self.world.log.version > 1
+        spec = read_cell(
+            self.world,
+            self._robots(self.world),
+            simulated=self.simulates,
+            left_out=self.left_out if lived else None,
+        )
+        for element, why in self.left_out.items():
+            _log.warning("the station is brought up without %s: %s", element, why)
+        return spec
+
+    def _open_world(self, scene: str) -> tuple[World, tuple[PluginFault, ...]]:
+        if self.options.data is None:
+            return _opened(scene)
+        from skiros_py.world.journal import DataDirectory  # most runs keep nothing
+
+        ontology, reasoners, faults = _installed()
+        directory = DataDirectory.open(
+            self.options.data, ontology, reasoners, find_scene(scene) if scene else None, imports=ontology_paths()
+        )
+        self._stack.callback(lambda: directory.close() if self._opened else directory.discard())
+        if self.simulates:
+            respawn(directory.world, directory.journal)
+        return directory.world, faults
+
+    @property
+    def simulates(self) -> bool:
+        """True where bodies move as physics wants."""
+        return self.options.driver is None and not self.options.fake
+
+    def _own_goal(self) -> tuple[Condition, ...]:
+        """Reads the goal of the options, else the one that goes with the scene."""
+        if self.options.goal:
+            return self._conditions(self.options.goal)
+        try:
+            return self.parse(self.world.goals)
+        except UsageError as error:
+            raise FileError(self._source, f"sk:goal: {error}") from error
+
+    @property
+    def _source(self) -> Path:
+        """Where the world comes from: a scene, or the data directory alone."""
+        if self.scene or self.options.data is None:
+            return find_scene(self.scene)
+        return self.options.data
+
+    def _robots(self, world: WorldView) -> tuple[str, ...]:
+        robots = world.instances(ROBOT)
+        if not robots:
+            raise UsageError(f"scene '{self.scene}' has no robot: import one, such as robots/mobile_panda.ttl")
+        wanted = self.options.robot
+        if wanted is None:
+            return robots
+        by_name = {name: robot for robot in robots for name in (world.element(robot).label, robot)}
+        if wanted not in by_name:
+            raise UnknownName("robot", wanted, robots, where=f"in scene '{self.scene}'")
+        return (by_name[wanted],)
+
+    def _start_libraries(self) -> Libraries:
+        """Starts the worker processes first: their imports take seconds and run side by side.
+
+        Each robot plans its arms' motions in a process of its own; base paths and perception are shared, and answer in
+        the order of asking.
+        """
+        from skiros_py.motion.arm_planner import ArmPlanners
+        from skiros_py.motion.base_paths import ShapelyBasePlanner
+        from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
+
+        check_system_libraries()
+        perception = self._stack.enter_context(closing(start_perception()))
+        arm_planner = self._stack.enter_context(closing(ArmPlanners(self.spec.robots)))
+        base_planner = self._stack.enter_context(closing(ShapelyBasePlanner()))
+        return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
+
+    def _start_cell(self) -> CellDriver:
+        if self.options.driver is not None:
+            driver = self.catalogue.driver(self.options.driver, self.spec, seed=self.options.seed)
+            return self._stack.enter_context(closing(driver))
+        if self.options.fake:
+            from skiros_py.simulation.fake.cell import FakeCell
+
+            return self._stack.enter_context(closing(FakeCell(self.spec, seed=self.options.seed)))
+        from skiros_py.simulation.pybullet.cell import PyBulletCell
+
+        return self._stack.enter_context(closing(PyBulletCell(self.spec, seed=self.options.seed, gui=self.options.gui)))
+
+    def _planners(self) -> Planners:
+        if self.options.planner_command is not None:
+            return Planners.only(CommandPlanner("command", self.options.planner_command, supports=EVERYTHING))
+        return self.catalogue.choice_of_planners(self.options.planner)
+
+    def _set_up(self, libraries: Libraries) -> None:
+        """Brings control cycle, skill managers and watchdog up."""
+        skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
+        seed = (self.options.seed, _STREAM)
+        options = StationOptions(
+            None, seed, self.options.pace, libraries, self.options.config, overrun=self.options.overrun
+        )
+        station = Station(self.world, self.spec, self.cell, skills, self.catalogue.primitives, options)
+        self.station = self._stack.enter_context(station)
+        self.cycle, self.managers = station.cycle, station.managers
+        self.monitor, self.questions = station.monitor, station.questions
+        self.cycle.observe(self._digest_state)
+
+    def _watch(self) -> None:
+        """Starts what runs in the background; a stop ends it with everything else."""
+        if not self.options.fake:
+            self.managers.watch()
+
+    # ------------------------------------------------------------------ use
+
+    def parse(self, texts: Sequence[str]) -> tuple[Condition, ...]:
+        """Reads goal texts; see :func:`skiros_py.tasks.goals.parse_goal`."""
+        return parse_goal(texts, self.world, self.catalogue.conditions)
+
+    def on_plan(self, listener: Callable[[Planned], None]) -> None:
+        """Calls the listener with every new plan."""
+        self._on_plan.append(listener)
+
+    def _tell_plan(self, planned: Planned) -> None:
+        for listener in self._on_plan:
+            listener(planned)
+
+    def plan(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> Planned:
+        """Plans from the present beliefs without doing anything."""
+        planning = self.tasks.plan(self._conditions(goal))
+        while True:
+            try:
+                next(planning)
+            except StopIteration as end:
+                result: Planned = end.value
+                return result
+            time.sleep(0.001)
+
+    def run(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> GoalReport:
+        """Pursues a goal to its end, or until :meth:`stop`.
+
+        Args:
+            goal: Conditions or goal texts; None for the goal of the scene.
+
+        Raises:
+            UsageError: There is no goal, or everything was halted and nobody has called :meth:`reset` since.
+        """
+        wanted = self._conditions(goal)
+        self._digest.begin(self.simulation.state_bytes() if self.simulates else b"")
+        report = pursue(self.station, self.tasks, wanted, self._is_stopping)
+        self._obey_stop()
+        report = replace(report, digest=str(self._digest))
+        return report.with_truth(self._truths(wanted)) if self.simulates else report
+
+    def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
+        """Starts one skill or primitive by itself; step the cycle until it is done.
+
+        Args:
+            module: Its name.
+            arguments: Its parameters; what is left out is inferred.
+            agent: Id of the subsystem; None for the first that can.
+
+        Raises:
+            UnknownName: There is no such module or subsystem.
+            UsageError: It cannot be started now, such as when everything was halted and not :meth:`reset`.
+        """
+        self.station.require_ready()
+        if agent is not None and agent not in self.managers:
+            raise UnknownName("skill manager", agent, self.managers)
+        manager = self.managers.who_runs(module) if agent is None else self.managers[agent]
+        return manager.start(module, arguments)
+
+    def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
+        """Runs one skill or primitive by itself to its end, or until :meth:`stop`; see :meth:`start_module`."""
+        running = self.start_module(module, arguments, agent)
+        self.station.finish(running, self._is_stopping)
+        self._obey_stop()
+        return running.result
+
+    @cached_property
+    def jobs(self) -> JobManager:
+        """The queue of jobs; kept in the data directory, where there is one.
+
+        Raises:
+            FileError: The file with the jobs cannot be used.
+        """
+        from skiros_py.tasks.jobs import JobManager, JobStore  # most sessions have none
+
+        folder = self.options.data or Path(self._stack.enter_context(TemporaryDirectory(prefix="skiros-jobs-")))
+        store = self._stack.enter_context(closing(JobStore(folder / "jobs.db")))
+        return JobManager(self.tasks, self.station, store, self.parse)
+
+    def run_jobs(self) -> None:
+        """Lets jobs run until none is under way and none may start now, or until :meth:`stop`."""
+        while not (self.jobs.idle or self._is_stopping() or self.cycle.halted):
+            self.cycle.step()
+        self._obey_stop()
+
+    @property
+    def resting(self) -> bool:
+        """True while nothing is under way that anybody started, or would start by itself: no job, task or module.
+
+        While everything is halted, jobs that wait do not start.
+        """
+        at_work = self.tasks.undertakings or any(manager.running for manager in self.managers.values())
+        return not at_work and ("jobs" not in self.__dict__ or bool(self.cycle.halted) or self.jobs.idle)
+
+    def check(self, scene: WorldView) -> None:
+        """Sees whether a session such as this one could be opened in another scene.
+
+        Raises:
+            UsageError: There is no robot to use.
+            DescriptionError: A robot or body lacks something, or has no room.
+            WorldError: A shape cannot be read.
+        """
+        spec = read_cell(scene, self._robots(scene), simulated=self.simulates)
+        if self.simulates:
+            from skiros_py.simulation.pybullet.spawn import start_poses
+
+            start_poses(spec, self.options.seed)
+
+    def check_again(self) -> None:
+        """Sees whether this session could be closed and opened again, and believes what would be so then.
+
+        Raises:
+            SkirosError: It could not; what is believed is as it was.
+        """
+        from skiros_py.world.journal import Journal
+
+        if self.simulates and isinstance(self.world.log, Journal):
+            respawn(self.world, self.world.log, self.check)
+        else:
+            self.check(self.world.snapshot())
+
+    def reset(self) -> None:
+        """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.
+
+        Whoever calls it has looked at why that was. After :meth:`stop` it is not needed.
+
+        Raises:
+            UsageError: Something still moves.
+        """
+        if self.cycle.halted:
+            self.cycle.reset()
+            self._watch()
+
+    def _is_stopping(self) -> bool:
+        return self._stop_wanted
+
+    def _obey_stop(self) -> None:
+        """Where the user wants a stop, and nothing worse has happened: stops everything, and is ready again."""
+        wanted, self._stop_wanted = self._stop_wanted, False
+        if wanted and not self.cycle.halted and self.cycle.stop_all("a stop was asked for"):
+            self.reset()
+
+    def stop(self) -> None:
+        """Asks the run to stop: everything halts in the next cycle; safe to call from a signal handler."""
+        self._stop_wanted = self.stopped = True
+
+    def _conditions(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
+        if self._closed:
+            raise UsageError("the session is closed")
+        given: Sequence[Any] = self.goal if goal is None else (goal,) if isinstance(goal, str) else goal
+        if not isinstance(given, Sequence) or not all(isinstance(part, str | Condition) for part in given):
+            raise UsageError(f"a goal is a text, or a list of texts or conditions, not {goal!r}")
+        texts = [part for part in given if isinstance(part, str)]
+        conditions = tuple(part for part in given if isinstance(part, Condition)) + (self.parse(texts) if texts else ())
+        if goal is not None and not conditions:
+            raise UsageError("the goal is empty: nothing is wanted")
+        if not conditions:
+            raise UsageError(
+                f"scene '{self.scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'"
+            )
+        return conditions
+
+    def _truths(self, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
+        from skiros_py.station.judgement import judge
+
+        return judge(self.simulation, self.spec, self.world, goal)
+
+    @property
+    def simulation(self) -> PyBulletCell:
+        """The physics simulation, for what only a simulation can do (moving bodies, outside pictures).
+
+        Raises:
+            UsageError: The session runs on a fake.
+        """
+        from skiros_py.simulation.pybullet.cell import PyBulletCell
+
+        if not isinstance(self.cell, PyBulletCell):
+            raise UsageError("there is no simulation behind this robot: leave out --fake and --driver")
+        return self.cell
+
+    # ------------------------------------------------------------------ digest and end
+
+    def _digest_state(self) -> None:
+        if self.simulates and self.cycle.board.snapshot.cycle % _HASH_EVERY == 0:
+            self._digest.add(self.simulation.state_bytes())
+
+    def close(self) -> None:
+        """Ends all processes and the simulation; may be called twice."""
+        self._closed = True
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def open_world(scene: str) -> World:
+    """Loads the ontology and a scene, with what plug-ins bring of ontologies and reasoners; no robots, no physics.
+
+    A plug-in that does not load is left out, and logged as a warning.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: A file cannot be read or understood.
+    """
+    world, faults = _opened(scene)
+    _warn(faults)
+    return world
+
+
+def _opened(scene: str) -> tuple[World, tuple[PluginFault, ...]]:
+    path = find_scene(scene)
+    ontology, reasoners, faults = _installed()
+    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners), faults
+
+
+def _installed() -> tuple[Ontology, Reasoners, tuple[PluginFault, ...]]:
+    """Loads what plug-ins bring to a world, and the faults of those that do not load."""
+    ontology, misfits = load_installed(ontology_paths())
+    reasoners, unusable = load_reasoners(ontology)
+    return ontology, reasoners, (*unusable, *misfits)
+
+
+def _warn(faults: Sequence[PluginFault]) -> None:
+    for fault in faults:
+        _log.warning("%s", fault)
+
+
+def open_data(path: str | Path, scene: str | None = None, *, create: bool = True) -> DataDirectory:
+    """Opens a data directory: a world that is still there when the process is gone. Close it, or use it in a ``with``.
+
+    A plug-in that does not load is left out, and logged as a warning.
+
+    Args:
+        path: The folder; made where it is missing.
+        scene: Name or path of the scene that is the first content of a new one; later it counts no more.
+        create: False where a folder without a world is a mistake.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: Another process uses the folder, it cannot be read or written, or a file is broken.
+    """
+    from skiros_py.world.journal import DataDirectory  # most runs keep nothing
+
+    file = None if scene is None else find_scene(scene)
+    ontology, reasoners, faults = _installed()
+    _warn(faults)
+    return DataDirectory.open(Path(path), ontology, reasoners, file, imports=ontology_paths(), create=create)
+
+
+def scene_title(scene: str) -> str:
+    """Returns the name of a scene given by name or path."""
+    return find_scene(scene).stem

@@ -1,0 +1,1 @@
+"""Bodies of a running simulation."""

@@ -1,0 +1,212 @@
+"""Stopping everything at once, and letting it start again: past all queues and thread pools."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+import time
+from dataclasses import dataclass
+
+from skiros_py.errors import SkirosError, WrongState
+from skiros_py.station.control import CLOSING, ControlThread
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.log import EventLog
+from skiros_py.station.halt_mark import Halt, HaltMark
+from skiros_py.station.session import Session
+
+__all__ = ["Stopped", "Stops"]
+
+_log = logging.getLogger(__name__)
+
+_PATIENCE = 0.5
+"""How long a stop waits for the control thread to come round before it says that it does not [s]."""
+_LOOK = 0.002
+"""How often it looks [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stopped:
+    """Whether everything is halted, and why.
+
+    Attributes:
+        why: Why everything is halted; empty while it is not.
+        by: Who wanted it; empty where nobody did, but the watchdog or a module.
+        since: When it was seen first [s since 1970]; None while nothing is halted.
+        standing: True when no arm and no base moves; None where nobody knows: the control thread does not come round.
+        obeyed: True when the control thread has come round since, or there is nothing that could move.
+    """
+
+    why: str
+    by: str
+    since: float | None
+    standing: bool | None
+    obeyed: bool
+
+
+class Stops:
+    """Halts the station, and resets it.
+
+    Args:
+        control: Runs the session.
+        events: Hears of stops and resets.
+        mark: Keeps a stop over the end of the server.
+    """
+
+    def __init__(self, control: ControlThread, events: EventLog, mark: HaltMark) -> None:
+        self._control = control
+        self._events = events
+        self._mark = mark
+        self._guard = threading.Lock()
+        self._session: Session | None = None
+        self._wanted = ""
+        self._seen = ""
+        self._by = ""
+        self._since: float | None = None
+
+    def restore(self) -> None:
+        """Takes over a stop that a former server left: the first session is opened halted."""
+        left = self._mark.read()
+        if left is not None:
+            self._wanted = left.why
+            self._note(left.why, left.by, left.since)
+
+    # ------------------------------------------------------------------ as sessions come and go
+
+    def open(self, session: Session) -> None:
+        """Has a session in hand, halted at once where somebody wanted a stop and nobody has reset it since."""
+        self._session, self._seen = session, ""
+        session.cycle.observe(self._look)
+        if self._wanted:
+            session.cycle.halt(self._wanted)
+        else:
+            self._forget()
+
+    def close(self, _session: Session) -> None:
+        """Lets it go."""
+        self._session = None
+
+    # ------------------------------------------------------------------ stopping
+
+    async def stop(self, reason: str, by: str) -> Stopped:
+        """Halts everything at once, and says soon whether that was obeyed.
+
+        Args:
+            reason: Why, for a person.
+            by: Who wants it.
+        """
+        before, deadline = self._control.beat, time.monotonic() + _PATIENCE
+        brake = self._halt(reason, by)
+        while not (obeyed := self._has_heard(before, brake)) and time.monotonic() < deadline:
+            await asyncio.sleep(_LOOK)
+            if self._session is not None and not self._session.cycle.halted:
+                brake = self._halt(reason, by)  # it came in the midst of a reset, which must not swallow it
+        if self._wanted:  # nobody has reset it meanwhile
+            self._mark.keep(Halt(reason, by, time.time()))
+        return self.now(obeyed=obeyed)
+
+    def _halt(self, reason: str, by: str) -> threading.Thread | None:
+        self._note(reason, by)
+        self._wanted = reason  # first: a session that is being opened is halted by it
+        session = self._session
+        if session is None:
+            return None
+        session.cycle.forbid(reason)  # an assignment: whatever becomes of the brake, nothing more is commanded
+        self._wanted = reason
+        return _braking(session)
+
+    def _has_heard(self, before: int, brake: threading.Thread | None) -> bool:
+        """Tells whether a whole cycle has passed: the one under way may have sent its commands before."""
+        braked = brake is None or not brake.is_alive()
+        return self._session is None or (self._control.beat >= before + 2 and braked)
+
+    def now(self, *, obeyed: bool | None = None) -> Stopped:
+        """Returns whether everything is halted, and why.
+
+        Args:
+            obeyed: Whether the control thread has come round; looked up where left out.
+        """
+        session = self._session
+        round_ = self._control.stuck_for() < _PATIENCE if obeyed is None else obeyed
+        why = self._why()
+        standing = session is None or session.cycle.board.still
+        with self._guard:
+            since = self._since if why else None
+            return Stopped(why, self._by if why else "", since, standing if round_ else None, round_)
+
+    # ------------------------------------------------------------------ starting again
+
+    def reset(self, by: str) -> bool:
+        """Lets things start again; returns False where nothing was halted.
+
+        Args:
+            by: Who wants it: they have looked at why everything was halted.
+
+        Raises:
+            WrongState: Something still moves.
+            Busy: There is no station, or the control thread does not come round.
+        """
+
+        def do(session: Session) -> bool:
+            if not session.cycle.halted:
+                return False
+            try:
+                session.reset()
+            except SkirosError as error:
+                raise WrongState(f"not yet: {error}") from None
+            self._forget()
+            return True
+
+        done = self._control.call(do, urgent=True)
+        if done:
+            self._events.append(Kind.SYSTEM, "reset", data={"by": by})
+        return done
+
+    # ------------------------------------------------------------------ what is known
+
+    def _look(self) -> None:
+        """In the control thread at the end of each cycle: who halted everything may have been anybody."""
+        halted = self._why()
+        if halted != self._seen:
+            self._seen = halted
+            if halted:
+                self._note(halted, "")
+            else:
+                self._forget()
+
+    def _why(self) -> str:
+        """Returns why everything is halted; while a session is closed or opened, what was wanted for the next one."""
+        session = self._session
+        halted = CLOSING if session is None else session.cycle.halted
+        return self._wanted if halted == CLOSING else halted
+
+    def _forget(self) -> None:
+        """Notes that nothing is halted."""
+        with self._guard:
+            self._seen, self._wanted, self._by, self._since = "", "", "", None
+        self._mark.forget()
+
+    def _note(self, why: str, by: str, since: float | None = None) -> None:
+        """Keeps when everything was halted (now where left out), and who did it first."""
+        with self._guard:
+            if self._since is not None:
+                return
+            self._by, self._since = by, time.time() if since is None else since
+        self._events.append(Kind.SYSTEM, "halted", data={"why": why, "by": by})
+
+
+def _braking(session: Session) -> threading.Thread:
+    """Brakes in a thread of its own: a driver that hangs must not keep the server from saying so."""
+
+    def brake() -> None:
+        try:
+            session.cycle.board.halt()
+        except Exception:  # noqa: BLE001 - a driver's mistake is not the end of a stop
+            _log.exception("the brake broke; nothing more is commanded nevertheless")
+
+    thread = threading.Thread(target=brake, name="skiros-brake", daemon=True)
+    try:
+        thread.start()
+    except RuntimeError:  # no more threads: then here
+        brake()
+    return thread

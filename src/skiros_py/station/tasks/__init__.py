@@ -1,0 +1,1 @@
+"""Tasks under way, and previews of goals."""

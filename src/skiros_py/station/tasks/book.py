@@ -1,0 +1,182 @@
+"""The tasks of a server: what is under way, and what was lately, each with what happened in it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from typing import Any
+
+from skiros_py.errors import UnknownName, WrongState
+from skiros_py.planning.plan import Plan
+from skiros_py.skills.questions import Question
+from skiros_py.station.session import Session
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.trace import TraceEntry
+from skiros_py.tasks.undertaking import Undertaking
+
+__all__ = ["KeptTask", "TaskBook"]
+
+_KEPT = 100
+"""Tasks that are over and still known; the oldest go first."""
+_ENTRIES = 1000
+"""Entries kept of the trace of each."""
+
+
+class KeptTask:
+    """One task, as others see it; of one that is over no more is kept than is said here.
+
+    Attributes:
+        name: Its name.
+        goal: Its conditions, as texts.
+        job: Id of the job that it is of; empty for none.
+        by: Who began it; empty where a job did.
+        wall: When it began [s since 1970].
+        entries: What happened; the last of very many.
+        forgotten: How many entries were dropped.
+    """
+
+    def __init__(self, undertaking: Undertaking, *, job: str = "", by: str = "") -> None:
+        self.name = undertaking.name
+        self.goal = tuple(map(str, undertaking.goal))
+        self.job = job
+        self.by = by
+        self.wall = time.time()
+        self.entries: deque[TraceEntry] = deque(undertaking.trace.entries, maxlen=_ENTRIES)
+        self.forgotten = 0
+        self.undertaking: Undertaking | None = undertaking
+        self._plan: Plan | None = None
+        self._report: GoalReport | None = None
+        undertaking.trace.subscribe(self._take)
+
+    def _take(self, entry: TraceEntry) -> None:
+        self.forgotten += len(self.entries) == _ENTRIES
+        self.entries.append(entry)
+
+    @property
+    def over(self) -> bool:
+        """True when it has ended."""
+        return self.undertaking is None or self.undertaking.done
+
+    @property
+    def status(self) -> str:
+        """What it does now."""
+        undertaking = self.undertaking
+        return "ended" if undertaking is None else undertaking.status
+
+    @property
+    def plan(self) -> Plan | None:
+        """The present plan, or the last one."""
+        undertaking = self.undertaking
+        return self._plan if undertaking is None else undertaking.plan
+
+    @property
+    def report(self) -> GoalReport | None:
+        """What came of it; None until it is over."""
+        undertaking = self.undertaking
+        return self._report if undertaking is None else undertaking.report
+
+    @property
+    def question(self) -> Question | None:
+        """What it asks a person."""
+        undertaking = self.undertaking
+        return None if undertaking is None else undertaking.question
+
+    def command(self, verb: str, by: str) -> None:
+        """Pauses, resumes, steps or stops it; obeyed in the coming cycle.
+
+        Raises:
+            WrongState: It is over, or belongs to a job; stopping what is over changes nothing.
+        """
+        undertaking = self.undertaking
+        if self.job and not self.over:
+            raise WrongState(f"task '{self.name}' belongs to a job: command that one, /jobs/{self.job}")
+        if undertaking is None or undertaking.done:
+            if verb == "stop":
+                return
+            raise WrongState(f"task '{self.name}' has ended: it takes no {verb}")
+        if verb == "stop":
+            undertaking.stop(f"{by} stopped it")
+        else:
+            getattr(undertaking, verb)()
+
+    def settle(self) -> None:
+        """Lets go of what is over."""
+        if self.undertaking is not None and self.undertaking.done:
+            self._plan, self._report = self.undertaking.plan, self.undertaking.report
+            self.undertaking = None
+
+
+class TaskBook:
+    """All tasks, by name; of several of one name the last."""
+
+    def __init__(self) -> None:
+        self._tasks: OrderedDict[str, KeptTask] = OrderedDict()
+        self._guard = threading.Lock()
+        self._leave: Callable[[], None] = lambda: None
+
+    # ------------------------------------------------------------------ asking, in any thread
+
+    def all(self) -> tuple[KeptTask, ...]:
+        """Returns the tasks, the youngest first."""
+        with self._guard:
+            return tuple(reversed(self._tasks.values()))
+
+    def find(self, name: str) -> KeptTask:
+        """Returns a task.
+
+        Raises:
+            UnknownName: There is none, or it has been over for long.
+        """
+        with self._guard:
+            if name not in self._tasks:
+                raise UnknownName("task", name, tuple(self._tasks))
+            return self._tasks[name]
+
+    def job_of(self, name: str) -> str:
+        """Returns the id of the job that a task is of; empty for none, and for a task that nobody knows any more."""
+        with self._guard:
+            known = self._tasks.get(name)
+        return "" if known is None else known.job
+
+    # ------------------------------------------------------------------ in the control thread
+
+    def open(self, session: Session) -> None:
+        """Notes the tasks of a session, from its first cycle on."""
+
+        def note(undertaking: Undertaking) -> None:
+            job = undertaking.name if undertaking.name in session.jobs.open else ""
+            self.note(undertaking, job=job)
+
+        self._leave = session.tasks.on_begin(note)
+
+    def close(self, session: Session) -> None:
+        """Lets go of a session: its tasks are over."""
+        del session
+        self._leave()
+        for task in self.all():
+            task.settle()
+
+    def note(self, undertaking: Undertaking, **who: Any) -> KeptTask:
+        """Takes a task in, unless it is there already.
+
+        Args:
+            undertaking: The task.
+            **who: ``job`` or ``by``, as for :class:`KeptTask`.
+        """
+        with self._guard:
+            known = self._tasks.get(undertaking.name)
+            if known is not None and known.undertaking is undertaking:
+                return known
+            self._tasks.pop(undertaking.name, None)
+            kept = self._tasks[undertaking.name] = KeptTask(undertaking, **who)
+            self._forget()
+        return kept
+
+    def _forget(self) -> None:
+        over = [task for task in self._tasks.values() if task.over]
+        for task in over:
+            task.settle()
+        for task in over[: max(0, len(over) - _KEPT)]:
+            del self._tasks[task.name]

@@ -1,0 +1,92 @@
+"""Tasks, as they are told to whoever asks from outside."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from datetime import UTC, datetime
+
+from skiros_py.api.jobs import PlannedStep
+from skiros_py.api.tasks import TaskInfo, TaskQuestion, TaskReport, TaskStep, TaskTrace
+from skiros_py.planning.plan import Plan
+from skiros_py.station.tasks.book import KeptTask
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.trace import Happening, TraceEntry
+
+__all__ = ["planned_steps", "task_info", "task_trace"]
+
+_ENDS = (Happening.ENDED, Happening.FAILED, Happening.BROKEN_OFF)
+
+
+def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
+    """Tells how far a task is, in any thread; not in full leaves out its plan and steps."""
+    question, report, plan = task.question, task.report, task.plan
+    return TaskInfo(
+        name=task.name,
+        status=task.status,
+        job=task.job,
+        by=task.by,
+        begun=datetime.fromtimestamp(task.wall, UTC),
+        goal=task.goal,
+        plan=planned_steps(plan) if in_full and plan is not None else (),
+        steps=_steps(tuple(task.entries)) if in_full else (),
+        question=TaskQuestion(id=question.id, text=question.text, options=question.options) if question else None,
+        report=_report(report) if report is not None else None,
+    )
+
+
+def planned_steps(plan: Plan) -> tuple[PlannedStep, ...]:
+    """Writes a plan with its order and, where they are known, its starts."""
+    starts: tuple[float | None, ...] = plan.starts or (None,) * len(plan.steps)
+    return tuple(
+        PlannedStep(
+            text=str(step), skill=step.skill, arguments=dict(step.arguments), after=tuple(sorted(after)), start=start
+        )
+        for step, after, start in zip(plan.steps, plan.order, starts, strict=True)
+    )
+
+
+def _steps(entries: tuple[TraceEntry, ...]) -> tuple[TaskStep, ...]:
+    """Puts the begin and the end of each step together."""
+    found: dict[int, TaskStep] = {}
+    for entry in entries:
+        if entry.step is None:
+            continue
+        if entry.what is Happening.STARTED:
+            found[entry.step] = _started(entry.step, entry)
+        elif entry.what in _ENDS and entry.step in found:
+            ended = {"end": entry.time, "ended": entry.what.value, "text": entry.text}
+            found[entry.step] = found[entry.step].model_copy(update=ended)
+    return tuple(found[number] for number in sorted(found))
+
+
+def _started(number: int, entry: TraceEntry) -> TaskStep:
+    return TaskStep(
+        number=number,
+        skill=entry.skill,
+        arguments=dict(entry.arguments),
+        agent=entry.agent,
+        start=entry.time,
+        end=None,
+        ended=None,
+        text=entry.text,
+    )
+
+
+def _report(report: GoalReport) -> TaskReport:
+    return TaskReport(
+        outcome=report.outcome.value,
+        reached=report.reached,
+        simulated=report.simulated,
+        wall=report.wall,
+        conditions=tuple(asdict(condition) for condition in report.conditions),
+        no_plan=report.no_plan,
+        fault=report.fault,
+    )
+
+
+def task_trace(task: KeptTask, limit: int) -> TaskTrace:
+    """Tells what happened in a task: the last so many entries."""
+    entries = tuple(task.entries)
+    kept = entries[-limit:]
+    forgotten = task.forgotten + len(entries) - len(kept)
+    return TaskTrace(entries=tuple(entry.as_json() for entry in kept), forgotten=forgotten)

@@ -1,0 +1,1 @@
+"""The world as people and programs outside see it."""

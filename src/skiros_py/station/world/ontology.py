@@ -1,0 +1,160 @@
+"""The ontology, as people and forms need it: classes with what their things may have, and where they are used."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+
+from skiros_py.api import ontology as api
+from skiros_py.catalogue import Catalogue
+from skiros_py.station.world.values import told
+from skiros_py.world.index import Index
+from skiros_py.world.literals import DATATYPES
+from skiros_py.world.ontology import Ontology
+from skiros_py.world.taught import class_value
+from skiros_py.world.terms import Class, End, Property, Relation
+from skiros_py.world.vocabulary import ELEMENT
+
+__all__ = ["class_details", "class_tree", "property_info", "relation_info"]
+
+_MOST_SHOWN = 100
+"""Ids of individuals that are told with a class."""
+
+_UNIT = re.compile(r"\[([^\[\]]{1,30})\]")
+"""Comments give units in brackets, as in "Mass [kg]; 0 for what never moves"."""
+
+
+# ------------------------------------------------------------------ classes
+
+
+def class_tree(view: Index, root: str, depth: int) -> api.ClassNode:
+    """Returns a class with those below it; each stands below its primary parent.
+
+    Raises:
+        UnknownName: It is not a class.
+    """
+    view.ontology.ancestors(root)
+    return _node(view, root, _primary_children(view.ontology), depth)
+
+
+def _primary_children(ontology: Ontology) -> Mapping[str, list[str]]:
+    children: dict[str, list[str]] = {}
+    for name, class_ in sorted(ontology.classes.items()):
+        if class_.primary_parent is not None:
+            children.setdefault(class_.primary_parent, []).append(name)
+    return children
+
+
+def _node(view: Index, name: str, children: Mapping[str, list[str]], depth: int) -> api.ClassNode:
+    class_, below = view.ontology.classes[name], children.get(name, [])
+    return api.ClassNode(
+        name=name,
+        label=class_.label,
+        comment=class_.comment,
+        parents=list(class_.parents),
+        instances=view.count(name),
+        children=[_node(view, child, children, depth - 1) for child in below] if depth else [],
+        children_total=len(below),
+    )
+
+
+def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDetails:
+    """Tells everything about a class.
+
+    Raises:
+        UnknownName: It is not a class.
+    """
+    ontology = view.ontology
+    ancestors = ontology.ancestors(name)
+    class_: Class = ontology.classes[name]
+    return api.ClassDetails(
+        name=name,
+        label=class_.label,
+        comment=class_.comment,
+        parents=list(class_.parents),
+        ancestors=list(ancestors),
+        subclasses=list(ontology.subclasses(name)),
+        properties=[_class_property(view, name, p) for p in _fitting_properties(ontology, name)],
+        relations_from=[r.curie for r in _relations(ontology) if not ontology.missed_end(name, r.domains)],
+        relations_to=[r.curie for r in _relations(ontology) if not ontology.missed_end(name, r.ranges)],
+        how_many=[
+            api.HowMany(relation=n.relation, least=n.least, most=n.most, of=n.of) for n in ontology.cardinalities(name)
+        ],
+        instances=view.count(name),
+        some_instances=list(view.some_instances(name, _MOST_SHOWN)),
+        individuals=list(view.abstracts(name))[:_MOST_SHOWN],
+        skills=list(_used(ontology, name, _skill_arguments(catalogue))),
+        conditions=list(_used(ontology, name, _condition_arguments(catalogue))),
+    )
+
+
+def _used(ontology: Ontology, name: str, arguments: Iterable[tuple[str, str, str]]) -> Iterator[api.ClassUse]:
+    """Yields those arguments that take things of a class; of very general ones nobody wants to read."""
+    for whose, argument, taken in sorted(set(arguments)):
+        if taken in ontology.classes and taken != ELEMENT and ontology.is_a(name, taken):
+            yield api.ClassUse(name=whose, argument=argument, class_=taken)
+
+
+def _skill_arguments(catalogue: Catalogue) -> Iterator[tuple[str, str, str]]:
+    for skill in catalogue.skills.values():
+        for param in skill.description.params:
+            if param.is_element:
+                yield skill.description.name, param.key, param.element_class
+
+
+def _condition_arguments(catalogue: Catalogue) -> Iterator[tuple[str, str, str]]:
+    for name, condition in catalogue.conditions.items():
+        yield from ((name, role.name, role.class_) for role in condition.roles)
+
+
+# ------------------------------------------------------------------ relations and properties
+
+
+def _relations(ontology: Ontology) -> list[Relation]:
+    return [ontology.relations[name] for name in sorted(ontology.relations)]
+
+
+def _fitting_properties(ontology: Ontology, class_: str) -> Iterator[Property]:
+    for name in sorted(ontology.properties):
+        if not ontology.missed_end(class_, ontology.properties[name].domains):
+            yield ontology.properties[name]
+
+
+def _class_property(view: Index, class_: str, property_: Property) -> api.ClassProperty:
+    value = class_value(view, class_, property_.curie)
+    return api.ClassProperty(**property_info(property_).model_dump(), value=told(value))
+
+
+def property_info(property_: Property) -> api.PropertyInfo:
+    """Tells of a property."""
+    unit = _UNIT.search(property_.comment)
+    return api.PropertyInfo(
+        name=property_.curie,
+        label=property_.label,
+        comment=property_.comment,
+        datatype=property_.range,
+        says=DATATYPES[property_.range].says,
+        unit=unit[1] if unit else "",
+        borne_by=_end(property_.domains),
+    )
+
+
+def relation_info(view: Index, relation: Relation) -> api.RelationInfo:
+    """Tells of a relation."""
+    return api.RelationInfo(
+        name=relation.curie,
+        label=relation.label,
+        comment=relation.comment,
+        family=relation.family.value,
+        parents=list(relation.parents),
+        subjects=_end(relation.domains),
+        objects=_end(relation.ranges),
+        place_end=relation.place_end,
+        functional=relation.functional,
+        inverse=relation.inverse,
+        computed=view.reasoners.computes(relation.curie),
+    )
+
+
+def _end(end: End) -> list[list[str]]:
+    return [list(group) for group in end]

@@ -1,0 +1,151 @@
+"""The world as it is seen: where its elements are believed to be, and their shapes, for pictures of any kind."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+from skiros_py.api.state import PoseInfo
+from skiros_py.api.view import ViewElement, WorldView
+from skiros_py.geometry import Pose
+from skiros_py.station.world.frames import Frames
+from skiros_py.station.world.shapes import Shapes
+from skiros_py.world.element import is_abstract
+from skiros_py.world.index import Index
+from skiros_py.world.vocabulary import (
+    BASE,
+    DEVICE,
+    FLOOR,
+    HELD_BY,
+    LOCATION,
+    MANIPULATABLE,
+    POSE,
+    POSE_FRAME,
+    ROBOT,
+    STRUCTURE,
+)
+
+__all__ = ["view_of"]
+
+Kind = Literal["part", "place", "furniture", "floor", "robot", "device", "other"]
+
+_UNSEEN: Mapping[str, Pose] = MappingProxyType({})
+_KINDS: tuple[tuple[str, Kind], ...] = (
+    (FLOOR, "floor"),
+    (ROBOT, "robot"),
+    (DEVICE, "device"),
+    (MANIPULATABLE, "part"),
+    (LOCATION, "place"),
+)
+"""The first that fits counts; what else has a shape is furniture."""
+
+
+def view_of(view: Index, ids: Collection[str] | None = None, bases: Mapping[str, Pose] = _UNSEEN) -> WorldView:
+    """Returns how the world is believed to look; quick, and for any thread.
+
+    Args:
+        view: The state.
+        ids: Only these elements and what is seen elsewhere when they change: pieces, what hangs on their frames, a
+            robot with its base. None for everything.
+        bases: Where robot bases are in the map, by their ids; others are nowhere.
+    """
+    observer = _Observer(view, bases)
+    wanted = sorted(view.ids() if ids is None else _dependents(view, ids))
+    elements = tuple(told for name in wanted if (told := observer.told(name)) is not None)
+    seen = {element.id for element in elements}
+    return WorldView(
+        version=view.version,
+        elements=elements,
+        shapes=observer.shapes.used,
+        gone=() if ids is None else tuple(sorted(set(ids) - seen)),
+    )
+
+
+def _dependents(view: Index, ids: Iterable[str]) -> set[str]:
+    found: set[str] = set()
+    waiting = [name for name in ids if view.has(name)]
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting += view.objects(name, STRUCTURE)
+            waiting += view.subjects(POSE_FRAME, name)
+            waiting += view.owners(name) if view.ontology.is_a(view.element(name).type, BASE) else ()
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Sort:
+    """What all elements of a class have in common."""
+
+    kind: Kind | None
+    base: bool
+
+
+class _Observer:
+    """Looks at one element after the other, and keeps in mind what they have in common."""
+
+    def __init__(self, view: Index, bases: Mapping[str, Pose]) -> None:
+        self.shapes = Shapes(view)
+        self._view = view
+        self._bases = bases
+        self._sorts: dict[str, _Sort] = {}
+        self._frames = Frames(view, self._is_base)
+
+    def told(self, name: str) -> ViewElement | None:
+        """Tells of one element; None for what is not to be seen: abstract, or neither shape, pose nor placement."""
+        if is_abstract(name):
+            return None
+        view, element = self._view, self._view.element(name)
+        placement, shape = view.placement(name), self.shapes.of(element)
+        if shape is None and placement is None and view.value(name, POSE) is None:
+            return None
+        held = placement is not None and placement.relation == HELD_BY
+        carrier, pose = self._where(name)
+        return ViewElement(
+            id=name,
+            class_=element.type,
+            label=element.label,
+            pose=_told(pose),
+            carrier=carrier,
+            place=placement.place if placement is not None else None,
+            owner=next(iter(view.owners(name)), None),
+            held_by=placement.place if placement is not None and held else None,
+            in_hand=self._in_hand(name, placement.place) if placement is not None and held else None,
+            shape=shape,
+            hollow=shape is not None and self.shapes.hollow(element),
+            kind=self._sort(element.type).kind or ("other" if shape is None else "furniture"),
+            version=view.stamp(name).change,
+        )
+
+    def _where(self, name: str) -> tuple[str | None, Pose | None]:
+        """Returns the base on which an element rides, if it does, and its pose in the frame of that, else the map."""
+        sort = self._sort(self._view.element(name).type)
+        if sort.base:
+            return None, self._bases.get(name)
+        if sort.kind == "robot":
+            pieces = self._view.objects(name, STRUCTURE)
+            return None, next((self._bases[piece] for piece in pieces if piece in self._bases), None)
+        return self._frames.of(name) or (None, None)
+
+    def _in_hand(self, name: str, gripper: str) -> PoseInfo | None:
+        pose = self._view.value(name, POSE)
+        hangs = gripper in self._view.objects(name, POSE_FRAME)
+        return _told(pose) if hangs and isinstance(pose, Pose) else None
+
+    def _is_base(self, name: str) -> bool:
+        return self._sort(self._view.element(name).type).base
+
+    def _sort(self, class_: str) -> _Sort:
+        known = self._sorts.get(class_)
+        if known is None:
+            is_a = self._view.ontology.is_a
+            kind = next((kind for above, kind in _KINDS if is_a(class_, above)), None)
+            known = self._sorts[class_] = _Sort(kind, is_a(class_, BASE))
+        return known
+
+
+def _told(pose: Pose | None) -> PoseInfo | None:
+    return None if pose is None else PoseInfo(position=pose.position, orientation=pose.orientation)

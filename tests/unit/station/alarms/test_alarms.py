@@ -1,0 +1,117 @@
+"""Alarms come, are seen, and go; what is active is never forgotten."""
+
+import pytest
+
+from skiros_py.api.alarms import AlarmKind, Severity
+from skiros_py.errors import UnknownName, WrongState
+from skiros_py.station.alarms.alarms import Alarms, alarm_info
+from skiros_py.station.events.log import EventLog
+
+
+@pytest.fixture
+def log():
+    return EventLog(10_000)
+
+
+@pytest.fixture
+def alarms(log):
+    ticks = iter(range(1_700_000_000, 1_800_000_000))
+    return Alarms(log, lambda: float(next(ticks)))
+
+
+def told(log):
+    return [(event.type, event.subject) for event in log.since(0, 10_000)]
+
+
+def test_an_alarm_comes_is_acknowledged_and_goes(alarms, log):
+    alarm = alarms.raise_(AlarmKind.MANAGER, "arm_1 is lost", "arm_1", severity=Severity.HIGH)
+    assert (alarm.state, alarm.active) == ("unacknowledged", True)
+    assert alarms.acknowledge(alarm.id, "anna").state == "acknowledged"
+    alarms.clear(AlarmKind.MANAGER, "arm_1")
+    gone = alarms.alarm(alarm.id)
+    assert (gone.state, gone.active, gone.by) == ("normal", False, "anna")
+    assert told(log) == [(what, alarm.id) for what in ("raised", "acknowledged", "cleared")]
+
+
+def test_one_that_went_before_anybody_saw_it_says_so(alarms):
+    alarm = alarms.raise_(AlarmKind.HALTED, "halted")
+    alarms.clear(AlarmKind.HALTED)
+    assert alarms.alarm(alarm.id).state == "returned"
+    assert alarms.acknowledge(alarm.id, "anna").state == "normal"
+
+
+def test_what_is_active_already_is_the_same_alarm_with_another_text(alarms, log):
+    first = alarms.raise_(AlarmKind.JOB, "held: one", "a", choices=("retry",))
+    same = alarms.raise_(AlarmKind.JOB, "held: one", "a", choices=("retry",))
+    other = alarms.raise_(AlarmKind.JOB, "held: two", "a", choices=("abort",))
+    assert same == first
+    assert (other.id, other.since, other.choices) == (first.id, first.since, ("abort",))
+    assert [what for what, _ in told(log)] == ["raised", "changed"]
+    assert alarms.active == (other,)
+
+
+def test_what_comes_again_after_it_went_is_another_alarm(alarms):
+    first = alarms.raise_(AlarmKind.HALTED, "halted")
+    alarms.clear(AlarmKind.HALTED)
+    second = alarms.raise_(AlarmKind.HALTED, "halted")
+    assert first.id != second.id
+    assert len(alarms.all) == 2
+
+
+def test_acknowledging_twice_changes_nothing(alarms, log):
+    alarm = alarms.raise_(AlarmKind.HALTED, "halted")
+    once = alarms.acknowledge(alarm.id, "anna")
+    assert alarms.acknowledge(alarm.id, "ben") == once
+    assert len(told(log)) == 2
+
+
+def test_what_does_not_last_is_over_when_it_is_acknowledged(alarms):
+    alarm = alarms.raise_(AlarmKind.TASK, "the planner broke", "a", lasts=False)
+    assert not alarms.acknowledge(alarm.id, "anna").active
+    assert alarms.active == ()
+
+
+def test_active_ones_are_never_dropped_and_of_the_others_the_last_thousand_are_kept(alarms):
+    kept = [alarms.raise_(AlarmKind.QUESTION, "?", str(n)) for n in range(1500)]
+    for n in range(1500):
+        alarms.raise_(AlarmKind.HALTED, str(n))
+        alarms.clear(AlarmKind.HALTED)
+    assert [alarm.id for alarm in alarms.active] == [alarm.id for alarm in kept]
+    assert len(alarms.all) == 2500
+
+
+def test_an_answer_has_to_be_one_of_the_choices_of_an_active_alarm(alarms):
+    asks = alarms.raise_(AlarmKind.QUESTION, "refill?", "q", choices=("done", "skip"), question=1)
+    plain = alarms.raise_(AlarmKind.HALTED, "halted")
+    assert alarms.require_choice(asks.id, "done") == asks
+    with pytest.raises(UnknownName, match="done, skip"):
+        alarms.require_choice(asks.id, "maybe")
+    assert alarms.require_choice(asks.id, "done", question=1) == asks
+    with pytest.raises(WrongState, match="question 7"):
+        alarms.require_choice(asks.id, "done", question=7)
+    with pytest.raises(WrongState, match="asks nothing"):
+        alarms.require_choice(plain.id, "done")
+    alarms.clear(AlarmKind.QUESTION, "q")
+    with pytest.raises(WrongState, match="over"):
+        alarms.require_choice(asks.id, "done")
+
+
+def test_an_unknown_one_is_told_with_those_there_are(alarms):
+    alarm = alarms.raise_(AlarmKind.HALTED, "halted")
+    with pytest.raises(UnknownName, match=alarm.id):
+        alarms.alarm("1")
+
+
+def test_clearing_by_kind_leaves_other_kinds(alarms):
+    alarms.raise_(AlarmKind.JOB, "held", "a")
+    alarms.raise_(AlarmKind.JOB, "held", "b")
+    other = alarms.raise_(AlarmKind.PLUGIN, "broken", "p")
+    alarms.clear_all(AlarmKind.JOB, AlarmKind.HALTED)
+    assert alarms.active == (other,)
+
+
+def test_an_alarm_on_the_wire_says_everything(alarms):
+    alarm = alarms.raise_(AlarmKind.JOB, "held", "a", choices=("retry",), job="a", question=3)
+    plain = alarm_info(alarm).model_dump(mode="json")
+    assert (plain["since"], plain["until"]) == ("2023-11-14T22:13:20Z", None)
+    assert (plain["choices"], plain["job"], plain["question"]) == (["retry"], "a", 3)

@@ -1,0 +1,48 @@
+"""A template is checked when it is written: what is wrong is told with its path, before anybody orders."""
+
+import pytest
+
+from skiros_py.api.templates import GoalTemplateContent
+from skiros_py.errors import UsageError
+from skiros_py.station.jobs.templates import check_template
+from skiros_py.testing.tiny import tiny_world
+from skiros_py.testing.tiny_skills import CONDITIONS
+
+
+@pytest.fixture(scope="module")
+def ontology():
+    return tiny_world().ontology
+
+
+def template(**fields):
+    return GoalTemplateContent.model_validate(fields)
+
+
+def test_a_template_that_can_make_goals_is_fine(ontology):
+    content = template(
+        parameters=[{"name": "slot", "class": "Slot"}],
+        goal=[{"not": {"condition": "Free", "arguments": [{"parameter": "slot"}]}}],
+        per_material={"condition": "In", "arguments": [{"material": "class"}, {"parameter": "slot"}]},
+    )
+    check_template(content, ontology, CONDITIONS)
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        (
+            {"goal": [{"not": {"condition": "Fre", "arguments": ["x"]}}]},
+            r"goal\[0\]\.not\.condition: unknown condition",
+        ),
+        ({"goal": [{"condition": "In", "arguments": ["x"]}]}, r"goal\[0\]\.arguments: In takes 2 \(.*\), got 1"),
+        ({"goal": [{"condition": "In"}]}, r"goal\[0\].*arguments: is missing"),
+        ({"per_material": {"condition": "In", "arguments": 3}}, r"per_material.*arguments"),
+        (
+            {"parameters": [{"name": "a", "class": "Slt"}], "goal": [{"condition": "Free", "arguments": ["x"]}]},
+            r"parameters\[0\]\.class: unknown class 'Slt'. Did you mean 'Slot'",
+        ),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_path(fields, said, ontology):
+    with pytest.raises(UsageError, match=said):
+        check_template(template(**fields), ontology, CONDITIONS)

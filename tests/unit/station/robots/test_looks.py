@@ -1,0 +1,166 @@
+"""Pictures as points: what is kept of the last one of each camera."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from skiros_py.errors import DeviceError
+from skiros_py.execution.library_monitor import LibraryMonitor
+from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.pending import Done
+from skiros_py.ports.perception import Detection, LookRequest, LookResult, Region, RegistrationRequest
+from skiros_py.ports.perception import RegistrationResult as Registered
+from skiros_py.ports.values import CameraIntrinsics, DepthImage
+from skiros_py.skills.context import Libraries
+from skiros_py.station.robots.looks import MOST_POINTS, Looks
+from skiros_py.station.session import Options, Session
+
+DOWN = Pose.of(1.0, 2.0, 1.5, roll=np.pi)
+SEEN = Detection("kitting:Starter", Pose.of(1.0, 2.0, 0.5), 0.001, 0.004, (0.1, 0.05, 0.05))
+
+
+def shot(height: int = 480, width: int = 640, depth: float = 1.0) -> DepthImage:
+    """A picture of a floor, red on its left and blue on its right."""
+    colour = np.zeros((height, width, 3), np.uint8)
+    colour[:, : width // 2, 0], colour[:, width // 2 :, 2] = 200, 100
+    intrinsics = CameraIntrinsics(width, height, 500.0, 500.0, (width - 1) / 2, (height - 1) / 2, 0.1, 3.0)
+    return DepthImage(0, np.full((height, width), depth, np.float32), colour, intrinsics, {}, {})
+
+
+def request(image: DepthImage, camera: str = "camera_1") -> LookRequest:
+    return LookRequest(image, DOWN, Region(Pose(), (0.1, 0.1)), (), camera=camera)
+
+
+class Slow(Done[Any]):
+    """An answer that is not there yet."""
+
+    def done(self) -> bool:
+        return False
+
+
+class Dead(Done[Any]):
+    """An answer that never comes: the worker died."""
+
+    def result(self) -> Any:
+        raise DeviceError("the worker died")
+
+
+class Perception:
+    """Answers what it is told to."""
+
+    answer: Done[Any] = Done(LookResult(0.5, (SEEN,), 1.0))
+
+    def detect(self, _request: LookRequest) -> Done[Any]:
+        return self.answer
+
+    def register(self, _request: RegistrationRequest) -> Done[Any]:
+        return self.answer
+
+
+@pytest.fixture(scope="module")
+def session() -> Iterator[Session]:
+    with Session("kitting", Options(fake=True)) as opened:
+        yield opened
+
+
+class Station:
+    """A session whose robot looks through a perception of ours."""
+
+    def __init__(self, session: Session) -> None:
+        self.perception = Perception()
+        self.robot = session.spec.robots[0]
+        session.station.asked = LibraryMonitor(Libraries(None, None, self.perception, self.perception))
+        self.libraries = session.station.asked.libraries
+        self.looks = Looks()
+        self.looks.open(session)
+
+    def see(self, image: DepthImage, answer: Done[Any] = Perception.answer, camera: str = "camera_1") -> None:
+        self.perception.answer = answer
+        assert self.libraries.detector is not None
+        self.libraries.detector.detect(request(image, camera))
+
+    def look(self) -> Any:
+        return self.looks.look(self.robot, "camera_1")
+
+
+@pytest.fixture
+def station(session: Session) -> Station:
+    return Station(session)
+
+
+def points_of(look: Any) -> np.ndarray[Any, Any]:
+    return np.frombuffer(base64.b64decode(look.points), "<f4").reshape(-1, 3)
+
+
+def colours_of(look: Any) -> np.ndarray[Any, Any]:
+    return np.frombuffer(base64.b64decode(look.colours), np.uint8).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("size", [(480, 640), (1000, 1000), (10, 20), (1, 50_000)])
+def test_of_many_points_some_are_told_that_lie_where_they_were_seen(station: Station, size: tuple[int, int]) -> None:
+    station.see(shot(*size))
+    points, colours = points_of(station.look()), colours_of(station.look())
+    assert min(size[0] * size[1], MOST_POINTS) / 3 < len(points) <= MOST_POINTS
+    assert points[:, 2] == pytest.approx(0.5, abs=1e-5)
+    reach = size[1] / 2 / 500.0
+    assert points[:, 0].min() == pytest.approx(1.0 - reach, abs=0.02 * max(1.0, reach))
+    assert points[:, 0].max() == pytest.approx(1.0 + reach, abs=0.02 * max(1.0, reach))
+    assert {tuple(colour) for colour in colours[points[:, 0] < 1.0 - 0.01]} == {(200, 0, 0)}
+    assert {tuple(colour) for colour in colours[points[:, 0] > 1.0 + 0.01]} == {(0, 0, 100)}
+
+
+def test_where_nothing_was_measured_there_are_no_points(station: Station) -> None:
+    station.see(shot(depth=0.0))
+    assert (station.look().points, station.look().colours, station.look().number) == ("", "", 1)
+
+
+def test_a_look_counts_when_it_is_known_what_it_shows(station: Station) -> None:
+    station.see(shot(10, 20))
+    station.see(shot(10, 20), Slow(None))
+    assert station.looks.numbers() == {"camera_1": 1}
+    station.see(shot(10, 20))
+    assert station.looks.numbers() == {"camera_1": 3}
+    assert station.look().seen[0].type == "kitting:Starter"
+
+
+def test_a_look_of_which_nobody_knows_the_camera_is_left_out(station: Station) -> None:
+    station.see(shot(10, 20), camera="")
+    station.see(shot(10, 20), camera="somebody's")
+    assert station.looks.numbers() == {"camera_1": 0}
+
+
+def test_a_look_whose_worker_died_shows_what_was_seen_and_makes_nothing_out(station: Station) -> None:
+    station.see(shot(10, 20), Dead(None))
+    assert station.look().seen == ()
+    assert len(points_of(station.look())) == 200
+
+
+def test_a_registered_body_is_told_with_its_class_and_size(station: Station) -> None:
+    station.perception.answer = Done(Registered(Pose.of(1.0, 2.0, 0.5), 0.0007))
+    assert station.libraries.registrar is not None
+    asked = RegistrationRequest(shot(10, 20), DOWN, Solid.box(0.3, 0.2, 0.1), Pose(), camera="camera_1", body="kit_1")
+    station.libraries.registrar.register(asked)
+    station.libraries.registrar.register(replace(asked, body="nobody"))
+    (seen,) = station.look().seen
+    assert (seen.type, seen.size, station.look().purpose) == (None, (0.3, 0.2, 0.1), "kit")
+    station.libraries.registrar.register(asked)
+    (seen,) = station.look().seen
+    assert (seen.type, seen.cost) == ("kitting:Kit", 0.0007)
+
+
+def test_what_was_seen_in_a_session_is_forgotten_with_it_and_the_numbers_go_on(
+    station: Station, session: Session
+) -> None:
+    station.see(shot(10, 20))
+    station.looks.close(session)
+    assert station.looks.numbers() == {}
+    station.looks.open(session)
+    assert station.looks.numbers() == {"camera_1": 0}
+    station.see(shot(10, 20))
+    assert station.looks.numbers() == {"camera_1": 2}

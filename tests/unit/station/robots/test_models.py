@@ -1,0 +1,123 @@
+"""Models of robots as they are drawn: made once, kept, and whole."""
+
+from __future__ import annotations
+
+import struct
+import xml.etree.ElementTree as ET
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from skiros_py.errors import Busy, DeviceError, UnknownName
+from skiros_py.ports.models import BASE_JOINTS
+from skiros_py.station.robots.models import MESHES, DrawnModel, RobotModels
+
+
+def made(folder: Path) -> DrawnModel:
+    """Returns a model however long that takes: many tests may run beside this one."""
+    models = RobotModels(folder)
+    try:
+        while True:
+            with suppress(Busy):
+                return models.get("mobile_panda")
+    finally:
+        models.close()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("data") / "models"
+
+
+@pytest.fixture(scope="module")
+def model(folder: Path) -> DrawnModel:
+    return made(folder)
+
+
+@pytest.fixture
+def urdf(model: DrawnModel) -> ET.Element:
+    return ET.fromstring(model.urdf)
+
+
+def test_the_model_names_the_meshes_that_go_with_it_and_no_file_of_the_disk(
+    model: DrawnModel, urdf: ET.Element
+) -> None:
+    named = {mesh.get("filename", "") for mesh in urdf.iter("mesh")}
+
+    assert named == {f"{MESHES}{name}" for name in model.meshes}
+    assert b'="/' not in model.urdf
+
+
+def test_a_whole_robot_has_few_triangles(model: DrawnModel, urdf: ET.Element) -> None:
+    files = [mesh.get("filename", "").removeprefix(MESHES) for mesh in urdf.iter("mesh")]
+
+    assert 5_000 < sum(struct.unpack("<I", model.meshes[name][80:84])[0] for name in files) < 15_000
+    assert sum(map(len, model.meshes.values())) < 1_000_000
+
+
+def test_what_nobody_sees_is_left_out_and_everything_has_its_colour(urdf: ET.Element) -> None:
+    assert not list(urdf.iter("collision")) + list(urdf.iter("inertial"))
+    visuals = list(urdf.iter("visual"))
+    assert len(visuals) > 20
+    assert all(visual.find("material/color") is not None for visual in visuals)
+
+
+def test_links_and_joints_stay_as_they_are(urdf: ET.Element) -> None:
+    joints = {joint.get("name") for joint in urdf.iter("joint")}
+
+    assert {*BASE_JOINTS, "panda_joint1", "panda_finger_joint1"} <= joints
+    assert {"map", "base_link", "tcp", "camera_optical"} <= {link.get("name") for link in urdf.iter("link")}
+
+
+def test_a_model_that_was_made_is_kept(folder: Path, model: DrawnModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    def nobody_is_asked(*_arguments: object) -> None:
+        pytest.fail("it is made again")
+
+    monkeypatch.setattr("skiros_py.station.robots.models.Worker", nobody_is_asked)
+
+    assert made(folder) == model
+
+
+def test_a_model_of_which_a_mesh_is_missing_is_made_anew(folder: Path, model: DrawnModel) -> None:
+    next(folder.glob("*/*.stl")).unlink()
+
+    assert made(folder) == model
+    assert len(list(folder.glob("*/*.stl"))) == len(model.meshes)
+
+
+def test_a_model_is_drawn_also_where_it_cannot_be_kept(tmp_path: Path, model: DrawnModel) -> None:
+    (tmp_path / "models").write_text("no folder")
+
+    assert made(tmp_path / "models") == model
+
+
+def test_who_asks_while_a_model_is_made_for_long_is_told_to_come_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skiros_py.station.robots.models._PATIENCE", 0.0)
+    models = RobotModels(tmp_path)
+    try:
+        with pytest.raises(Busy, match="still being made"):
+            models.get("mobile_panda")
+    finally:
+        models.close()
+
+
+def test_a_robot_that_nobody_can_build_is_unknown(tmp_path: Path) -> None:
+    models = RobotModels(tmp_path)
+    try:
+        with pytest.raises(UnknownName, match="mobile_panda"):
+            models.get("tiny")
+    finally:
+        models.close()
+
+
+def test_a_server_that_ends_does_not_wait_for_a_model(tmp_path: Path) -> None:
+    models = RobotModels(tmp_path)
+    models.prepare(["mobile_panda"])
+    models.close()
+
+    with pytest.raises(DeviceError):
+        models.get("mobile_panda")
+    assert not any(tmp_path.iterdir())
