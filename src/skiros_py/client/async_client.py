@@ -9,19 +9,19 @@ from typing import Any, Self, TypeVar
 
 import httpx2
 
-from skiros_py.client.async_topics import Topics
-from skiros_py.client.call import Call
+from skiros_py.client.call import AsyncSender, Call
 from skiros_py.client.discovery import InStep, server_of
 from skiros_py.client.patience import Patience
 from skiros_py.client.request import Outcome, arguments_of, result_of, settings_for
 from skiros_py.client.streams import Stream, follow_later
+from skiros_py.client.topics import Topics
 
 __all__ = ["AsyncClient"]
 
 T = TypeVar("T")
 
 
-class AsyncClient(Topics):
+class AsyncClient(Topics[AsyncSender]):
     """Speaks with one server, as :class:`~skiros_py.client.client.Client` does, with ``await``.
 
     Args:

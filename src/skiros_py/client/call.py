@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Concatenate, Generic, ParamSpec, Protocol, TypeVar
+from functools import lru_cache, partial
+from types import GenericAlias
+from typing import Any, Generic, ParamSpec, Protocol, TypeVar, overload
 
 import httpx2
+from pydantic import BaseModel, TypeAdapter
 
-__all__ = ["Call", "LaterTopic", "Sends", "SendsLater", "Topic", "awaiting", "blocking", "nothing", "plain"]
+__all__ = ["AsyncSender", "Call", "Method", "Sender", "Topic", "nothing", "plain"]
 
 T = TypeVar("T")
 P = ParamSpec("P")
+C_co = TypeVar("C_co", bound="Sender | AsyncSender", covariant=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +25,7 @@ class Call(Generic[T]):
     Attributes:
         method: HTTP method.
         path: Path below ``/api/v1``, quoted already.
-        read: Makes the result of a good answer.
+        read: What a good answer is read as: a model, a list of models, or a function of the response.
         query: Query parameters; None leaves one out.
         json: Body, as plain data; None for none.
         content: Body as it is, in the place of data; the headers say what it is.
@@ -32,68 +36,86 @@ class Call(Generic[T]):
 
     method: str
     path: str
-    read: Callable[[httpx2.Response], T]
+    read: type[T] | Callable[[httpx2.Response], T]
     query: Mapping[str, Any] = field(default_factory=dict)
     json: Any = None
     headers: Mapping[str, str | None] = field(default_factory=dict)
     repeatable: bool = True
     content: bytes | None = None
 
+    def result(self, response: httpx2.Response) -> T:
+        """Reads a good answer.
 
-class Sends(Protocol):
-    """A blocking client, as its parts see it."""
+        Raises:
+            ValueError: The answer is not of the expected shape.
+        """
+        result: T = _reader(self.read)(response)
+        return result
+
+
+def _reader(read: Any) -> Callable[[httpx2.Response], Any]:
+    """Returns the function that reads an answer as a model or a list of models; another function is one already."""
+    if isinstance(read, GenericAlias) or (isinstance(read, type) and issubclass(read, BaseModel)):
+        return lambda response: _adapter(read).validate_json(response.content)
+    return read  # type: ignore[no-any-return]
+
+
+@lru_cache(maxsize=128)
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)
+
+
+class Sender(Protocol):
+    """A blocking client, as its topics see it."""
 
     def send(self, call: Call[T]) -> T:
-        """Sends a call, and returns what it asked for."""
+        """Sends a call and returns its result."""
         ...
 
 
-class SendsLater(Protocol):
-    """An asynchronous client, as its parts see it."""
+class AsyncSender(Protocol):
+    """An asynchronous client, as its topics see it."""
 
     async def send(self, call: Call[T]) -> T:
-        """Sends a call, and returns what it asked for."""
+        """Sends a call and returns its result."""
         ...
 
 
-class Topic(Protocol):
-    """A part of a blocking client."""
+class Topic(Generic[C_co]):
+    """A part of a client."""
 
-    @property
-    def client(self) -> Sends:
-        """The client."""
-        ...
+    def __init__(self, client: C_co) -> None:
+        self.client = client
 
 
-class LaterTopic(Protocol):
-    """A part of an asynchronous client."""
+class Method(Generic[P, T]):
+    """A method of a topic, made from a function that makes a call: blocking or awaitable, as the client is.
 
-    @property
-    def client(self) -> SendsLater:
-        """The client."""
-        ...
+    Args:
+        make: Makes the call.
+    """
+
+    def __init__(self, make: Callable[P, Call[T]]) -> None:
+        self.make = make
+        self.__doc__ = make.__doc__
+
+    @overload
+    def __get__(self, topic: None, owner: type) -> Method[P, T]: ...
+    @overload
+    def __get__(self, topic: Topic[Sender], owner: type) -> Callable[P, T]: ...
+    @overload
+    def __get__(self, topic: Topic[AsyncSender], owner: type) -> Callable[P, Awaitable[T]]: ...
+    def __get__(self, topic: Topic[Any] | None, owner: type) -> Any:
+        """Returns the method of one client."""
+        if topic is None:
+            return self
+        send = partial(_send, topic.client, self.make)
+        send.__doc__ = self.__doc__  # for help()
+        return send
 
 
-def blocking(make: Callable[P, Call[T]]) -> Callable[Concatenate[Topic, P], T]:
-    """Makes the method of a blocking client of a function that makes a call."""
-
-    def method(topic: Topic, /, *args: P.args, **kwargs: P.kwargs) -> T:
-        return topic.client.send(make(*args, **kwargs))
-
-    method.__name__, method.__doc__ = make.__name__, make.__doc__
-    vars(method)["call"] = make
-    return method
-
-
-def awaiting(make: Callable[P, Call[T]]) -> Callable[Concatenate[LaterTopic, P], Awaitable[T]]:
-    """Makes the method of an asynchronous client of a function that makes a call."""
-
-    async def method(topic: LaterTopic, /, *args: P.args, **kwargs: P.kwargs) -> T:
-        return await topic.client.send(make(*args, **kwargs))
-
-    method.__name__, method.__doc__ = make.__name__, make.__doc__
-    vars(method)["call"] = make
-    return method
+def _send(client: Sender | AsyncSender, make: Callable[P, Call[T]], /, *args: P.args, **kwargs: P.kwargs) -> Any:
+    return client.send(make(*args, **kwargs))
 
 
 def plain(response: httpx2.Response) -> Any:

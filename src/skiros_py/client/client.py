@@ -9,7 +9,7 @@ from typing import Any, Self, TypeVar
 
 import httpx2
 
-from skiros_py.client.call import Call
+from skiros_py.client.call import Call, Sender
 from skiros_py.client.discovery import InStep, server_of
 from skiros_py.client.patience import Patience
 from skiros_py.client.request import Outcome, arguments_of, result_of, settings_for
@@ -21,7 +21,7 @@ __all__ = ["Client"]
 T = TypeVar("T")
 
 
-class Client(Topics):
+class Client(Topics[Sender]):
     """Speaks with one server. Close it, or use it in a ``with``; several threads may share it.
 
     What breaks on the way is sent again, where that does no harm: orders of jobs are, and are done once nevertheless.

@@ -101,7 +101,7 @@ def result_of(call: Call[T], outcome: Outcome, url: str) -> T:
     if not outcome.is_success:
         raise problem_of(outcome)
     try:
-        return call.read(outcome)
+        return call.result(outcome)
     except ValueError as error:
         raise SkirosError(
             f"{outcome.url} answered what this client does not understand; server and client may be of different"

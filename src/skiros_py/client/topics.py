@@ -1,8 +1,13 @@
-"""The parts of a blocking client, one for each topic of the API."""
+"""What can be asked of a server, one class for each topic of the API; the same for both clients."""
 
 from __future__ import annotations
 
-from skiros_py.client.call import Sends, blocking
+import inspect
+from collections.abc import Awaitable, Callable
+from typing import Any, Generic, TypeVar, overload
+
+from skiros_py.api.jobs import Job
+from skiros_py.client.call import AsyncSender, Method, Sender, Topic
 from skiros_py.client.calls import (
     alarms,
     audit,
@@ -33,7 +38,7 @@ from skiros_py.client.calls import (
 from skiros_py.client.calls import (
     stop as stops,
 )
-from skiros_py.client.waiting import JobWaiting
+from skiros_py.client.waiting import is_over, wait_for, wait_for_async
 
 __all__ = [
     "Alarms",
@@ -64,274 +69,300 @@ __all__ = [
 ]
 
 
-class _Part:
-    def __init__(self, client: Sends) -> None:
-        self.client = client
+C = TypeVar("C", bound=Sender | AsyncSender)
 
 
-class Alarms(_Part):
+class Alarms(Topic[C]):
     """What stopped a robot, or waits for a person."""
 
-    list = blocking(alarms.list_alarms)
-    get = blocking(alarms.get_alarm)
-    acknowledge = blocking(alarms.acknowledge_alarm)
-    answer = blocking(alarms.answer_alarm)
+    list = Method(alarms.list_alarms)
+    get = Method(alarms.get_alarm)
+    acknowledge = Method(alarms.acknowledge_alarm)
+    answer = Method(alarms.answer_alarm)
 
 
-class Audit(_Part):
+class Audit(Topic[C]):
     """Who changed what, and who was refused."""
 
-    list = blocking(audit.list_audit)
+    list = Method(audit.list_audit)
 
 
-class Events(_Part):
+class Events(Topic[C]):
     """What happened, in pages; :meth:`follow` of the client follows what happens."""
 
-    list = blocking(events.list_events)
-    state = blocking(events.get_state)
+    list = Method(events.list_events)
+    state = Method(events.get_state)
 
 
-class Keys(_Part):
+class Keys(Topic[C]):
     """Who may come in."""
 
-    list = blocking(keys.list_keys)
-    create = blocking(keys.create_key)
-    get = blocking(keys.get_key)
-    revoke = blocking(keys.revoke_key)
+    list = Method(keys.list_keys)
+    create = Method(keys.create_key)
+    get = Method(keys.get_key)
+    revoke = Method(keys.revoke_key)
 
 
-class Session(_Part):
+class Session(Topic[C]):
     """The caller's own session."""
 
-    get = blocking(session.get_session)
-    login = blocking(session.login)
-    logout = blocking(session.logout)
+    get = Method(session.get_session)
+    login = Method(session.login)
+    logout = Method(session.logout)
 
 
-class Station(_Part):
+class Station(Topic[C]):
     """All robots at once."""
 
-    stop = blocking(stops.stop)
-    get_stop = blocking(stops.get_stop)
-    reset = blocking(stops.reset)
+    stop = Method(stops.stop)
+    get_stop = Method(stops.get_stop)
+    reset = Method(stops.reset)
 
 
-class Webhooks(_Part):
+class Webhooks(Topic[C]):
     """Which other systems are told of jobs."""
 
-    list = blocking(webhooks.list_webhooks)
-    create = blocking(webhooks.create_webhook)
-    get = blocking(webhooks.get_webhook)
-    change = blocking(webhooks.change_webhook)
-    delete = blocking(webhooks.delete_webhook)
-    ping = blocking(webhooks.ping_webhook)
-    deliveries = blocking(webhooks.list_deliveries)
-    dead_letters = blocking(webhooks.list_dead_letters)
-    redeliver = blocking(webhooks.redeliver)
+    list = Method(webhooks.list_webhooks)
+    create = Method(webhooks.create_webhook)
+    get = Method(webhooks.get_webhook)
+    change = Method(webhooks.change_webhook)
+    delete = Method(webhooks.delete_webhook)
+    ping = Method(webhooks.ping_webhook)
+    deliveries = Method(webhooks.list_deliveries)
+    dead_letters = Method(webhooks.list_dead_letters)
+    redeliver = Method(webhooks.redeliver)
 
 
-class World(_Part):
+class World(Topic[C]):
     """The world as a whole."""
 
-    get = blocking(world.read_world)
-    view = blocking(view.read_view)
-    tree = blocking(world.read_tree)
-    changes = blocking(world.list_changes)
-    change = blocking(world.read_change)
-    write = blocking(world.write_transaction)
-    undo = blocking(world.undo_edit)
+    get = Method(world.read_world)
+    view = Method(view.read_view)
+    tree = Method(world.read_tree)
+    changes = Method(world.list_changes)
+    change = Method(world.read_change)
+    write = Method(world.write_transaction)
+    undo = Method(world.undo_edit)
 
 
-class Elements(_Part):
+class Elements(Topic[C]):
     """What there is, one by one, and how it is related."""
 
-    list = blocking(elements.list_elements)
-    get = blocking(elements.read_element)
-    relations = blocking(elements.list_relations)
-    history = blocking(elements.read_element_history)
-    add = blocking(elements.add_element)
-    edit = blocking(elements.change_element)
-    remove = blocking(elements.remove_element)
-    relate = blocking(elements.state_relation)
-    unrelate = blocking(elements.take_back_relation)
+    list = Method(elements.list_elements)
+    get = Method(elements.read_element)
+    relations = Method(elements.list_relations)
+    history = Method(elements.read_element_history)
+    add = Method(elements.add_element)
+    edit = Method(elements.change_element)
+    remove = Method(elements.remove_element)
+    relate = Method(elements.state_relation)
+    unrelate = Method(elements.take_back_relation)
 
 
-class Ontology(_Part):
+class Ontology(Topic[C]):
     """What there can be."""
 
-    classes = blocking(ontology.read_classes)
-    get = blocking(ontology.read_class)
-    relations = blocking(ontology.list_ontology_relations)
-    properties = blocking(ontology.list_ontology_properties)
-    placements = blocking(ontology.read_placements)
+    classes = Method(ontology.read_classes)
+    get = Method(ontology.read_class)
+    relations = Method(ontology.list_ontology_relations)
+    properties = Method(ontology.list_ontology_properties)
+    placements = Method(ontology.read_placements)
 
 
-class Queries(_Part):
+class Queries(Topic[C]):
     """Questions in SPARQL."""
 
-    ask = blocking(queries.ask_question)
+    ask = Method(queries.ask_question)
 
 
-class Learned(_Part):
+class Learned(Topic[C]):
     """What robots were taught."""
 
-    list = blocking(learned.list_learned)
-    forget = blocking(learned.forget_learned)
-    export = blocking(learned.export_learned)
+    list = Method(learned.list_learned)
+    forget = Method(learned.forget_learned)
+    export = Method(learned.export_learned)
 
 
-class Locks(_Part):
+class Locks(Topic[C]):
     """Who keeps others from editing what."""
 
-    list = blocking(locks.list_locks)
-    lock = blocking(locks.lock_elements)
-    end = blocking(locks.end_locks)
+    list = Method(locks.list_locks)
+    lock = Method(locks.lock_elements)
+    end = Method(locks.end_locks)
 
 
-class Jobs(JobWaiting, _Part):
+class Jobs(Topic[C]):
     """Orders: given, followed, commanded."""
 
-    order = blocking(jobs.order_job)
-    put = blocking(jobs.put_job)
-    list = blocking(jobs.list_jobs)
-    get = blocking(jobs.get_job)
-    response = blocking(jobs.get_job_response)
-    responses = blocking(jobs.list_job_responses)
-    capabilities = blocking(jobs.get_capabilities)
-    plan = blocking(jobs.get_job_plan)
-    trace = blocking(jobs.get_job_trace)
-    report = blocking(jobs.get_job_report)
-    replay = blocking(jobs.get_job_replay)
-    transitions = blocking(jobs.get_job_transitions)
-    explanation = blocking(jobs.get_job_explanation)
-    start = blocking(jobs.start_job)
-    revoke_start = blocking(jobs.revoke_start_of_job)
-    pause = blocking(jobs.pause_job)
-    resume = blocking(jobs.resume_job)
-    stop = blocking(jobs.stop_job)
-    abort = blocking(jobs.abort_job)
-    cancel = blocking(jobs.cancel_job)
-    clear = blocking(jobs.clear_job)
-    remove = blocking(jobs.remove_job)
-    answer = blocking(jobs.answer_job)
+    order = Method(jobs.order_job)
+    put = Method(jobs.put_job)
+    list = Method(jobs.list_jobs)
+    get = Method(jobs.get_job)
+    response = Method(jobs.get_job_response)
+    responses = Method(jobs.list_job_responses)
+    capabilities = Method(jobs.get_capabilities)
+    plan = Method(jobs.get_job_plan)
+    trace = Method(jobs.get_job_trace)
+    report = Method(jobs.get_job_report)
+    replay = Method(jobs.get_job_replay)
+    transitions = Method(jobs.get_job_transitions)
+    explanation = Method(jobs.get_job_explanation)
+    start = Method(jobs.start_job)
+    revoke_start = Method(jobs.revoke_start_of_job)
+    pause = Method(jobs.pause_job)
+    resume = Method(jobs.resume_job)
+    stop = Method(jobs.stop_job)
+    abort = Method(jobs.abort_job)
+    cancel = Method(jobs.cancel_job)
+    clear = Method(jobs.clear_job)
+    remove = Method(jobs.remove_job)
+    answer = Method(jobs.answer_job)
+
+    @overload
+    def wait(
+        self: Jobs[Sender], job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None
+    ) -> Job: ...
+    @overload
+    def wait(
+        self: Jobs[AsyncSender], job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None
+    ) -> Awaitable[Job]: ...
+    def wait(
+        self: Jobs[Any], job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None
+    ) -> Job | Awaitable[Job]:
+        """Waits until something is true of a job, also while the server restarts, and returns the job.
+
+        A job that waits for a person waits for long: ``until=lambda job: job.outcome or job.choices`` returns it.
+
+        Args:
+            job: Its id.
+            until: What is waited for; that it is over where left out.
+            timeout: How long to wait [s]; None for ever.
+
+        Raises:
+            TookTooLong: It did not become true in time.
+            ProblemError: There is no such job.
+            Unreachable: The server has not answered for a minute.
+        """
+        waiting = wait_for_async if inspect.iscoroutinefunction(self.client.send) else wait_for
+        return waiting(self.client, job, until, timeout)
 
 
-class Goals(_Part):
+class Goals(Topic[C]):
     """Goals: checked, and those that go with the scene."""
 
-    check = blocking(goals.check_goal)
-    get = blocking(goals.get_goals)
-    put = blocking(goals.put_goals)
-    conditions = blocking(goals.list_goal_conditions)
+    check = Method(goals.check_goal)
+    get = Method(goals.get_goals)
+    put = Method(goals.put_goals)
+    conditions = Method(goals.list_goal_conditions)
 
 
-class Templates(_Part):
+class Templates(Topic[C]):
     """Named goals with parameters."""
 
-    list = blocking(templates.list_goal_templates)
-    get = blocking(templates.get_goal_template)
-    put = blocking(templates.put_goal_template)
-    remove = blocking(templates.remove_goal_template)
+    list = Method(templates.list_goal_templates)
+    get = Method(templates.get_goal_template)
+    put = Method(templates.put_goal_template)
+    remove = Method(templates.remove_goal_template)
 
 
-class Previews(_Part):
+class Previews(Topic[C]):
     """Goals that are planned and not done."""
 
-    ask = blocking(previews.ask_preview)
-    list = blocking(previews.list_previews)
-    get = blocking(previews.get_preview)
-    apply = blocking(previews.apply_repair)
+    ask = Method(previews.ask_preview)
+    list = Method(previews.list_previews)
+    get = Method(previews.get_preview)
+    apply = Method(previews.apply_repair)
 
 
-class Scenes(_Part):
+class Scenes(Topic[C]):
     """Scenes: those that can be loaded, and the present one."""
 
-    list = blocking(scenes.list_scenes)
-    get = blocking(scenes.get_scene)
-    file = blocking(scenes.get_scene_file)
-    turtle = blocking(scenes.get_scene_turtle)
-    difference = blocking(scenes.get_scene_difference)
-    load = blocking(scenes.load_scene)
-    upload = blocking(scenes.upload_scene)
-    save = blocking(scenes.save_scene)
-    delete = blocking(scenes.delete_scene)
+    list = Method(scenes.list_scenes)
+    get = Method(scenes.get_scene)
+    file = Method(scenes.get_scene_file)
+    turtle = Method(scenes.get_scene_turtle)
+    difference = Method(scenes.get_scene_difference)
+    load = Method(scenes.load_scene)
+    upload = Method(scenes.upload_scene)
+    save = Method(scenes.save_scene)
+    delete = Method(scenes.delete_scene)
 
 
-class Simulation(_Part):
+class Simulation(Topic[C]):
     """The simulation: what really is, apart from what is believed."""
 
-    get = blocking(simulation.get_simulation)
-    bodies = blocking(simulation.list_bodies)
-    move_body = blocking(simulation.move_body)
-    remove_body = blocking(simulation.remove_body)
-    reset = blocking(simulation.reset_simulation)
-    set_pace = blocking(simulation.set_pace)
-    picture = blocking(simulation.get_picture)
+    get = Method(simulation.get_simulation)
+    bodies = Method(simulation.list_bodies)
+    move_body = Method(simulation.move_body)
+    remove_body = Method(simulation.remove_body)
+    reset = Method(simulation.reset_simulation)
+    set_pace = Method(simulation.set_pace)
+    picture = Method(simulation.get_picture)
 
 
-class Modules(_Part):
+class Modules(Topic[C]):
     """Skills and primitives by themselves, and who runs them."""
 
-    managers = blocking(modules.list_managers)
-    list = blocking(modules.list_modules)
-    get = blocking(modules.get_module)
-    panel = blocking(modules.show_panel)
-    run = blocking(modules.run_module)
-    reset = blocking(modules.reset_module)
-    runs = blocking(modules.list_module_runs)
-    get_run = blocking(modules.get_module_run)
-    command = blocking(modules.command_module_run)
-    skills = blocking(modules.list_skills)
-    skill = blocking(modules.get_skill)
+    managers = Method(modules.list_managers)
+    list = Method(modules.list_modules)
+    get = Method(modules.get_module)
+    panel = Method(modules.show_panel)
+    run = Method(modules.run_module)
+    reset = Method(modules.reset_module)
+    runs = Method(modules.list_module_runs)
+    get_run = Method(modules.get_module_run)
+    command = Method(modules.command_module_run)
+    skills = Method(modules.list_skills)
+    skill = Method(modules.get_skill)
 
 
-class Plugins(_Part):
+class Plugins(Topic[C]):
     """Plug-ins that are installed, and their faults."""
 
-    list = blocking(plugins.list_plugins)
-    faults = blocking(plugins.list_plugin_faults)
+    list = Method(plugins.list_plugins)
+    faults = Method(plugins.list_plugin_faults)
 
 
-class Robots(_Part):
+class Robots(Topic[C]):
     """Robots: looked at, moved by hand, taught."""
 
-    list = blocking(robots.list_robots)
-    get = blocking(robots.get_robot)
-    state = blocking(robots.get_robot_state)
-    model = blocking(robot_models.get_robot_model)
-    mesh = blocking(robot_models.get_robot_mesh)
-    motion = blocking(robots.get_robot_motion)
-    look = blocking(robots.get_look)
-    jog = blocking(robots.jog_robot)
-    teach = blocking(robots.teach_robot)
-    home = blocking(robots.home_robot)
+    list = Method(robots.list_robots)
+    get = Method(robots.get_robot)
+    state = Method(robots.get_robot_state)
+    model = Method(robot_models.get_robot_model)
+    mesh = Method(robot_models.get_robot_mesh)
+    motion = Method(robots.get_robot_motion)
+    look = Method(robots.get_look)
+    jog = Method(robots.jog_robot)
+    teach = Method(robots.teach_robot)
+    home = Method(robots.home_robot)
 
 
-class Sequences(_Part):
+class Sequences(Topic[C]):
     """Sequences of steps that somebody puts together."""
 
-    list = blocking(sequences.list_sequences)
-    create = blocking(sequences.create_sequence)
-    get = blocking(sequences.get_sequence)
-    delete = blocking(sequences.delete_sequence)
-    insert_step = blocking(sequences.insert_step)
-    change_step = blocking(sequences.change_step)
-    remove_step = blocking(sequences.remove_step)
-    move_step = blocking(sequences.move_step)
-    run = blocking(sequences.run_sequence)
+    list = Method(sequences.list_sequences)
+    create = Method(sequences.create_sequence)
+    get = Method(sequences.get_sequence)
+    delete = Method(sequences.delete_sequence)
+    insert_step = Method(sequences.insert_step)
+    change_step = Method(sequences.change_step)
+    remove_step = Method(sequences.remove_step)
+    move_step = Method(sequences.move_step)
+    run = Method(sequences.run_sequence)
 
 
-class Tasks(_Part):
+class Tasks(Topic[C]):
     """Goals that are pursued at this moment."""
 
-    list = blocking(tasks.list_tasks)
-    begin = blocking(tasks.begin_task)
-    get = blocking(tasks.get_task)
-    trace = blocking(tasks.get_task_trace)
-    command = blocking(tasks.command_task)
+    list = Method(tasks.list_tasks)
+    begin = Method(tasks.begin_task)
+    get = Method(tasks.get_task)
+    trace = Method(tasks.get_task_trace)
+    command = Method(tasks.command_task)
 
 
-class Topics:
+class Topics(Generic[C]):
     """What can be asked of a server, by topic.
 
     Attributes:
@@ -361,7 +392,7 @@ class Topics:
         tasks: Goals that are pursued at this moment.
     """
 
-    def __init__(self, client: Sends) -> None:
+    def __init__(self, client: C) -> None:
         self.alarms = Alarms(client)
         self.audit = Audit(client)
         self.events = Events(client)

@@ -7,11 +7,11 @@ import time
 from collections.abc import Callable, Iterator
 
 from skiros_py.api.jobs import Job
-from skiros_py.client.call import Sends, SendsLater
+from skiros_py.client.call import AsyncSender, Sender
 from skiros_py.client.calls import jobs
 from skiros_py.client.errors import TookTooLong, Unreachable
 
-__all__ = ["JobWaiting", "JobWaitingLater", "is_over"]
+__all__ = ["is_over", "wait_for", "wait_for_async"]
 
 _FIRST, _LONGEST = 0.05, 1.0
 """The waits between two looks grow from the one to the other [s]."""
@@ -24,53 +24,30 @@ def is_over(job: Job) -> bool:
     return job.outcome is not None
 
 
-class JobWaiting:
-    """Lets a blocking client wait for jobs."""
-
-    client: Sends
-
-    def wait(self, job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None) -> Job:
-        """Waits until something is true of a job, also while the server is started anew, and returns the job.
-
-        A job that waits for a person waits for long: ``until=lambda job: job.outcome or job.choices`` returns it.
-
-        Args:
-            job: Its id.
-            until: What is waited for; that it is over where left out.
-            timeout: How long to wait [s]; None for ever.
-
-        Raises:
-            TookTooLong: It did not become true in time.
-            ProblemError: There is no such job.
-            Unreachable: Nobody answers for a minute.
-        """
-        looks = _Looks(job, timeout)
-        for pause in looks:
-            try:
-                if until(found := looks.seen(self.client.send(jobs.get_job(job)))):
-                    return found
-            except Unreachable as error:
-                looks.missed(error)
-            time.sleep(pause)
-        raise looks.given_up()
+def wait_for(client: Sender, job: str, until: Callable[[Job], bool], timeout: float | None) -> Job:
+    """Waits until something is true of a job; see ``Jobs.wait``."""
+    looks = _Looks(job, timeout)
+    for pause in looks:
+        try:
+            if until(found := looks.seen(client.send(jobs.get_job(job)))):
+                return found
+        except Unreachable as error:
+            looks.missed(error)
+        time.sleep(pause)
+    raise looks.given_up()
 
 
-class JobWaitingLater:
-    """Lets an asynchronous client wait for jobs."""
-
-    client: SendsLater
-
-    async def wait(self, job: str, *, until: Callable[[Job], bool] = is_over, timeout: float | None = None) -> Job:
-        """Waits until something is true of a job, and returns the job; see :meth:`JobWaiting.wait`."""
-        looks = _Looks(job, timeout)
-        for pause in looks:
-            try:
-                if until(found := looks.seen(await self.client.send(jobs.get_job(job)))):
-                    return found
-            except Unreachable as error:
-                looks.missed(error)
-            await asyncio.sleep(pause)
-        raise looks.given_up()
+async def wait_for_async(client: AsyncSender, job: str, until: Callable[[Job], bool], timeout: float | None) -> Job:
+    """Waits as :func:`wait_for` does, and lets others run meanwhile."""
+    looks = _Looks(job, timeout)
+    for pause in looks:
+        try:
+            if until(found := looks.seen(await client.send(jobs.get_job(job)))):
+                return found
+        except Unreachable as error:
+            looks.missed(error)
+        await asyncio.sleep(pause)
+    raise looks.given_up()
 
 
 class _Looks:

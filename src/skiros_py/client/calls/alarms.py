@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
 from skiros_py.client.call import Call
 
@@ -15,17 +13,17 @@ __all__ = ["acknowledge_alarm", "answer_alarm", "get_alarm", "list_alarms"]
 def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | None = None) -> Call[AlarmPage]:
     """Lists alarms, oldest first: all, those that are active, or those that are over."""
     query = {"active": active, "limit": limit, "cursor": cursor}
-    return Call("GET", "/alarms", lambda r: AlarmPage.model_validate_json(r.content), query)
+    return Call("GET", "/alarms", AlarmPage, query)
 
 
 def get_alarm(alarm: str) -> Call[AlarmInfo]:
     """Tells about one alarm."""
-    return Call("GET", _path(alarm), _info)
+    return Call("GET", _path(alarm), AlarmInfo)
 
 
 def acknowledge_alarm(alarm: str) -> Call[AlarmInfo]:
     """Notes that somebody has seen it."""
-    return Call("POST", f"{_path(alarm)}/acknowledge", _info)
+    return Call("POST", f"{_path(alarm)}/acknowledge", AlarmInfo)
 
 
 def answer_alarm(alarm: str, answer: str, *, question: int | None = None) -> Call[AlarmInfo]:
@@ -37,12 +35,8 @@ def answer_alarm(alarm: str, answer: str, *, question: int | None = None) -> Cal
         question: What it asked when it was looked at, so that nothing else is answered; None for whatever it asks.
     """
     body = AlarmAnswer(answer=answer, question=question).model_dump(mode="json")
-    return Call("POST", f"{_path(alarm)}/answer", _info, json=body, repeatable=False)
+    return Call("POST", f"{_path(alarm)}/answer", AlarmInfo, json=body, repeatable=False)
 
 
 def _path(alarm: str) -> str:
     return f"/alarms/{quote(alarm, safe='')}"
-
-
-def _info(response: Response) -> AlarmInfo:
-    return AlarmInfo.model_validate_json(response.content)

@@ -11,4 +11,4 @@ __all__ = ["list_audit"]
 def list_audit(limit: int = 100, cursor: str | None = None) -> Call[AuditPage]:
     """Lists requests that changed something or were refused, the youngest first."""
     query = {"limit": limit, "cursor": cursor}
-    return Call("GET", "/audit", lambda r: AuditPage.model_validate(r.json()), query=query)
+    return Call("GET", "/audit", AuditPage, query=query)

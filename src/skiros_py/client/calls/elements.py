@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.elements import ElementDetails, ElementPage, ElementPatch, NewElement, RelationPage
 from skiros_py.api.world import ChangePage, Written
 from skiros_py.client.call import Call
@@ -47,7 +45,7 @@ def list_elements(
     """
     query = {"class": class_, "label": label, "text": text, "place": place}
     paging = {"abstract": abstract, "limit": limit, "cursor": cursor}
-    return Call("GET", "/elements", lambda r: ElementPage.model_validate(r.json()), query={**query, **paging})
+    return Call("GET", "/elements", ElementPage, query={**query, **paging})
 
 
 def read_element(element: str, *, computed: Sequence[str] = ()) -> Call[ElementDetails]:
@@ -57,7 +55,7 @@ def read_element(element: str, *, computed: Sequence[str] = ()) -> Call[ElementD
         element: Its id.
         computed: Computed relations to work out; "all" for all.
     """
-    return Call("GET", _path(element), _details, query={"computed": list(computed) or None})
+    return Call("GET", _path(element), ElementDetails, query={"computed": list(computed) or None})
 
 
 def list_relations(
@@ -72,7 +70,7 @@ def list_relations(
         cursor: ``next`` of the page before.
     """
     query = {"relation": relation, "limit": limit, "cursor": cursor}
-    return Call("GET", f"{_path(element)}/relations", lambda r: RelationPage.model_validate(r.json()), query=query)
+    return Call("GET", f"{_path(element)}/relations", RelationPage, query=query)
 
 
 def read_element_history(
@@ -87,13 +85,13 @@ def read_element_history(
         cursor: ``next`` of the page before.
     """
     query = {"newest_first": newest_first, "limit": limit, "cursor": cursor}
-    return Call("GET", f"{_path(element)}/history", lambda r: ChangePage.model_validate(r.json()), query=query)
+    return Call("GET", f"{_path(element)}/history", ChangePage, query=query)
 
 
 def add_element(new: NewElement) -> Call[ElementDetails]:
     """Adds an element with its values, its place and its relations."""
     body = new.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    return Call("POST", "/elements", _details, json=body, repeatable=False)
+    return Call("POST", "/elements", ElementDetails, json=body, repeatable=False)
 
 
 def change_element(element: str, patch: ElementPatch, *, version: int | None = None) -> Call[ElementDetails]:
@@ -105,7 +103,7 @@ def change_element(element: str, patch: ElementPatch, *, version: int | None = N
         version: The version that was seen; None for whatever it is now.
     """
     body = patch.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    return Call("PATCH", _path(element), _details, json=body, headers=_seen(version))
+    return Call("PATCH", _path(element), ElementDetails, json=body, headers=_seen(version))
 
 
 def remove_element(element: str, *, version: int | None = None, reason: str | None = None) -> Call[Written]:
@@ -116,7 +114,7 @@ def remove_element(element: str, *, version: int | None = None, reason: str | No
         version: The version that was seen; None for whatever it is now.
         reason: Why.
     """
-    return Call("DELETE", _path(element), _written, query={"reason": reason}, headers=_seen(version), repeatable=False)
+    return Call("DELETE", _path(element), Written, query={"reason": reason}, headers=_seen(version), repeatable=False)
 
 
 def state_relation(
@@ -132,7 +130,7 @@ def state_relation(
         reason: Why.
     """
     path = _related(element, relation, other)
-    return Call("PUT", path, _written, query={"reason": reason}, headers=_seen(version))
+    return Call("PUT", path, Written, query={"reason": reason}, headers=_seen(version))
 
 
 def take_back_relation(
@@ -140,7 +138,7 @@ def take_back_relation(
 ) -> Call[Written]:
     """Takes back a stated relation; arguments as for :func:`state_relation`."""
     path = _related(element, relation, other)
-    return Call("DELETE", path, _written, query={"reason": reason}, headers=_seen(version), repeatable=False)
+    return Call("DELETE", path, Written, query={"reason": reason}, headers=_seen(version), repeatable=False)
 
 
 def _path(element: str) -> str:
@@ -153,11 +151,3 @@ def _related(element: str, relation: str, other: str) -> str:
 
 def _seen(version: int | None) -> dict[str, str]:
     return {"If-Match": "*" if version is None else f'"{version}"'}
-
-
-def _details(response: Response) -> ElementDetails:
-    return ElementDetails.model_validate(response.json())
-
-
-def _written(response: Response) -> Written:
-    return Written.model_validate(response.json())

@@ -61,12 +61,12 @@ def list_events(
         "after": after,
         "limit": limit,
     }
-    return Call("GET", "/events/recent", lambda r: EventPage.model_validate_json(r.content), query)
+    return Call("GET", "/events/recent", EventPage, query)
 
 
 def get_state() -> Call[StationState]:
     """Returns the state of all robots at this moment."""
-    return Call("GET", "/state", lambda r: StationState.model_validate_json(r.content))
+    return Call("GET", "/state", StationState)
 
 
 def _event(event: ServerSentEvent) -> EventInfo | ResetInfo:

@@ -18,7 +18,7 @@ __all__ = [
 def check_goal(order: GoalOrder) -> Call[CheckedGoal]:
     """Says how a goal is understood, and whether it holds now; nothing is ordered."""
     body = order.model_dump(mode="json", by_alias=True, exclude_defaults=True, include=set(GoalOrder.model_fields))
-    return Call("POST", "/goals/check", lambda r: CheckedGoal.model_validate_json(r.content), json=body)
+    return Call("POST", "/goals/check", CheckedGoal, json=body)
 
 
 def get_goals() -> Call[tuple[SceneGoals, str]]:
@@ -35,7 +35,7 @@ def put_goals(goals: Sequence[str | GoalData], *, seen: str) -> Call[SceneGoals]
     """
     body = GoalTexts(goals=tuple(goals)).model_dump(mode="json")
     headers = {"If-Match": seen}
-    return Call("PUT", "/goals", lambda r: SceneGoals.model_validate_json(r.content), json=body, headers=headers)
+    return Call("PUT", "/goals", SceneGoals, json=body, headers=headers)
 
 
 def list_goal_conditions(*, every: bool = False) -> Call[ConditionWords]:
@@ -45,4 +45,4 @@ def list_goal_conditions(*, every: bool = False) -> Call[ConditionWords]:
         every: True for those as well that no present robot can do anything for.
     """
     query = {"all": "true" if every else None}
-    return Call("GET", "/goals/conditions", lambda r: ConditionWords.model_validate_json(r.content), query=query)
+    return Call("GET", "/goals/conditions", ConditionWords, query=query)

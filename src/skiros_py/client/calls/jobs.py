@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from datetime import datetime
 from typing import TypeVar
 from urllib.parse import quote
 
-from httpx2 import Response
 from pydantic import BaseModel
 
 from skiros_py.api.jobs import (
@@ -76,7 +75,7 @@ def order_job(
         again: True where it is meant although there was a job of that id that was removed.
     """
     headers = {"Idempotency-Key": key or str(uuid.uuid4()), "Prefer": _prefer(wait)}
-    return Call("POST", "/jobs", _read(Job), query=_start(start, again), json=_plain(order), headers=headers)
+    return Call("POST", "/jobs", Job, query=_start(start, again), json=_plain(order), headers=headers)
 
 
 def put_job(
@@ -99,7 +98,7 @@ def put_job(
         again: True where it is meant although there was a job of that id that was removed.
     """
     headers = {"If-Match": _seen(seen), "Prefer": _prefer(wait)}
-    return Call("PUT", _path(job), _read(Job), query=_start(start, again), json=_plain(order), headers=headers)
+    return Call("PUT", _path(job), Job, query=_start(start, again), json=_plain(order), headers=headers)
 
 
 def list_jobs(
@@ -119,17 +118,17 @@ def list_jobs(
         cursor: The ``next`` of the page before.
         newest_first: True to go back from the one that was ordered last.
     """
-    return Call("GET", "/jobs", _read(JobPage), query=_chosen(states, since, limit, cursor, newest_first))
+    return Call("GET", "/jobs", JobPage, query=_chosen(states, since, limit, cursor, newest_first))
 
 
 def get_job(job: str) -> Call[Job]:
     """Looks at a job."""
-    return Call("GET", _path(job), _read(Job))
+    return Call("GET", _path(job), Job)
 
 
 def get_job_response(job: str) -> Call[JobResponse]:
     """Says what a job has come to (ISA-95 job response)."""
-    return Call("GET", f"{_path(job)}/response", _read(JobResponse))
+    return Call("GET", f"{_path(job)}/response", JobResponse)
 
 
 def list_job_responses(
@@ -150,42 +149,42 @@ def list_job_responses(
         newest_first: True to go back from the one that was ordered last.
     """
     query = _chosen(states, since, limit, cursor, newest_first)
-    return Call("GET", "/job-responses", _read(JobResponses), query=query)
+    return Call("GET", "/job-responses", JobResponses, query=query)
 
 
 def get_capabilities() -> Call[JobCapabilities]:
     """Lists what an order may name: goal templates, classes of material, robots."""
-    return Call("GET", "/capabilities", _read(JobCapabilities))
+    return Call("GET", "/capabilities", JobCapabilities)
 
 
 def get_job_plan(job: str) -> Call[JobPlan]:
     """Shows the last plan of a job."""
-    return Call("GET", f"{_path(job)}/plan", _read(JobPlan))
+    return Call("GET", f"{_path(job)}/plan", JobPlan)
 
 
 def get_job_trace(job: str, *, limit: int = 1000, cursor: str | None = None) -> Call[JobTrace]:
     """Lists what happened for a job."""
-    return Call("GET", f"{_path(job)}/trace", _read(JobTrace), query={"limit": limit, "cursor": cursor})
+    return Call("GET", f"{_path(job)}/trace", JobTrace, query={"limit": limit, "cursor": cursor})
 
 
 def get_job_report(job: str) -> Call[JobReport]:
     """Reports what came of a job, as ``skiros run`` does."""
-    return Call("GET", f"{_path(job)}/report", _read(JobReport))
+    return Call("GET", f"{_path(job)}/report", JobReport)
 
 
 def get_job_replay(job: str) -> Call[Replay]:
     """Shows what a job looked like."""
-    return Call("GET", f"{_path(job)}/replay", _read(Replay))
+    return Call("GET", f"{_path(job)}/replay", Replay)
 
 
 def get_job_transitions(job: str) -> Call[JobTransitions]:
     """Lists the changes of state of a job."""
-    return Call("GET", f"{_path(job)}/transitions", _read(JobTransitions))
+    return Call("GET", f"{_path(job)}/transitions", JobTransitions)
 
 
 def get_job_explanation(job: str) -> Call[JobExplanation]:
     """Says why there is no plan for a job, and what would help."""
-    return Call("GET", f"{_path(job)}/explanation", _read(JobExplanation))
+    return Call("GET", f"{_path(job)}/explanation", JobExplanation)
 
 
 def start_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
@@ -231,7 +230,7 @@ def clear_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[J
 def remove_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
     """Removes a job that has not begun, or is over."""
     query = {"comment": comment or None}
-    return Call("DELETE", _path(job), _read(Job), query, headers={"If-Match": _seen(seen)})
+    return Call("DELETE", _path(job), Job, query, headers={"If-Match": _seen(seen)})
 
 
 def answer_job(job: str, answer: str, *, question: int | None = None) -> Call[Job]:
@@ -243,16 +242,12 @@ def answer_job(job: str, answer: str, *, question: int | None = None) -> Call[Jo
         question: Number of the question that is answered; a later one is then left alone.
     """
     body = JobAnswer(answer=answer, question=question)
-    return Call("POST", f"{_path(job)}/answer", _read(Job), json=_plain(body), repeatable=question is not None)
+    return Call("POST", f"{_path(job)}/answer", Job, json=_plain(body), repeatable=question is not None)
 
 
 def _command(job: str, command: str, comment: str, seen: int | None) -> Call[Job]:
     body = _plain(JobComment(comment=comment))
-    return Call("POST", f"{_path(job)}/{command}", _read(Job), json=body, headers={"If-Match": _seen(seen)})
-
-
-def _read(model: type[M]) -> Callable[[Response], M]:
-    return lambda response: model.model_validate_json(response.content)
+    return Call("POST", f"{_path(job)}/{command}", Job, json=body, headers={"If-Match": _seen(seen)})
 
 
 def _plain(model: BaseModel) -> object:

@@ -12,23 +12,23 @@ __all__ = ["create_key", "get_key", "list_keys", "revoke_key"]
 
 def list_keys() -> Call[list[ApiKey]]:
     """Lists the keys, revoked ones too."""
-    return Call("GET", "/keys", lambda r: [ApiKey.model_validate(one) for one in r.json()])
+    return Call("GET", "/keys", list[ApiKey])
 
 
 def create_key(order: KeyOrder) -> Call[NewKey]:
     """Makes a key, which is shown this once."""
     body = order.model_dump(mode="json", exclude_none=True)
-    return Call("POST", "/keys", lambda r: NewKey.model_validate(r.json()), json=body, repeatable=False)
+    return Call("POST", "/keys", NewKey, json=body, repeatable=False)
 
 
 def get_key(key: str) -> Call[ApiKey]:
     """Tells what is known of a key, by its id."""
-    return Call("GET", _path(key), lambda r: ApiKey.model_validate(r.json()))
+    return Call("GET", _path(key), ApiKey)
 
 
 def revoke_key(key: str) -> Call[ApiKey]:
     """Takes a key out of use, by its id."""
-    return Call("DELETE", _path(key), lambda r: ApiKey.model_validate(r.json()))
+    return Call("DELETE", _path(key), ApiKey)
 
 
 def _path(key: str) -> str:

@@ -14,7 +14,7 @@ __all__ = ["export_learned", "forget_learned", "list_learned"]
 def list_learned(*, limit: int | None = None, cursor: str | None = None) -> Call[LearnedPage]:
     """Lists what robots were taught."""
     query = {"limit": limit, "cursor": cursor}
-    return Call("GET", "/learned", lambda r: LearnedPage.model_validate(r.json()), query=query)
+    return Call("GET", "/learned", LearnedPage, query=query)
 
 
 def forget_learned(element: str, *, version: int | None = None, reason: str | None = None) -> Call[Written]:
@@ -28,7 +28,7 @@ def forget_learned(element: str, *, version: int | None = None, reason: str | No
     return Call(
         "DELETE",
         f"/learned/{quote(element, safe='')}",
-        lambda r: Written.model_validate(r.json()),
+        Written,
         query={"reason": reason},
         headers={"If-Match": "*" if version is None else f'"{version}"'},
         repeatable=False,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from httpx2 import Response
-
 from skiros_py.api.locks import LockList, LockOrder
 from skiros_py.client.call import Call
 
@@ -14,12 +12,12 @@ __all__ = ["end_locks", "list_locks", "lock_elements"]
 
 def list_locks() -> Call[LockList]:
     """Tells who alone may edit which elements."""
-    return Call("GET", "/locks", _locks)
+    return Call("GET", "/locks", LockList)
 
 
 def lock_elements(order: LockOrder) -> Call[LockList]:
     """Keeps other people and jobs from editing elements for a while; again, it lasts longer."""
-    return Call("POST", "/locks", _locks, json=order.model_dump(mode="json"))
+    return Call("POST", "/locks", LockList, json=order.model_dump(mode="json"))
 
 
 def end_locks(elements: Sequence[str] | None = None, *, owner: str | None = None) -> Call[LockList]:
@@ -30,8 +28,4 @@ def end_locks(elements: Sequence[str] | None = None, *, owner: str | None = None
         owner: Whose; those of others only an admin ends.
     """
     query = {"elements": None if elements is None else list(elements), "owner": owner}
-    return Call("DELETE", "/locks", _locks, query=query)
-
-
-def _locks(response: Response) -> LockList:
-    return LockList.model_validate(response.json())
+    return Call("DELETE", "/locks", LockList, query=query)

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 from urllib.parse import quote
-
-from httpx2 import Response
-from pydantic import BaseModel
 
 from skiros_py.api.modules import (
     ManagerInfo,
@@ -34,28 +31,26 @@ __all__ = [
     "show_panel",
 ]
 
-_Data = TypeVar("_Data", bound=BaseModel)
-
 
 def list_managers() -> Call[list[ManagerInfo]]:
     """Lists the skill managers, with what each can do and what it runs."""
-    return Call("GET", "/managers", lambda r: _several(ManagerInfo, r))
+    return Call("GET", "/managers", list[ManagerInfo])
 
 
 def list_modules() -> Call[list[ModuleSummary]]:
     """Lists every skill and primitive with who can run it."""
-    return Call("GET", "/modules", lambda r: _several(ModuleSummary, r))
+    return Call("GET", "/modules", list[ModuleSummary])
 
 
 def get_module(agent: str, module: str) -> Call[ModuleDetails]:
     """Describes a module of a subsystem."""
-    return Call("GET", _path(agent, module), lambda r: ModuleDetails.model_validate(r.json()))
+    return Call("GET", _path(agent, module), ModuleDetails)
 
 
 def show_panel(agent: str, module: str, arguments: Mapping[str, Any] | None = None) -> Call[PanelInfo]:
     """Tells what a module would be run with now, and which of its conditions hold; nothing runs."""
     body = {"arguments": dict(arguments or {})}
-    return Call("POST", f"{_path(agent, module)}/panel", lambda r: PanelInfo.model_validate(r.json()), json=body)
+    return Call("POST", f"{_path(agent, module)}/panel", PanelInfo, json=body)
 
 
 def run_module(
@@ -63,7 +58,7 @@ def run_module(
 ) -> Call[ModuleRunInfo]:
     """Starts a module by itself; follow it with :func:`get_module_run`."""
     body = {"arguments": dict(arguments or {}), "repeat": repeat}
-    return Call("POST", f"{_path(agent, module)}/runs", _run, json=body, repeatable=False)
+    return Call("POST", f"{_path(agent, module)}/runs", ModuleRunInfo, json=body, repeatable=False)
 
 
 def reset_module(agent: str, module: str) -> Call[None]:
@@ -74,36 +69,28 @@ def reset_module(agent: str, module: str) -> Call[None]:
 def list_module_runs(*, active: bool | None = None, limit: int | None = None) -> Call[ModuleRuns]:
     """Lists what was started from outside, the youngest first."""
     query = {"active": None if active is None else str(active).lower(), "limit": limit}
-    return Call("GET", "/module-runs", lambda r: ModuleRuns.model_validate(r.json()), query=query)
+    return Call("GET", "/module-runs", ModuleRuns, query=query)
 
 
 def get_module_run(run: str) -> Call[ModuleRunInfo]:
     """Tells how far a run is, or what came of it."""
-    return Call("GET", f"/module-runs/{quote(run, safe='')}", _run)
+    return Call("GET", f"/module-runs/{quote(run, safe='')}", ModuleRunInfo)
 
 
 def command_module_run(run: str, command: Literal["pause", "resume", "step", "stop"]) -> Call[ModuleRunInfo]:
     """Pauses a run, resumes it, lets it do one cycle, or stops it."""
     path = f"/module-runs/{quote(run, safe='')}/{command}"
-    return Call("POST", path, _run, repeatable=command != "step")
+    return Call("POST", path, ModuleRunInfo, repeatable=command != "step")
 
 
 def list_skills() -> Call[list[SkillInfo]]:
     """Lists the skills that somebody offers now."""
-    return Call("GET", "/skills", lambda r: _several(SkillInfo, r))
+    return Call("GET", "/skills", list[SkillInfo])
 
 
 def get_skill(name: str) -> Call[SkillInfo]:
     """Describes a skill, apart from how it is done."""
-    return Call("GET", f"/skills/{quote(name, safe='')}", lambda r: SkillInfo.model_validate(r.json()))
-
-
-def _run(response: Response) -> ModuleRunInfo:
-    return ModuleRunInfo.model_validate(response.json())
-
-
-def _several(kind: type[_Data], response: Response) -> list[_Data]:
-    return [kind.model_validate(one) for one in response.json()]
+    return Call("GET", f"/skills/{quote(name, safe='')}", SkillInfo)
 
 
 def _path(agent: str, module: str) -> str:

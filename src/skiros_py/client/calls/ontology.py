@@ -18,25 +18,25 @@ def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[C
         depth: How many levels below it.
     """
     query = {"root": root, "depth": depth}
-    return Call("GET", "/ontology/classes", lambda r: ClassNode.model_validate(r.json()), query=query)
+    return Call("GET", "/ontology/classes", ClassNode, query=query)
 
 
 def read_class(name: str) -> Call[ClassDetails]:
     """Tells everything about a class."""
     path = f"/ontology/classes/{quote(name, safe='')}"
-    return Call("GET", path, lambda r: ClassDetails.model_validate(r.json()))
+    return Call("GET", path, ClassDetails)
 
 
 def list_ontology_relations(*, limit: int | None = None, cursor: str | None = None) -> Call[RelationPage]:
     """Lists the relations that there may be, by name."""
     query = {"limit": limit, "cursor": cursor}
-    return Call("GET", "/ontology/relations", lambda r: RelationPage.model_validate(r.json()), query=query)
+    return Call("GET", "/ontology/relations", RelationPage, query=query)
 
 
 def list_ontology_properties(*, limit: int | None = None, cursor: str | None = None) -> Call[PropertyPage]:
     """Lists the properties that elements may have, by name."""
     query = {"limit": limit, "cursor": cursor}
-    return Call("GET", "/ontology/properties", lambda r: PropertyPage.model_validate(r.json()), query=query)
+    return Call("GET", "/ontology/properties", PropertyPage, query=query)
 
 
 def read_placements(
@@ -57,4 +57,4 @@ def read_placements(
         cursor: ``next`` of an option as told before, together with its relation.
     """
     query = {"class": class_, "element": element, "relation": relation, "limit": limit, "cursor": cursor}
-    return Call("GET", "/ontology/placements", lambda r: PlacementOptions.model_validate(r.json()), query=query)
+    return Call("GET", "/ontology/placements", PlacementOptions, query=query)

@@ -10,9 +10,9 @@ __all__ = ["list_plugin_faults", "list_plugins"]
 
 def list_plugins() -> Call[Plugins]:
     """Lists every entry point that is installed where the server runs."""
-    return Call("GET", "/plugins", lambda r: Plugins.model_validate(r.json()))
+    return Call("GET", "/plugins", Plugins)
 
 
 def list_plugin_faults() -> Call[list[PluginFaultInfo]]:
     """Lists what does not load or fit into the present scene."""
-    return Call("GET", "/plugins/faults", lambda r: [PluginFaultInfo.model_validate(one) for one in r.json()])
+    return Call("GET", "/plugins/faults", list[PluginFaultInfo])

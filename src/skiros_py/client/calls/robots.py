@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, RobotInfo, RobotReading, Teach
@@ -25,28 +23,28 @@ __all__ = [
 
 def list_robots() -> Call[list[RobotInfo]]:
     """Lists the robots with what each is made of."""
-    return Call("GET", "/robots", lambda r: [RobotInfo.model_validate(one) for one in r.json()])
+    return Call("GET", "/robots", list[RobotInfo])
 
 
 def get_robot(robot: str) -> Call[RobotInfo]:
     """Tells what a robot is made of."""
-    return Call("GET", _path(robot), lambda r: RobotInfo.model_validate(r.json()))
+    return Call("GET", _path(robot), RobotInfo)
 
 
 def get_robot_state(robot: str) -> Call[RobotReading]:
     """Tells where a robot is at this moment."""
-    return Call("GET", f"{_path(robot)}/state", lambda r: RobotReading.model_validate(r.json()))
+    return Call("GET", f"{_path(robot)}/state", RobotReading)
 
 
 def get_robot_motion(robot: str) -> Call[RobotMotion]:
     """Tells where a robot is about to go."""
-    return Call("GET", f"{_path(robot)}/motion", lambda r: RobotMotion.model_validate(r.json()))
+    return Call("GET", f"{_path(robot)}/motion", RobotMotion)
 
 
 def get_look(robot: str, camera: str) -> Call[Look]:
     """Tells what a camera saw last."""
     path = f"{_path(robot)}/cameras/{quote(camera, safe='')}/look"
-    return Call("GET", path, lambda r: Look.model_validate(r.json()))
+    return Call("GET", path, Look)
 
 
 def jog_robot(robot: str, jog: Jog) -> Call[ModuleRunInfo]:
@@ -65,11 +63,7 @@ def home_robot(robot: str, arm: str | None = None) -> Call[ModuleRunInfo]:
 
 
 def _start(path: str, body: object) -> Call[ModuleRunInfo]:
-    return Call("POST", path, _run, json=body, repeatable=False)
-
-
-def _run(response: Response) -> ModuleRunInfo:
-    return ModuleRunInfo.model_validate(response.json())
+    return Call("POST", path, ModuleRunInfo, json=body, repeatable=False)
 
 
 def _path(robot: str) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, Scenes
 from skiros_py.client.call import Call, nothing
 
@@ -24,12 +22,12 @@ __all__ = [
 
 def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:
     """Lists the scenes that can be loaded, by name."""
-    return Call("GET", "/scenes", lambda r: Scenes.model_validate(r.json()), query={"limit": limit, "cursor": cursor})
+    return Call("GET", "/scenes", Scenes, query={"limit": limit, "cursor": cursor})
 
 
 def get_scene_file(name: str) -> Call[Scene]:
     """Tells what a scene consists of, without loading it."""
-    return Call("GET", _path(name), lambda r: Scene.model_validate(r.json()))
+    return Call("GET", _path(name), Scene)
 
 
 def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
@@ -42,7 +40,7 @@ def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
     return Call(
         "POST",
         "/scenes",
-        lambda r: SceneEntry.model_validate(r.json()),
+        SceneEntry,
         json={"name": name},
         headers=_if_match(version),
         repeatable=False,
@@ -56,7 +54,7 @@ def delete_scene(name: str, *, version: int | None = None) -> Call[None]:
 
 def get_scene() -> Call[PresentScene]:
     """Tells about the present scene."""
-    return Call("GET", "/scene", _present)
+    return Call("GET", "/scene", PresentScene)
 
 
 def load_scene(name: str, *, version: int | None = None) -> Call[PresentScene]:
@@ -67,13 +65,13 @@ def load_scene(name: str, *, version: int | None = None) -> Call[PresentScene]:
         version: The version of the world that you have seen; None for any.
     """
     headers = _if_match(version) or {"If-Match": "*"}
-    return Call("PUT", "/scene", _present, json={"name": name}, headers=headers, repeatable=False)
+    return Call("PUT", "/scene", PresentScene, json={"name": name}, headers=headers, repeatable=False)
 
 
 def upload_scene(turtle: str, *, version: int | None = None) -> Call[PresentScene]:
     """Makes the present scene the one that a Turtle text describes; see :func:`load_scene`."""
     headers = {**(_if_match(version) or {"If-Match": "*"}), "Content-Type": "text/turtle"}
-    return Call("PUT", "/scene", _present, content=turtle.encode(), headers=headers, repeatable=False)
+    return Call("PUT", "/scene", PresentScene, content=turtle.encode(), headers=headers, repeatable=False)
 
 
 def get_scene_turtle() -> Call[str]:
@@ -84,7 +82,7 @@ def get_scene_turtle() -> Call[str]:
 def get_scene_difference(name: str, *, limit: int = 100, cursor: str | None = None) -> Call[SceneDifference]:
     """Tells what makes the present scene of another one."""
     query = {"with": name, "limit": limit, "cursor": cursor}
-    return Call("GET", "/scene/diff", lambda r: SceneDifference.model_validate(r.json()), query=query)
+    return Call("GET", "/scene/diff", SceneDifference, query=query)
 
 
 def _path(name: str) -> str:
@@ -93,7 +91,3 @@ def _path(name: str) -> str:
 
 def _if_match(version: int | None) -> dict[str, str | None]:
     return {} if version is None else {"If-Match": f'"{version}"'}
-
-
-def _present(response: Response) -> PresentScene:
-    return PresentScene.model_validate(response.json())

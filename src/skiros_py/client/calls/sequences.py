@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Any
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.sequences import InsertStep, NewSequence, RunSequence, SequenceInfo, Sequences
 from skiros_py.api.tasks import TaskInfo, WantedStep
 from skiros_py.client.call import Call, nothing
@@ -26,18 +24,18 @@ __all__ = [
 
 def list_sequences() -> Call[Sequences]:
     """Lists the sequences, by id."""
-    return Call("GET", "/sequences", lambda r: Sequences.model_validate(r.json()))
+    return Call("GET", "/sequences", Sequences)
 
 
 def create_sequence(sequence: NewSequence) -> Call[SequenceInfo]:
     """Makes a sequence of steps, of a plan for a goal, or of the plan of a job, a task or a preview."""
     body = sequence.model_dump(mode="json", exclude_none=True)
-    return Call("POST", "/sequences", _read, json=body, repeatable=False)
+    return Call("POST", "/sequences", SequenceInfo, json=body, repeatable=False)
 
 
 def get_sequence(sequence: str) -> Call[SequenceInfo]:
     """Shows a sequence with every step checked as things are now."""
-    return Call("GET", _path(sequence), _read)
+    return Call("GET", _path(sequence), SequenceInfo)
 
 
 def delete_sequence(sequence: str, version: int) -> Call[None]:
@@ -69,19 +67,15 @@ def run_sequence(sequence: str, how: RunSequence | None = None) -> Call[TaskInfo
     """Runs the steps as they are, so often as wanted; what is answered is the task that does it."""
     body = RunSequence.model_validate({} if how is None else how).model_dump(mode="json")
     path = f"{_path(sequence)}/run"
-    return Call("POST", path, lambda r: TaskInfo.model_validate(r.json()), json=body, repeatable=False)
+    return Call("POST", path, TaskInfo, json=body, repeatable=False)
 
 
 def _edit(method: str, path: str, version: int, body: Any) -> Call[SequenceInfo]:
-    return Call(method, path, _read, json=body, headers=_match(version), repeatable=False)
+    return Call(method, path, SequenceInfo, json=body, headers=_match(version), repeatable=False)
 
 
 def _match(version: int) -> dict[str, str]:
     return {"If-Match": f'"{version}"'}
-
-
-def _read(response: Response) -> SequenceInfo:
-    return SequenceInfo.model_validate(response.json())
 
 
 def _path(sequence: str) -> str:

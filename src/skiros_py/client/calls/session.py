@@ -10,12 +10,12 @@ __all__ = ["get_session", "login", "logout"]
 
 def get_session() -> Call[Me]:
     """Tells who the caller is and what they may do."""
-    return Call("GET", "/session", lambda r: Me.model_validate(r.json()))
+    return Call("GET", "/session", Me)
 
 
 def login(key: str) -> Call[Me]:
     """Logs in as web pages do; programs need not, they show their key with each request."""
-    return Call("POST", "/session", lambda r: Me.model_validate(r.json()), json=Login(key=key).model_dump())
+    return Call("POST", "/session", Me, json=Login(key=key).model_dump())
 
 
 def logout() -> Call[None]:

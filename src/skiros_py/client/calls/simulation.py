@@ -23,12 +23,12 @@ _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 def get_simulation() -> Call[SimulationState]:
     """Tells how the simulation goes on."""
-    return Call("GET", "/simulation", lambda r: SimulationState.model_validate(r.json()))
+    return Call("GET", "/simulation", SimulationState)
 
 
 def list_bodies() -> Call[Bodies]:
     """Tells where everything really is, which no robot knows."""
-    return Call("GET", "/simulation/bodies", lambda r: Bodies.model_validate(r.json()))
+    return Call("GET", "/simulation/bodies", Bodies)
 
 
 def move_body(body: str, position: Sequence[float], orientation: Sequence[float] = _UPRIGHT) -> Call[None]:
@@ -50,13 +50,13 @@ def remove_body(body: str) -> Call[None]:
 
 def reset_simulation(*, force: bool = False) -> Call[SimulationState]:
     """Brings everything up anew as it is believed; with force it is stopped first where something is under way."""
-    read = lambda r: SimulationState.model_validate(r.json())  # noqa: E731
+    read = SimulationState
     return Call("POST", "/simulation/reset", read, query={"force": str(force).lower()}, repeatable=False)
 
 
 def set_pace(pace: float) -> Call[Pace]:
     """Lets simulated time go on so many times as fast as the clock on the wall."""
-    return Call("PUT", "/simulation/pace", lambda r: Pace.model_validate(r.json()), json={"pace": pace})
+    return Call("PUT", "/simulation/pace", Pace, json={"pace": pace})
 
 
 def get_picture(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from httpx2 import Response
-
 from skiros_py.api.stop import StopInfo
 from skiros_py.client.call import Call
 
@@ -16,18 +14,14 @@ def stop(reason: str = "") -> Call[StopInfo]:
     Args:
         reason: Why, for a person.
     """
-    return Call("POST", "/stop", _info, json={"reason": reason})
+    return Call("POST", "/stop", StopInfo, json={"reason": reason})
 
 
 def get_stop() -> Call[StopInfo]:
     """Tells whether everything is halted."""
-    return Call("GET", "/stop", _info)
+    return Call("GET", "/stop", StopInfo)
 
 
 def reset() -> Call[StopInfo]:
     """Lets things start again after a halt: somebody has looked why that was."""
-    return Call("POST", "/reset", _info)
-
-
-def _info(response: Response) -> StopInfo:
-    return StopInfo.model_validate_json(response.content)
+    return Call("POST", "/reset", StopInfo)

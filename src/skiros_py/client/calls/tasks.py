@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Literal
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.client.call import Call
 
@@ -16,31 +14,27 @@ __all__ = ["begin_task", "command_task", "get_task", "get_task_trace", "list_tas
 def list_tasks(*, active: bool | None = None, limit: int | None = None) -> Call[Tasks]:
     """Lists the tasks, the youngest first."""
     query = {"active": None if active is None else str(active).lower(), "limit": limit}
-    return Call("GET", "/tasks", lambda r: Tasks.model_validate(r.json()), query=query)
+    return Call("GET", "/tasks", Tasks, query=query)
 
 
 def begin_task(task: NewTask) -> Call[TaskInfo]:
     """Begins to pursue a goal or to run steps at once, apart from the queue of jobs."""
-    return Call("POST", "/tasks", _task, json=task.model_dump(mode="json"), repeatable=False)
+    return Call("POST", "/tasks", TaskInfo, json=task.model_dump(mode="json"), repeatable=False)
 
 
 def get_task(name: str) -> Call[TaskInfo]:
     """Tells how far a task is, or what came of it."""
-    return Call("GET", _path(name), _task)
+    return Call("GET", _path(name), TaskInfo)
 
 
 def get_task_trace(name: str, *, limit: int | None = None) -> Call[TaskTrace]:
     """Tells what happened in a task."""
-    return Call("GET", f"{_path(name)}/trace", lambda r: TaskTrace.model_validate(r.json()), query={"limit": limit})
+    return Call("GET", f"{_path(name)}/trace", TaskTrace, query={"limit": limit})
 
 
 def command_task(name: str, command: Literal["pause", "resume", "step", "stop"]) -> Call[TaskInfo]:
     """Pauses a task, resumes it, lets it do one step, or stops it."""
-    return Call("POST", f"{_path(name)}/{command}", _task, repeatable=command != "step")
-
-
-def _task(response: Response) -> TaskInfo:
-    return TaskInfo.model_validate(response.json())
+    return Call("POST", f"{_path(name)}/{command}", TaskInfo, repeatable=command != "step")
 
 
 def _path(name: str) -> str:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
 from skiros_py.client.call import Call, nothing
 
@@ -19,12 +17,12 @@ __all__ = [
 
 def list_goal_templates() -> Call[GoalTemplates]:
     """Lists the goal templates."""
-    return Call("GET", "/goal-templates", lambda r: GoalTemplates.model_validate_json(r.content))
+    return Call("GET", "/goal-templates", GoalTemplates)
 
 
 def get_goal_template(name: str) -> Call[GoalTemplate]:
     """Looks at a goal template."""
-    return Call("GET", _path(name), _template)
+    return Call("GET", _path(name), GoalTemplate)
 
 
 def put_goal_template(name: str, content: GoalTemplateContent, *, seen: int | None = None) -> Call[GoalTemplate]:
@@ -37,16 +35,12 @@ def put_goal_template(name: str, content: GoalTemplateContent, *, seen: int | No
     """
     body = content.model_dump(mode="json", by_alias=True, exclude_defaults=True)
     headers = {"If-Match": None if seen is None else f'"{seen}"'}
-    return Call("PUT", _path(name), _template, json=body, headers=headers, repeatable=False)
+    return Call("PUT", _path(name), GoalTemplate, json=body, headers=headers, repeatable=False)
 
 
 def remove_goal_template(name: str, *, seen: int) -> Call[None]:
     """Removes a goal template."""
     return Call("DELETE", _path(name), nothing, headers={"If-Match": f'"{seen}"'}, repeatable=False)
-
-
-def _template(response: Response) -> GoalTemplate:
-    return GoalTemplate.model_validate_json(response.content)
 
 
 def _path(name: str) -> str:

@@ -17,4 +17,4 @@ def read_view(elements: Sequence[str] | None = None) -> Call[WorldView]:
         elements: Only these, with what moves or is gone with them, at most 100; everything where left out.
     """
     query = {"element": None if elements is None else list(elements)}
-    return Call("GET", "/view", lambda r: WorldView.model_validate(r.json()), query=query)
+    return Call("GET", "/view", WorldView, query=query)

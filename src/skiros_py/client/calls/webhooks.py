@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from urllib.parse import quote
 
-from httpx2 import Response
-
 from skiros_py.api.webhooks import Deliveries, DeliveryState, Webhook, WebhookChange, WebhookOrder, WebhookSecret
 from skiros_py.client.call import Call, nothing
 
@@ -24,27 +22,23 @@ __all__ = [
 
 def list_webhooks() -> Call[list[Webhook]]:
     """Lists who is told of jobs."""
-    return Call("GET", "/webhooks", lambda r: [Webhook.model_validate(one) for one in r.json()])
+    return Call("GET", "/webhooks", list[Webhook])
 
 
 def create_webhook(order: WebhookOrder) -> Call[WebhookSecret]:
     """Has another system told of jobs; the key of its signatures is shown this once."""
-    return Call("POST", "/webhooks", _secret, json=order.model_dump(mode="json"), repeatable=False)
-
-
-def _secret(response: Response) -> WebhookSecret:
-    return WebhookSecret.model_validate(response.json())
+    return Call("POST", "/webhooks", WebhookSecret, json=order.model_dump(mode="json"), repeatable=False)
 
 
 def get_webhook(webhook: str) -> Call[Webhook]:
     """Tells about one webhook."""
-    return Call("GET", _path(webhook), lambda r: Webhook.model_validate(r.json()))
+    return Call("GET", _path(webhook), Webhook)
 
 
 def change_webhook(webhook: str, change: WebhookChange) -> Call[Webhook]:
     """Changes what a webhook is told, or lets it rest."""
     body = change.model_dump(mode="json", exclude_none=True)
-    return Call("PATCH", _path(webhook), lambda r: Webhook.model_validate(r.json()), json=body)
+    return Call("PATCH", _path(webhook), Webhook, json=body)
 
 
 def delete_webhook(webhook: str) -> Call[None]:
@@ -62,13 +56,13 @@ def list_deliveries(
 ) -> Call[Deliveries]:
     """Lists the messages of a webhook, the latest first."""
     query = {"state": state, "limit": limit, "cursor": cursor}
-    return Call("GET", f"{_path(webhook)}/deliveries", lambda r: Deliveries.model_validate(r.json()), query=query)
+    return Call("GET", f"{_path(webhook)}/deliveries", Deliveries, query=query)
 
 
 def list_dead_letters(*, limit: int = 100, cursor: str | None = None) -> Call[Deliveries]:
     """Lists the messages that were given up."""
     query = {"limit": limit, "cursor": cursor}
-    return Call("GET", "/webhooks/dead-letters", lambda r: Deliveries.model_validate(r.json()), query=query)
+    return Call("GET", "/webhooks/dead-letters", Deliveries, query=query)
 
 
 def redeliver(webhook: str, number: int) -> Call[None]:

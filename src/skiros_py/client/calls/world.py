@@ -11,7 +11,7 @@ __all__ = ["list_changes", "read_change", "read_tree", "read_world", "undo_edit"
 
 def read_world() -> Call[WorldInfo]:
     """Tells the world's version and what is in it, in numbers."""
-    return Call("GET", "/world", lambda r: WorldInfo.model_validate(r.json()))
+    return Call("GET", "/world", WorldInfo)
 
 
 def read_tree(
@@ -26,7 +26,7 @@ def read_tree(
         cursor: ``next`` of the root as told before.
     """
     query = {"root": root, "depth": depth, "limit": limit, "cursor": cursor}
-    return Call("GET", "/tree", lambda r: TreeNode.model_validate(r.json()), query=query)
+    return Call("GET", "/tree", TreeNode, query=query)
 
 
 def list_changes(
@@ -45,7 +45,7 @@ def list_changes(
         cursor: ``next`` of the page before.
     """
     query = {"since": since, "newest_first": newest_first, "limit": limit, "cursor": cursor}
-    return Call("GET", "/world/changes", lambda r: ChangePage.model_validate(r.json()), query=query)
+    return Call("GET", "/world/changes", ChangePage, query=query)
 
 
 def read_change(number: int, *, limit: int | None = None, cursor: str | None = None) -> Call[Change]:
@@ -57,7 +57,7 @@ def read_change(number: int, *, limit: int | None = None, cursor: str | None = N
         cursor: ``next`` of what was told before.
     """
     query = {"limit": limit, "cursor": cursor}
-    return Call("GET", f"/world/changes/{number:d}", lambda r: Change.model_validate(r.json()), query=query)
+    return Call("GET", f"/world/changes/{number:d}", Change, query=query)
 
 
 def write_transaction(order: TransactionOrder, *, version: int | None = None) -> Call[Written]:
@@ -72,7 +72,7 @@ def write_transaction(order: TransactionOrder, *, version: int | None = None) ->
     return Call(
         "POST",
         "/world/transactions",
-        lambda r: Written.model_validate(r.json()),
+        Written,
         json=body,
         headers={"If-Match": seen},
         repeatable=False,
@@ -86,4 +86,4 @@ def undo_edit(change: int | None = None) -> Call[Change]:
         change: Only if it is this one.
     """
     body = UndoOrder(change=change).model_dump(mode="json")
-    return Call("POST", "/world/undo", lambda r: Change.model_validate(r.json()), json=body, repeatable=False)
+    return Call("POST", "/world/undo", Change, json=body, repeatable=False)
