@@ -10,7 +10,7 @@ from skiros_py.simulation.pybullet.cell import PyBulletCell
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
 from skiros_py.world.element import Element
-from skiros_py.world.enlarged import Enlarged
+from skiros_py.world.overlay import ExtendedView
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import (
@@ -48,7 +48,7 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
         goal: Conditions over elements and classes.
     """
     truth = Truth(cell)
-    real = Enlarged(view)
+    real = ExtendedView(view)
     placements = truth.placements()
     types = {body.id: body.type for body in spec.bodies}
     for body in placements.keys() & types.keys():

@@ -19,8 +19,8 @@ from skiros_py.tasks.history import History
 from skiros_py.tasks.lookout import supposing
 from skiros_py.tasks.reservations import robot_of
 from skiros_py.tasks.setting import Setting
+from skiros_py.world.overlay import FilteredView
 from skiros_py.world.view import WorldView
-from skiros_py.world.without import Without
 
 __all__ = ["Foresight"]
 
@@ -109,7 +109,7 @@ class Foresight:
     ) -> tuple[WorldView, Mapping[str, int]]:
         """Returns what to plan with, and the sequence numbers that robots have reached there."""
         now = self._setting.world.snapshot()
-        view: WorldView = Without(now, without) if without else now
+        view: WorldView = FilteredView(now, without) if without else now
         reached = self._history.reached
         return supposing(view, running, skills, reached) if running else (view, reached)
 

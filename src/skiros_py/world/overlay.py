@@ -1,4 +1,4 @@
-"""A copy-on-write world: what would be, over what is. Plans are simulated on it; the base never changes."""
+"""Views over another view: copy-on-write, with more elements, with fewer. The base never changes."""
 
 from __future__ import annotations
 
@@ -8,20 +8,17 @@ from typing import Self
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import with_value
-from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
-from skiros_py.world.reasoners.registry import Reasoners
-from skiros_py.world.sensors import NO_SENSORS, Sensors
 from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import ForwardingView, WorldView
 
-__all__ = ["Overlay"]
+__all__ = ["ExtendedView", "FilteredView", "Overlay"]
 
 _Statement = tuple[str, str, str]
 
 
-class Overlay:
+class Overlay(ForwardingView):
     """A :class:`~skiros_py.world.view.WorldView` that differs from its base in what was set on it.
 
     Nothing is checked here beyond names: an overlay holds suppositions, and a plan is allowed to pass through states
@@ -117,21 +114,6 @@ class Overlay:
 
     # ------------------------------------------------------------ the world view
 
-    @property
-    def ontology(self) -> Ontology:
-        """The classes and relations."""
-        return self._base.ontology
-
-    @property
-    def reasoners(self) -> Reasoners:
-        """What works out computed relations."""
-        return self._base.reasoners
-
-    @property
-    def sensors(self) -> Sensors:
-        """Nothing: what is supposed cannot be sensed."""
-        return NO_SENSORS
-
     def element(self, element_id: str) -> Element:
         """Returns one element.
 
@@ -139,42 +121,6 @@ class Overlay:
             UnknownName: There is none of that id.
         """
         return self._elements.get(element_id) or self._base.element(element_id)
-
-    def has(self, element_id: str) -> bool:
-        """Returns True when there is an element of that id."""
-        return self._base.has(element_id)
-
-    def instances(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of all elements of a class or of its subclasses, sorted.
-
-        Raises:
-            UnknownName: It is not a class.
-        """
-        return self._base.instances(class_)
-
-    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
-        """Returns the first of the instances of a class that sort after an id, at most so many.
-
-        Raises:
-            UnknownName: It is not a class.
-        """
-        return self._base.some_instances(class_, limit, after)
-
-    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
-        """Returns which of some ids are of elements of the scene of a class or of its subclasses, in the order given.
-
-        Raises:
-            UnknownName: It is not a class, or there is no such element.
-        """
-        return self._base.instances_among(class_, ids)
-
-    def abstracts(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of the abstract elements of a class or of its subclasses, sorted.
-
-        Raises:
-            UnknownName: It is not a class.
-        """
-        return self._base.abstracts(class_)
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
@@ -263,3 +209,95 @@ class Overlay:
             )
             for name in below
         )
+
+
+class ExtendedView(Overlay):
+    """An overlay that also has elements that its base does not have."""
+
+    def __init__(self, base: WorldView) -> None:
+        super().__init__(base)
+        self._more: dict[str, str] = {}
+
+    def enlarge(self, element: Element, placement: Placement | None = None) -> None:
+        """Supposes one more element.
+
+        Args:
+            element: The element, of an id that the base does not have.
+            placement: Where it is; None for nowhere.
+
+        Raises:
+            UnknownName: There is no such place or relation.
+        """
+        self._more[element.id] = element.type
+        self._elements[element.id] = element
+        self._placements[element.id] = None
+        if placement is not None:
+            self.place(element.id, placement.relation, placement.place)
+
+    @property
+    def further(self) -> tuple[str, ...]:
+        """Ids of the elements that the base does not have."""
+        return tuple(self._more)
+
+    def has(self, element_id: str) -> bool:
+        """Returns True when there is an element of that id."""
+        return element_id in self._more or super().has(element_id)
+
+    def instances(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of all elements of a class or of its subclasses, sorted.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        known, more = super().instances(class_), self._further_of(class_)
+        return tuple(sorted((*known, *more))) if more else known
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the instances of a class that sort after an id, at most so many.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        known = super().some_instances(class_, limit, after)
+        more = [name for name in self._further_of(class_) if name > after]
+        return tuple(sorted((*known, *more)))[:limit] if more else known
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of a class, in the order given.
+
+        Raises:
+            UnknownName: It is not a class, or there is no such element.
+        """
+        asked = tuple(ids)
+        known = super().instances_among(class_, (i for i in asked if i not in self._more))
+        if len(known) == len(asked):
+            return known
+        fitting = {*known, *self._further_of(class_)}
+        return tuple(i for i in asked if i in fitting)
+
+    def _further_of(self, class_: str) -> list[str]:
+        return [name for name, type_ in self._more.items() if self.ontology.is_a(type_, class_)]
+
+
+class FilteredView(ForwardingView):
+    """The same world, in which a search by class does not find some elements.
+
+    They are still where they are: a gripper that holds one is not empty.
+    """
+
+    def __init__(self, base: WorldView, ids: frozenset[str]) -> None:
+        self._base = base
+        self._ids = ids
+
+    def instances(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of all elements of a class that are not hidden."""
+        return tuple(i for i in self._base.instances(class_) if i not in self._ids)
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first of the elements of a class that are not hidden and sort after an id, at most so many."""
+        found = self._base.some_instances(class_, limit + len(self._ids), after)
+        return tuple(i for i in found if i not in self._ids)[:limit]
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of a class that are not hidden."""
+        return self._base.instances_among(class_, (i for i in ids if i not in self._ids))

@@ -1,4 +1,4 @@
-"""The small reading face of the world model. Live world, snapshot and overlay all have it; conditions need no more."""
+"""The reading interface of the world model: live world, snapshots and overlays all have it."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.sensors import NO_SENSORS, Sensors
 
 if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.reasoners.registry import Reasoners
-    from skiros_py.world.sensors import Sensors
 
-__all__ = ["WorldView"]
+__all__ = ["ForwardingView", "WorldView"]
 
 
 class WorldView(Protocol):
@@ -89,3 +89,108 @@ class WorldView(Protocol):
     def placement(self, element_id: str) -> Placement | None:
         """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure)."""
         ...
+
+
+class ForwardingView(WorldView):
+    """A view that answers what another view answers; subclasses override what they answer differently."""
+
+    _base: WorldView
+
+    @property
+    def ontology(self) -> Ontology:
+        """The classes and relations."""
+        return self._base.ontology
+
+    @property
+    def reasoners(self) -> Reasoners:
+        """What works out computed relations."""
+        return self._base.reasoners
+
+    @property
+    def sensors(self) -> Sensors:
+        """Nothing: only the live world has sensors."""
+        return NO_SENSORS
+
+    def element(self, element_id: str) -> Element:
+        """Returns one element.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        return self._base.element(element_id)
+
+    def has(self, element_id: str) -> bool:
+        """Returns True when there is an element of that id."""
+        return self._base.has(element_id)
+
+    def instances(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of all elements of the scene of a class or of its subclasses, sorted.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._base.instances(class_)
+
+    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
+        """Returns the first instances of a class that sort after an id, at most so many.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._base.some_instances(class_, limit, after)
+
+    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
+        """Returns which of some ids are of elements of the scene of a class or of its subclasses, in the order given.
+
+        Raises:
+            UnknownName: It is not a class, or there is no such element.
+        """
+        return self._base.instances_among(class_, ids)
+
+    def abstracts(self, class_: str) -> tuple[str, ...]:
+        """Returns the ids of the abstract elements of a class or of its subclasses, sorted.
+
+        Raises:
+            UnknownName: It is not a class.
+        """
+        return self._base.abstracts(class_)
+
+    def value(self, element_id: str, property_: str) -> Value | None:
+        """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
+
+        Raises:
+            UnknownName: There is no such element or property.
+        """
+        return self._base.value(element_id, property_)
+
+    def objects(self, subject: str, relation: str) -> tuple[str, ...]:
+        """Returns ids of what the subject is related to, sorted; sub-relations count.
+
+        Raises:
+            UnknownName: It is not a relation.
+        """
+        return self._base.objects(subject, relation)
+
+    def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
+        """Returns ids of what is related to the object, sorted; sub-relations count.
+
+        Raises:
+            UnknownName: It is not a relation.
+        """
+        return self._base.subjects(relation, object_)
+
+    def related(self, subject: str, relation: str, object_: str) -> bool:
+        """Returns True when the relation (or a sub-relation) holds between the two.
+
+        Raises:
+            UnknownName: It is not a relation.
+        """
+        return self._base.related(subject, relation, object_)
+
+    def placement(self, element_id: str) -> Placement | None:
+        """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure).
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        return self._base.placement(element_id)

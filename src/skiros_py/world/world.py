@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from skiros_py.errors import Locked, StaleVersion, UsageError, WorldError
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.change import Change, Edit, ElementEdit, Writer
-from skiros_py.world.element import Element, Placement, Stamp, Value
+from skiros_py.world.element import Stamp
 from skiros_py.world.index import Index
 from skiros_py.world.locks import Locks
 from skiros_py.world.ontology import Ontology
@@ -23,6 +23,7 @@ from skiros_py.world.reasoners.reasoner import Proposal
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.sensors import NO_SENSORS, Sensors
 from skiros_py.world.transaction import Transaction
+from skiros_py.world.view import ForwardingView
 from skiros_py.world.vocabulary import STRUCTURE
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class _Write:
     holder: str
 
 
-class World:
+class World(ForwardingView):
     """What is, as believed now; a :class:`~skiros_py.world.view.WorldView` that changes by transactions only.
 
     Attributes:
@@ -52,6 +53,9 @@ class World:
         locks: Which elements only one person or job may edit.
         sensors: What devices say in this cycle; may be replaced, by whoever brings up the devices.
     """
+
+    sensors: Sensors = NO_SENSORS
+    _base: Index
 
     def __init__(
         self,
@@ -70,11 +74,10 @@ class World:
             past: What was before, read from a journal; changes are written there before they take effect.
         """
         self.clock = clock
-        self.sensors: Sensors = NO_SENSORS
-        self.locks = Locks(known=lambda name: self._index.has(name), related=lambda names: _related(self._index, names))
+        self.locks = Locks(known=lambda name: self._base.has(name), related=lambda names: _related(self._base, names))
         past = past or Past(abstract_individuals(ontology, reasoners))
-        self._index = past.index.copy()
-        self._index.version = past.log.version
+        self._base = past.index.copy()
+        self._base.version = past.log.version
         self._ids = past.ids
         self._log = past.log
         self._writing = threading.Lock()
@@ -128,7 +131,7 @@ class World:
             self._writer = (threading.get_ident(), author)
             try:
                 self._check_versions(expects or {})
-                tx = Transaction(self._index, self._ids)
+                tx = Transaction(self._base, self._ids)
                 try:
                     yield tx
                 finally:
@@ -142,7 +145,7 @@ class World:
     @property
     def version(self) -> int:
         """Number of the last change; 0 for a world that is still empty."""
-        return self._index.version
+        return self._base.version
 
     @property
     def log(self) -> ChangeLog:
@@ -178,17 +181,17 @@ class World:
 
     def snapshot(self) -> Index:
         """Returns the present state, which will never change; this costs nothing."""
-        return self._index
+        return self._base
 
     def state(self) -> tuple[int, Index]:
         """Returns the present version and the state that belongs to it, without what an open transaction wrote."""
-        index = self._index
+        index = self._base
         return index.version, index
 
     @property
     def goals(self) -> tuple[str, ...]:
         """Texts of the goals that go with the scene, sorted."""
-        return self._index.goals
+        return self._base.goals
 
     @property
     def store(self) -> TripleStore:
@@ -202,107 +205,13 @@ class World:
 
     # ------------------------------------------------------------ the world view
 
-    @property
-    def ontology(self) -> Ontology:
-        """The classes and relations."""
-        return self._index.ontology
-
-    @property
-    def reasoners(self) -> Reasoners:
-        """What works out computed relations."""
-        return self._index.reasoners
-
     def stamp(self, element_id: str) -> Stamp:
         """Returns which change last touched an element, and when.
 
         Raises:
             UnknownName: There is none of that id.
         """
-        return self._index.stamp(element_id)
-
-    def element(self, element_id: str) -> Element:
-        """Returns one element.
-
-        Raises:
-            UnknownName: There is none of that id.
-        """
-        return self._index.element(element_id)
-
-    def has(self, element_id: str) -> bool:
-        """Returns True when there is an element of that id."""
-        return self._index.has(element_id)
-
-    def instances(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of all elements of a class or of its subclasses, sorted.
-
-        Raises:
-            UnknownName: It is not a class.
-        """
-        return self._index.instances(class_)
-
-    def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
-        """Returns the first of the instances of a class that sort after an id, at most so many.
-
-        Raises:
-            UnknownName: It is not a class.
-        """
-        return self._index.some_instances(class_, limit, after)
-
-    def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
-        """Returns which of some ids are of elements of the scene of a class or of its subclasses, in the order given.
-
-        Raises:
-            UnknownName: It is not a class, or there is no such element.
-        """
-        return self._index.instances_among(class_, ids)
-
-    def abstracts(self, class_: str) -> tuple[str, ...]:
-        """Returns the ids of the abstract elements of a class or of its subclasses, sorted.
-
-        Raises:
-            UnknownName: It is not a class.
-        """
-        return self._index.abstracts(class_)
-
-    def value(self, element_id: str, property_: str) -> Value | None:
-        """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
-
-        Raises:
-            UnknownName: There is no such element or property.
-        """
-        return self._index.value(element_id, property_)
-
-    def objects(self, subject: str, relation: str) -> tuple[str, ...]:
-        """Returns ids of what the subject is related to, sorted; sub-relations count.
-
-        Raises:
-            UnknownName: It is not a relation.
-        """
-        return self._index.objects(subject, relation)
-
-    def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
-        """Returns ids of what is related to the object, sorted; sub-relations count.
-
-        Raises:
-            UnknownName: It is not a relation.
-        """
-        return self._index.subjects(relation, object_)
-
-    def related(self, subject: str, relation: str, object_: str) -> bool:
-        """Returns True when the relation (or a sub-relation) holds between the two.
-
-        Raises:
-            UnknownName: It is not a relation.
-        """
-        return self._index.related(subject, relation, object_)
-
-    def placement(self, element_id: str) -> Placement | None:
-        """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure).
-
-        Raises:
-            UnknownName: There is none of that id.
-        """
-        return self._index.placement(element_id)
+        return self._base.stamp(element_id)
 
     # ------------------------------------------------------------ the life of a transaction
 
@@ -315,15 +224,15 @@ class World:
         for name, seen in expects.items():
             if isinstance(seen, bool) or not isinstance(seen, int):
                 raise UsageError(f"the version of {name or 'the world'} is a whole number, not {seen!r}")
-            if name and not self._index.has(name) and self._ids.used(name):
+            if name and not self._base.has(name) and self._ids.used(name):
                 raise StaleVersion(f"{name} is gone, and version {seen} was expected: it was removed since")
-            now = self.version if name == "" else self._index.stamp(name).change
+            now = self.version if name == "" else self._base.stamp(name).change
             if now != seen:
                 what = name or "the world"
                 raise StaleVersion(f"{what} is at version {now}, and {seen} was expected: it was changed since")
 
     def _publish(self, tx: Transaction, write: _Write) -> None:
-        before = self._index
+        before = self._base
         try:
             index, edits = tx.finish()
             if edits:
@@ -337,7 +246,7 @@ class World:
             index.mark(change.marks(), Stamp(change.number, change.time))
             index.version = change.number
             self._log.append(change)  # a journal that cannot write raises here, and nothing has happened
-            self._index = index
+            self._base = index
             tx.change = change
             for edit in edits:
                 if isinstance(edit, ElementEdit) and edit.new is not None:

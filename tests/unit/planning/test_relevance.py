@@ -26,9 +26,8 @@ from skiros_py.testing.tiny_skills import (
     PICK,
     PLACE,
 )
-from skiros_py.world.overlay import Overlay
+from skiros_py.world.overlay import FilteredView, Overlay
 from skiros_py.world.view import WorldView
-from skiros_py.world.without import Without
 from skiros_py.world.world import World
 
 SKILLS = (DRIVE, PICK, PLACE)
@@ -164,7 +163,9 @@ def test_views_of_one_world_give_one_problem() -> None:
 
 def test_what_does_not_take_part_is_no_candidate() -> None:
     found = task(
-        Without(tiny_world(balls(80)), frozenset({"ball_1", "ball_100"})), IN_CONTAINER("tiny:Ball", "slot_1"), width=2
+        FilteredView(tiny_world(balls(80)), frozenset({"ball_1", "ball_100"})),
+        IN_CONTAINER("tiny:Ball", "slot_1"),
+        width=2,
     )
 
     assert things(found, "tiny:Ball") == {"ball_101", "ball_102"}

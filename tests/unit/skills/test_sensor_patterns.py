@@ -9,8 +9,7 @@ from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Pattern, Related, Sensor, Verdict, is_sensed
 from skiros_py.skills.sensing import ARM_QUANTITIES, BASE_QUANTITIES, GRIPPER_QUANTITIES, BoardSensors
 from skiros_py.testing import Bench, tiny_world
-from skiros_py.world.overlay import Overlay
-from skiros_py.world.without import Without
+from skiros_py.world.overlay import FilteredView, Overlay
 from skiros_py.world.world import World
 
 STILL = Sensor("device", "still", "=", True)
@@ -62,7 +61,7 @@ def test_what_a_device_does_not_say_does_not_hold() -> None:
 
 def test_suppositions_and_states_know_no_sensors() -> None:
     world = sensing_world()
-    for view in (Overlay(world), Without(world, frozenset()), world.snapshot(), tiny_world()):
+    for view in (Overlay(world), FilteredView(world, frozenset()), world.snapshot(), tiny_world()):
         verdict = STILL.evaluate(view, {"device": "gripper_1"})
         assert (verdict.holds, verdict.text) == (False, "no sensors here")
 

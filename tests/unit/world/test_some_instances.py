@@ -10,10 +10,9 @@ from skiros_py.errors import UnknownName
 from skiros_py.skills.conditions import Exists, Related
 from skiros_py.skills.conditions.reads import ReadingView
 from skiros_py.testing import tiny_world
-from skiros_py.world.overlay import Overlay
+from skiros_py.world.overlay import FilteredView, Overlay
 from skiros_py.world.sensors import NO_SENSORS
 from skiros_py.world.view import WorldView
-from skiros_py.world.without import Without
 
 WORLD = tiny_world(
     *(f"scene:ball_{n} a tiny:{'Red' * (n % 3 == 0)}Ball ; sk:in scene:box_a ." for n in range(100, 180))
@@ -23,7 +22,7 @@ VIEWS: tuple[WorldView, ...] = (
     WORLD,
     WORLD.snapshot(),
     Overlay(WORLD),
-    Without(WORLD, LEFT_OUT),
+    FilteredView(WORLD, LEFT_OUT),
     ReadingView(WORLD.snapshot(), NO_SENSORS),
 )
 classes = st.sampled_from(["tiny:Ball", "tiny:RedBall", "tiny:Box", "tiny:Key", "sk:SpatialThing"])
@@ -54,7 +53,7 @@ def test_what_does_not_take_part_is_not_found_by_what_it_is_related_to(ball: str
     overlay = Overlay(WORLD)
     overlay.place(ball, "sk:in", "slot_1")
     found = Exists("b", "tiny:Ball", Related("sk:in", "b", "slot")).evaluate(
-        Without(overlay, LEFT_OUT), {"slot": "slot_1"}
+        FilteredView(overlay, LEFT_OUT), {"slot": "slot_1"}
     )
 
     assert found.holds is there

@@ -5,7 +5,7 @@ from __future__ import annotations
 import builtins
 from dataclasses import dataclass
 
-from skiros_py.planning.explanation.supposition import Supposition
+from skiros_py.planning.explanation.hypothetical import HypotheticalView
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.literals import shown
 from skiros_py.world.names import local_name
@@ -37,7 +37,7 @@ class Move:
         """The elements that must be there for it."""
         return self.element, self.place
 
-    def suppose(self, view: Supposition) -> None:
+    def suppose(self, view: HypotheticalView) -> None:
         """Makes it in imagination."""
         view.place(self.element, self.relation, self.place)
 
@@ -60,7 +60,7 @@ class Remove:
         """The elements that must be there for it."""
         return (self.element,)
 
-    def suppose(self, view: Supposition) -> None:
+    def suppose(self, view: HypotheticalView) -> None:
         """Makes it in imagination."""
         view.remove(self.element)
 
@@ -89,7 +89,7 @@ class Add:
         """The elements that must be there for it."""
         return (self.placement.place,)
 
-    def suppose(self, view: Supposition) -> None:
+    def suppose(self, view: HypotheticalView) -> None:
         """Makes it in imagination."""
         view.place(view.add(self.class_), self.placement.relation, self.placement.place)
 
@@ -126,7 +126,7 @@ class Assign:
         """The elements that must be there for it."""
         return (self.element, self.source) if self.source else (self.element,)
 
-    def suppose(self, view: Supposition) -> None:
+    def suppose(self, view: HypotheticalView) -> None:
         """Makes it in imagination."""
         view.set_value(self.element, self.property, self.value)
 
@@ -155,7 +155,7 @@ class Relate:
         """The elements that must be there for it."""
         return self.subject, self.object
 
-    def suppose(self, view: Supposition) -> None:
+    def suppose(self, view: HypotheticalView) -> None:
         """Makes it in imagination."""
         view.set_relation(self.subject, self.relation, self.object)
 

@@ -12,9 +12,9 @@ from skiros_py.errors import SkirosError
 from skiros_py.planning.explanation.causes import finding_causes
 from skiros_py.planning.explanation.edits import Add, Move, Remove, SceneEdit
 from skiros_py.planning.explanation.found import Found
+from skiros_py.planning.explanation.hypothetical import HypotheticalView
 from skiros_py.planning.explanation.remedies import Remedy, advice, remedies
 from skiros_py.planning.explanation.room import Room
-from skiros_py.planning.explanation.supposition import Supposition
 from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.pieces import Work
 from skiros_py.planning.problem.task import Capability, build_task
@@ -182,7 +182,7 @@ class _Search:
 
     def extend(self, change: _Change, found: Sequence[Found], view: WorldView) -> None:
         """Puts everything that could be done about the first of the causes that are left into the queue."""
-        made = set(view.further) if isinstance(view, Supposition) else set[str]()
+        made = set(view.further) if isinstance(view, HypotheticalView) else set[str]()
         for remedy in remedies(found[0], change.wanted(self._goal), view, self._room):
             if made.intersection(name for edit in remedy.edits for name in edit.elements):
                 continue  # what is only brought by the change has no name yet
@@ -224,7 +224,7 @@ class _Search:
 
     def _after(self, change: _Change) -> tuple[WorldView, list[Condition]]:
         """Returns the world and the goal as they are after a change."""
-        view = Supposition(self._view)
+        view = HypotheticalView(self._view)
         for edit in change.edits:
             edit.suppose(view)
         return view, change.wanted(self._goal)

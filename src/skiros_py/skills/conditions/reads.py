@@ -9,11 +9,10 @@ from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import Index
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
-from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.sensors import Sensors
 from skiros_py.world.taught import TEACHABLE, lessons
 from skiros_py.world.terms import Family
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import ForwardingView
 
 __all__ = ["Key", "ReadingView", "touched_by"]
 
@@ -25,7 +24,7 @@ Key = tuple[str, ...]
 """
 
 
-class ReadingView(WorldView):
+class ReadingView(ForwardingView):
     """One state of the world that notes what is read of it.
 
     Reasoners are asked with this view, so what they read is noted too.
@@ -38,18 +37,8 @@ class ReadingView(WorldView):
     def __init__(self, state: Index, sensors: Sensors) -> None:
         self.keys: set[Key] = set()
         self.sensed = False
-        self._state = state
+        self._base = state
         self._sensors = sensors
-
-    @property
-    def ontology(self) -> Ontology:
-        """The classes and relations: they never change."""
-        return self._state.ontology
-
-    @property
-    def reasoners(self) -> Reasoners:
-        """What works out computed relations."""
-        return self._state.reasoners
 
     @property
     def sensors(self) -> Sensors:
@@ -60,66 +49,66 @@ class ReadingView(WorldView):
     def element(self, element_id: str) -> Element:
         """Returns one element."""
         self.keys |= {("is", element_id), ("all", element_id)}
-        return self._state.element(element_id)
+        return self._base.element(element_id)
 
     def has(self, element_id: str) -> bool:
         """Returns True when there is an element of that id."""
         self.keys.add(("is", element_id))
-        return self._state.has(element_id)
+        return self._base.has(element_id)
 
     def instances(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of all elements of a class."""
         self.keys.add(("class", class_))
-        return self._state.instances(class_)
+        return self._base.instances(class_)
 
     def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
         """Returns the first of the elements of a class."""
         self.keys.add(("class", class_))
-        return self._state.some_instances(class_, limit, after)
+        return self._base.some_instances(class_, limit, after)
 
     def instances_among(self, class_: str, ids: Iterable[str]) -> tuple[str, ...]:
         """Returns which of some ids are of elements of a class."""
         asked = tuple(ids)
         self.keys.update(("is", name) for name in asked)
-        return self._state.instances_among(class_, asked)
+        return self._base.instances_among(class_, asked)
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
         """Returns the ids of the abstract elements of a class."""
         self.keys.add(("class", class_))
-        return self._state.abstracts(class_)
+        return self._base.abstracts(class_)
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns a property's value."""
         self.keys |= {("is", element_id), ("value", element_id, property_)}
         if property_ in TEACHABLE:
             lessons(self)  # what is taught later counts, too
-        return self._state.value(element_id, property_)
+        return self._base.value(element_id, property_)
 
     def objects(self, subject: str, relation: str) -> tuple[str, ...]:
         """Returns ids of what the subject is related to."""
         if self.ontology.family(relation) is Family.COMPUTED:
             return computed_objects(self, subject, relation)
         self.keys.update(("from", subject, below) for below in self.ontology.sub_relations(relation))
-        return self._state.objects(subject, relation)
+        return self._base.objects(subject, relation)
 
     def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
         """Returns ids of what is related to the object."""
         if self.ontology.family(relation) is Family.COMPUTED:
             return computed_subjects(self, relation, object_)
         self.keys.update(("to", below, object_) for below in self.ontology.sub_relations(relation))
-        return self._state.subjects(relation, object_)
+        return self._base.subjects(relation, object_)
 
     def related(self, subject: str, relation: str, object_: str) -> bool:
         """Returns True when the relation holds between the two."""
         if self.ontology.family(relation) is Family.COMPUTED:
             return self.reasoners.answer(self, subject, relation, object_).holds
         self.keys.update(("between", subject, below, object_) for below in self.ontology.sub_relations(relation))
-        return self._state.related(subject, relation, object_)
+        return self._base.related(subject, relation, object_)
 
     def placement(self, element_id: str) -> Placement | None:
         """Returns where an element is."""
         self.keys |= {("is", element_id), ("place", element_id)}
-        return self._state.placement(element_id)
+        return self._base.placement(element_id)
 
 
 def touched_by(edit: Edit, ontology: Ontology) -> Iterator[Key]:

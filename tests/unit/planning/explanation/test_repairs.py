@@ -5,7 +5,7 @@ import pytest
 from skiros_py.errors import WorldError
 from skiros_py.planning.explanation import Explanation, explain
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
-from skiros_py.planning.explanation.supposition import Supposition
+from skiros_py.planning.explanation.hypothetical import HypotheticalView
 from skiros_py.planning.pieces import Work
 from skiros_py.planning.reasons import Repair
 from skiros_py.skills.conditions import Condition
@@ -125,7 +125,7 @@ def test_what_is_said_of_a_thing_in_stock_is_written_of_a_new_element_and_the_st
 )
 def test_what_is_supposed_is_what_is_written(edit: SceneEdit, text: str) -> None:
     world = tiny_world()
-    supposed = Supposition(world)
+    supposed = HypotheticalView(world)
 
     edit.suppose(supposed)
     imagined = facts(supposed)

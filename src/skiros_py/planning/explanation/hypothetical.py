@@ -1,4 +1,4 @@
-"""A world in which also things are supposed to be there, or to be gone."""
+"""A view for what-if questions: an overlay that also hides elements."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Iterable
 
 from skiros_py.errors import UnknownName
 from skiros_py.world.element import Element
-from skiros_py.world.enlarged import Enlarged
 from skiros_py.world.names import local_name
+from skiros_py.world.overlay import ExtendedView
 from skiros_py.world.view import WorldView
 
-__all__ = ["Supposition"]
+__all__ = ["HypotheticalView"]
 
 
-class Supposition(Enlarged):
-    """An overlay with elements that the world does not have, and without some that it has."""
+class HypotheticalView(ExtendedView):
+    """An overlay with more elements than the world has, and without some that it has."""
 
     def __init__(self, base: WorldView) -> None:
         super().__init__(base)
