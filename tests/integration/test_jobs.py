@@ -156,7 +156,7 @@ def test_a_running_job_can_be_ended_also_twice(session, command, state, outcome)
     getattr(session.jobs, command)("a", "enough")
     session.run_jobs()
     assert states(session)["a"] == (state, outcome)
-    assert not session.tasks.undertakings
+    assert not session.tasks.active
 
 
 def test_a_job_that_has_not_begun_can_be_cancelled_and_one_that_is_over_cleared(session):

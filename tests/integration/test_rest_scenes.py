@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from skiros_py.client.calls import scenes as calls
 from skiros_py.client.client import Client
 from skiros_py.station.session import Session
-from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer
 from skiros_py.world.undo import undo
@@ -127,10 +127,10 @@ def test_a_locked_element_keeps_others_from_loading_another_scene(served: Served
 
 
 def test_while_something_is_under_way_no_scene_is_loaded_and_nothing_reset(served: Served, http: httpx2.Client) -> None:
-    def begin(session: Session) -> Undertaking:
-        undertaking = session.tasks.begin(session.parse(["InKit(Starter, kit_1)"]), name="busy")
-        undertaking.pause()
-        return undertaking
+    def begin(session: Session) -> TaskHandle:
+        task = session.tasks.begin(session.parse(["InKit(Starter, kit_1)"]), name="busy")
+        task.pause()
+        return task
 
     control = served.services.control
     busy = control.call(begin)

@@ -67,8 +67,8 @@ def halted_job(served, http, id_="kit"):
     began = threading.Event()
     session = served.services.session
 
-    def listen(undertaking):
-        undertaking.before_step(lambda _step: began.set() or session.cycle.forbid("the test stops it"))
+    def listen(task):
+        task.before_step(lambda _step: began.set() or session.cycle.forbid("the test stops it"))
 
     end = session.tasks.on_begin(listen)
     session.jobs.submit(JobOrder(id=id_, goal=(STARTER,)))

@@ -16,10 +16,10 @@ from skiros_py.execution.station import Station
 from skiros_py.records.frames import Layout
 from skiros_py.records.pictures import Camera, KeyMoments
 from skiros_py.records.writer import LIMIT, RecordWriter
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.tasks.trace import Happening, TraceEntry
-from skiros_py.tasks.undertaking import Undertaking
 
 __all__ = ["RunRecorder"]
 
@@ -67,7 +67,7 @@ class RunRecorder:
         self._camera = camera
         self._stack = ExitStack()
         self._numbers = count(1)
-        self._last: tuple[int, Undertaking] | None = None
+        self._last: tuple[int, TaskHandle] | None = None
         self._board = station.cycle.board
         self._layout = Layout.of(self._board.snapshot)
         self._next = self._board.snapshot.time
@@ -106,8 +106,8 @@ class RunRecorder:
     def conclude(self, report: GoalReport) -> None:
         """Takes the final report of the task that began last: with the truth, and the digest of the run."""
         if self._last is not None:
-            number, undertaking = self._last
-            self.writer.put_task(number, _task(undertaking, report))
+            number, task = self._last
+            self.writer.put_task(number, _task(task, report))
         self.writer.put_meta("digest", report.digest)
 
     # ------------------------------------------------------------------ listening
@@ -138,17 +138,17 @@ class RunRecorder:
         plain |= {"text": event.text, "target": event.target, "agent": event.agent, "caller": event.caller}
         self.writer.put_event(event.time, plain)
 
-    def _follow(self, undertaking: Undertaking) -> None:
+    def _follow(self, task: TaskHandle) -> None:
         number = next(self._numbers)
-        self._last = number, undertaking
-        self.writer.put_task(number, _task(undertaking, None))
+        self._last = number, task
+        self.writer.put_task(number, _task(task, None))
 
         def on_entry(entry: TraceEntry) -> None:
             self.writer.put_trace(entry.time, number, entry.as_json())
             if entry.what is Happening.FINISHED:
-                self.writer.put_task(number, _task(undertaking, undertaking.report))
+                self.writer.put_task(number, _task(task, task.report))
 
-        self._listen(undertaking.trace.subscribe(on_entry))
+        self._listen(task.trace.subscribe(on_entry))
 
     def _want_picture(self, caption: str, agent: str) -> None:
         """Notes a moment that is worth a picture; a skill and its last primitive end in the same one."""
@@ -163,9 +163,9 @@ class RunRecorder:
                 self.writer.put_picture(snapshot.time, ", ".join(captions), self._camera(snapshot, agent))
 
 
-def _task(undertaking: Undertaking, report: GoalReport | None) -> dict[str, Any]:
+def _task(task: TaskHandle, report: GoalReport | None) -> dict[str, Any]:
     """Returns what is known of a task as plain data."""
-    known: dict[str, Any] = {"name": undertaking.name, "goal": [str(condition) for condition in undertaking.goal]}
+    known: dict[str, Any] = {"name": task.name, "goal": [str(condition) for condition in task.goal]}
     known["report"] = None if report is None else dataclasses.asdict(report) | {"outcome": report.outcome.value}
     return known
 

@@ -84,7 +84,7 @@ def _of_session(session: Session) -> Iterable[Metric]:
     yield _gauge("skiros_cycle_period_seconds", "Length of one control cycle.", board.period)
     yield _gauge("skiros_world_version", "Number of the last change of the world.", session.world.version)
     yield _gauge("skiros_questions_open", "Questions that wait for a person.", len(session.questions.open))
-    yield _gauge("skiros_tasks_under_way", "Tasks under way.", len(session.tasks.undertakings))
+    yield _gauge("skiros_tasks_under_way", "Tasks under way.", len(session.tasks.active))
     jobs = GaugeMetricFamily("skiros_jobs_open", "Jobs that are not over, by state.", labels=("state",))
     for state, number in Counts(state_name(job.state).value for job in session.jobs.open.values()).items():
         jobs.add_metric((state,), number)

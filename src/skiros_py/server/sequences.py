@@ -255,8 +255,8 @@ def begin_steps(
         _require_ready(session)
         sequence = StepSequence(session.world, Workbench.of(session).skills, steps)
         # What speaks against it was said above: the control thread has no time to look once more.
-        undertaking = session.tasks.execute(sequence, iterate=iterate, policy=_policy(policy), anyway=True)
-        return services.tasks.note(undertaking, by=by)
+        task = session.tasks.execute(sequence, iterate=iterate, policy=_policy(policy), anyway=True)
+        return services.tasks.note(task, by=by)
 
     return services.control.call(begin)
 

@@ -377,7 +377,7 @@ class Session:
 
         While everything is halted, jobs that wait do not start.
         """
-        at_work = self.tasks.undertakings or any(manager.running for manager in self.managers.values())
+        at_work = self.tasks.active or any(manager.running for manager in self.managers.values())
         return not at_work and ("jobs" not in self.__dict__ or bool(self.cycle.halted) or self.jobs.idle)
 
     def check(self, scene: WorldView) -> None:

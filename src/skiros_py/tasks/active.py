@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from skiros_py.execution.running import Running
 from skiros_py.planning.plan import Step
-from skiros_py.tasks.undertaking import StepRun
+from skiros_py.tasks.handle import StepRun
 
 __all__ = ["Active"]
 

@@ -15,14 +15,14 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.active import Active
 from skiros_py.tasks.agenda import Agenda
+from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.control import Mode
+from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.reservations import robot_of
-from skiros_py.tasks.setting import Setting
 from skiros_py.tasks.share import Share
 from skiros_py.tasks.telling import Telling
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import StepRun, Undertaking
 from skiros_py.world.stock import take
 
 __all__ = ["Dispatcher"]
@@ -32,8 +32,8 @@ class Dispatcher:
     """Runs the steps of one task's plans.
 
     Args:
-        undertaking: The task: what people want of it, and its trace.
-        setting: What it is done with.
+        task: The task: what people want of it, and its trace.
+        context: What it is done with.
         history: Takes every step that ran.
         skills: The skills there are, by name; filled in as managers come.
 
@@ -43,15 +43,15 @@ class Dispatcher:
     """
 
     def __init__(
-        self, undertaking: Undertaking, setting: Setting, history: History, skills: Mapping[str, SkillDescription]
+        self, task: TaskHandle, context: TaskContext, history: History, skills: Mapping[str, SkillDescription]
     ) -> None:
         self.agenda = Agenda((), ())
-        self._undertaking = undertaking
-        self._setting = setting
+        self._task = task
+        self._context = context
         self._history = history
         self._skills = skills
-        self.telling = Telling(undertaking.name, undertaking.trace, setting, skills)
-        self._share = Share(undertaking.name, setting, skills)
+        self.telling = Telling(task.name, task.trace, context, skills)
+        self._share = Share(task.name, context, skills)
         self._active: list[Active] = []
         self._started = 0
         self._mode = Mode.RUN
@@ -106,7 +106,7 @@ class Dispatcher:
         self._obey()
         failed: list[tuple[Step, Failure]] = []
         for one in self.active:
-            if not one.running.done and not self._setting.offers(one.run.agent, one.step.skill):
+            if not one.running.done and not self._context.offers(one.run.agent, one.step.skill):
                 one.running.stop()
             if one.running.done:
                 outcome = self._end(one)
@@ -143,7 +143,7 @@ class Dispatcher:
 
     def leave(self) -> None:
         """Stops everything that runs at once, and gives back what was reserved: what moves when it stands."""
-        why = self._setting.cycle.halted or "stopped"
+        why = self._context.cycle.halted or "stopped"
         for one in self._active:
             one.running.stop()
             said = f"{self.telling.said(one.step)} is broken off: {why}"
@@ -169,9 +169,9 @@ class Dispatcher:
         return self._mode is Mode.PAUSE
 
     def _obey(self) -> None:
-        wanted = self._undertaking.control.mode
+        wanted = self._task.control.mode
         if wanted is Mode.SINGLE and self._mode is Mode.SINGLE and self._round_began and not self._active:
-            wanted = self._undertaking.control.end_single()
+            wanted = self._task.control.end_single()
         if wanted is self._mode:
             return
         before, self._mode = self._mode, wanted
@@ -195,7 +195,7 @@ class Dispatcher:
         agent = self.telling.agent(step)
         if any(one.run.agent == agent for one in self._active):
             return False
-        managers = self._setting.managers
+        managers = self._context.managers
         if agent in managers and step.skill in managers[agent].running:
             self.telling.waits(step, f"{step.skill} of {agent} is running already")
             return False
@@ -207,8 +207,8 @@ class Dispatcher:
             return [(self.agenda.steps[index], refusal)]
         step = self.agenda.steps[index]
         self._started += 1
-        run = StepRun(self._started, step, self.telling.agent(step), self._setting.now)
-        self._undertaking.starts(run)
+        run = StepRun(self._started, step, self.telling.agent(step), self._context.now)
+        self._task.starts(run)
         self._round_began = True
         self.agenda.start(index)
         self.telling.tell_of(Happening.STARTED, f"{self.telling.said(step)} starts", run)
@@ -219,7 +219,7 @@ class Dispatcher:
             self.agenda.again(index)
             self._note_end(run, failure, {})
             return [(step, failure)]
-        self._active.append(Active(index, run, robot_of(self._setting.world, run.agent), running))
+        self._active.append(Active(index, run, robot_of(self._context.world, run.agent), running))
         return []
 
     def _take_from_stock(self, index: int) -> Failure | None:
@@ -229,21 +229,21 @@ class Dispatcher:
         if not tokens:
             return None
         try:
-            with self._setting.world.transaction(self._undertaking.name, f"{self.telling.said(step)} is next") as tx:
+            with self._context.world.transaction(self._task.name, f"{self.telling.said(step)} is next") as tx:
                 taken = {token: take(tx, token) for token in tokens}
         except WorldError as refusal:
             return Failure(str(refusal), BROKEN_OFF)  # the plan is to blame, not the step
         self.agenda.rename(taken)
-        if self._undertaking.plan is not None:
-            self._undertaking.plan = self._undertaking.plan.renamed(taken)
+        if self._task.plan is not None:
+            self._task.plan = self._task.plan.renamed(taken)
         self._reserve()
         return None
 
     def _begin(self, run: StepRun) -> Running:
-        managers = self._setting.managers
+        managers = self._context.managers
         if run.agent not in managers:
             raise UsageError(f"the skill manager of {run.agent} is gone")
-        return managers[run.agent].start(run.step.skill, run.step.arguments, task=self._undertaking.name)
+        return managers[run.agent].start(run.step.skill, run.step.arguments, task=self._task.name)
 
     def _end(self, one: Active) -> Outcome:
         outcome = one.running.result
@@ -259,7 +259,7 @@ class Dispatcher:
         return outcome
 
     def _note_end(self, run: StepRun, outcome: Outcome, account: Mapping[str, Any]) -> None:
-        now = self._setting.now
+        now = self._context.now
         self._history.record(run.step, self._skills[run.step.skill], run.start, now, outcome)
         said, data = self.telling.said(run.step), {"start": run.start, "seconds": now - run.start, **account}
         if isinstance(outcome, Failure):
@@ -269,7 +269,7 @@ class Dispatcher:
             self.telling.tell_of(what, f"{said} {verb}: {outcome.reason}", run, data | more)
         else:
             self.telling.tell_of(Happening.ENDED, f"{said} is done", run, data | {"message": outcome.message})
-        self._undertaking.ended(run, outcome)
+        self._task.ended(run, outcome)
 
     # ------------------------------------------------------------------ what others use
 
@@ -298,6 +298,6 @@ class Dispatcher:
 
     def _meet(self, one: Active, step: Step) -> bool:
         """Tells whether two steps have to do with the same robot or thing, so that one has to wait for the other."""
-        if robot_of(self._setting.world, self.telling.agent(step)) == one.robot:
+        if robot_of(self._context.world, self.telling.agent(step)) == one.robot:
             return True
         return not set(one.step.arguments.values()).isdisjoint(step.arguments.values())

@@ -5,9 +5,9 @@ from __future__ import annotations
 from skiros_py.execution.station import Station
 from skiros_py.planning.durations import observe
 from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.report import StepReport
 from skiros_py.tasks.task_manager import TaskManager
-from skiros_py.tasks.undertaking import StepRun, Undertaking
 
 __all__ = ["learn_durations"]
 
@@ -20,7 +20,7 @@ def learn_durations(tasks: TaskManager, station: Station) -> None:
             now = station.context.board.now
             observe(station.world, StepReport(run.step.skill, {}, run.start, now, agent=run.agent))
 
-    def follow(undertaking: Undertaking) -> None:
-        undertaking.after_step(learn)
+    def follow(task: TaskHandle) -> None:
+        task.after_step(learn)
 
     tasks.on_begin(follow)

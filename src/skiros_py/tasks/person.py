@@ -12,8 +12,8 @@ from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import QuestionKind
 from skiros_py.tasks.by_hand import write_by_hand
-from skiros_py.tasks.setting import Setting
-from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.handle import TaskHandle
 
 __all__ = ["Choice", "ask_for_help", "believe_done"]
 
@@ -31,7 +31,7 @@ class Choice(enum.StrEnum):
     """The whole task ends."""
 
 
-def ask_for_help(undertaking: Undertaking, setting: Setting, text: str) -> Execution[tuple[Choice, str]]:
+def ask_for_help(task: TaskHandle, context: TaskContext, text: str) -> Execution[tuple[Choice, str]]:
     """Asks, and waits for the answer; the question is withdrawn when nobody waits for it any more.
 
     It is answered with "retry" by itself when skill managers have come or gone: something else may be possible now.
@@ -39,28 +39,28 @@ def ask_for_help(undertaking: Undertaking, setting: Setting, text: str) -> Execu
     Returns:
         The answer, and who gave it.
     """
-    questions, able = setting.questions, _able(setting)
+    questions, able = context.questions, _able(context)
     options = tuple(choice.value for choice in Choice)
-    asked = questions.ask(QuestionKind.CHOOSE, text, options, asker=undertaking.name, time=setting.now)
-    undertaking.question, before, undertaking.phase = asked.question, undertaking.phase, "waiting"
+    asked = questions.ask(QuestionKind.CHOOSE, text, options, asker=task.name, time=context.now)
+    task.question, before, task.phase = asked.question, task.phase, "waiting"
     try:
         while asked.answer is None:
-            if _able(setting) != able:
+            if _able(context) != able:
                 return Choice.RETRY, "the coming or going of a skill manager"
             yield
         return Choice(asked.answer), asked.by
     finally:
         questions.withdraw(asked)
-        undertaking.question, undertaking.phase = None, before
+        task.question, task.phase = None, before
 
 
-def believe_done(setting: Setting, condition: Condition, by: str) -> Failure | None:
+def believe_done(context: TaskContext, condition: Condition, by: str) -> Failure | None:
     """Makes a condition true in the world model, on a person's word: where it can be said what that changes.
 
     Returns:
         Why it is still not believed, or None.
     """
-    world, refused = setting.world, ""
+    world, refused = context.world, ""
     if not any(argument in world.ontology.classes for argument in condition.arguments):
         try:
             with suppress(DescriptionError):
@@ -71,5 +71,5 @@ def believe_done(setting: Setting, condition: Condition, by: str) -> Failure | N
     return None if verdict else Failure(f"{condition} is still not believed{refused or f': {verdict.why}'}")
 
 
-def _able(setting: Setting) -> frozenset[tuple[str, str]]:
-    return frozenset((agent, skill) for agent, manager in setting.managers.items() for skill in manager.descriptions)
+def _able(context: TaskContext) -> frozenset[tuple[str, str]]:
+    return frozenset((agent, skill) for agent, manager in context.managers.items() for skill in manager.descriptions)

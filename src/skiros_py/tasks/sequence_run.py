@@ -13,15 +13,15 @@ from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.agenda import Agenda
+from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.dispatcher import Dispatcher
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.sequences import StepCheck, checking_steps
-from skiros_py.tasks.setting import Setting
 from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.tasks.wording import short_step
 
 __all__ = ["SequenceRun"]
@@ -31,8 +31,8 @@ class SequenceRun:
     """Runs the steps of one sequence.
 
     Args:
-        undertaking: The task.
-        setting: What it is done with.
+        task: The task.
+        context: What it is done with.
         steps: The steps, in order.
         iterate: How often; None for until it is stopped.
         anyway: True to try steps that cannot work as far as anybody knows.
@@ -40,27 +40,27 @@ class SequenceRun:
 
     def __init__(
         self,
-        undertaking: Undertaking,
-        setting: Setting,
+        task: TaskHandle,
+        context: TaskContext,
         steps: tuple[Step, ...],
         iterate: int | None,
         *,
         anyway: bool = False,
     ) -> None:
-        self.history = History(setting.world, undertaking.policy.attempts)
-        self._task = undertaking
-        self._setting = setting
+        self.history = History(context.world, task.policy.attempts)
+        self._task = task
+        self._context = context
         self._steps = steps
         self._iterate = iterate
         self._anyway = anyway
-        self._skills: dict[str, SkillDescription] = {c.skill.name: c.skill for c in setting.capabilities}
-        self._dispatcher = Dispatcher(undertaking, setting, self.history, self._skills)
-        self._moments = Moments(setting.world, (), setting.cycle)
+        self._skills: dict[str, SkillDescription] = {c.skill.name: c.skill for c in context.capabilities}
+        self._dispatcher = Dispatcher(task, context, self.history, self._skills)
+        self._moments = Moments(context.world, (), context.cycle)
         self._stopped = False
         self._fault = ""
 
     def execute(self) -> Execution[GoalReport]:
-        """Runs the sequence to its end; the undertaking has a report in any case."""
+        """Runs the sequence to its end; the task has a report in any case."""
         task = self._task
         task.plan, task.phase = Plan(self._steps), "running"
         self._dispatcher.telling.tell(Happening.BEGUN, f"{task.name}: {len(self._steps)} steps")
@@ -75,7 +75,7 @@ class SequenceRun:
         finally:
             self._dispatcher.leave()
             if task.report is None:
-                self._fault = self._fault or self._setting.cycle.halted or "stopped"
+                self._fault = self._fault or self._context.cycle.halted or "stopped"
                 task.report = self._report()
             self._dispatcher.telling.tell(Happening.FINISHED, f"{task.name}: {task.report.outcome}")
         return task.report
@@ -104,9 +104,9 @@ class SequenceRun:
 
     def _checks(self) -> Execution[tuple[StepCheck, ...]]:
         """Checks all steps as the world is now; of a hundred that takes so long that the cycle goes on in between."""
-        able = {c.skill.name: c.agents for c in self._setting.capabilities}
-        cycle = self._setting.cycle
-        work = checking_steps(self._setting.world.snapshot(), self._steps, self._skills, able)
+        able = {c.skill.name: c.agents for c in self._context.capabilities}
+        cycle = self._context.cycle
+        work = checking_steps(self._context.world.snapshot(), self._steps, self._skills, able)
         if cycle.pace is not None:
             return (yield from self._until_stopped(in_slices(work)))
         with cycle.pulse.waiting():  # simulated time stands still

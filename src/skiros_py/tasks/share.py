@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 from skiros_py.planning.plan import Step
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.reservations import in_hands, used_by
-from skiros_py.tasks.setting import Setting
 
 __all__ = ["Share"]
 
@@ -17,7 +17,7 @@ class Share:
 
     Args:
         who: Name of the task.
-        setting: World and reservations.
+        context: World and reservations.
         skills: The skills there are, by name; filled in as managers come.
 
     Attributes:
@@ -25,11 +25,11 @@ class Share:
             robots that have a thing of this task in their hands, lest somebody puts it down somewhere.
     """
 
-    def __init__(self, who: str, setting: Setting, skills: Mapping[str, SkillDescription]) -> None:
+    def __init__(self, who: str, context: TaskContext, skills: Mapping[str, SkillDescription]) -> None:
         self.lent = False
         self._who = who
-        self._setting = setting
-        self._reservations = setting.reservations
+        self._context = context
+        self._reservations = context.reservations
         self._skills = skills
 
     def ask(self, steps: Sequence[Step]) -> None:
@@ -46,7 +46,7 @@ class Share:
         """
         reservations, who = self._reservations, self._who
         if self.lent:
-            own = in_hands(self._setting.world, reservations.of(who))
+            own = in_hands(self._context.world, reservations.of(who))
             reservations.withdraw(who, self._used(running) | own)
         elif reservations.waits(who) and not going_on:
             reservations.withdraw(who, self._used(running))
@@ -69,4 +69,4 @@ class Share:
         self._reservations.release(self._who, moving, stands)
 
     def _used(self, steps: Iterable[Step]) -> frozenset[str]:
-        return used_by(tuple(steps), self._skills, self._setting.world)
+        return used_by(tuple(steps), self._skills, self._context.world)

@@ -18,16 +18,16 @@ from skiros_py.planning.service import Planned, PlanningService
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import Questions
-from skiros_py.tasks.account import end_before_beginning
-from skiros_py.tasks.foresight import Foresight
-from skiros_py.tasks.goal_run import GoalRun
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.goal_executor import GoalExecutor
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.replanner import Replanner
 from skiros_py.tasks.report import GoalReport, StepReport
+from skiros_py.tasks.report_builder import end_before_beginning
 from skiros_py.tasks.sequence_run import SequenceRun
 from skiros_py.tasks.sequences import StepSequence
-from skiros_py.tasks.setting import Setting
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.world.world import World
 
 __all__ = ["TaskManager"]
@@ -59,11 +59,11 @@ class TaskManager:
         monitor: Monitor | None = None,
         questions: Questions | None = None,
     ) -> None:
-        self._setting = Setting(world, managers, planning, cycle, on_plan, monitor, questions or Questions())
+        self._context = TaskContext(world, managers, planning, cycle, on_plan, monitor, questions or Questions())
         self._policy = Policy(attempts=attempts)
         self._names = count(1)
-        self._undertakings: dict[str, Undertaking] = {}
-        self._on_begin: list[Callable[[Undertaking], None]] = []
+        self._active: dict[str, TaskHandle] = {}
+        self._on_begin: list[Callable[[TaskHandle], None]] = []
         self._last: History = History(world, attempts)
 
     @classmethod
@@ -95,7 +95,7 @@ class TaskManager:
             name,
             lockstep=cycle.pace is None,
             waiting=cycle.pulse.waiting,
-            leaving=lambda: leaving() or made._setting.turn.stop_wanted,
+            leaving=lambda: leaving() or made._context.turn.stop_wanted,
             temporal=temporal,
         )
         made = cls(
@@ -122,16 +122,16 @@ class TaskManager:
     @property
     def capabilities(self) -> tuple[Capability, ...]:
         """The skills that the world model says are there, with who has them."""
-        return self._setting.capabilities
+        return self._context.capabilities
 
     @property
-    def undertakings(self) -> tuple[Undertaking, ...]:
+    def active(self) -> tuple[TaskHandle, ...]:
         """The tasks that are under way, in the order in which they were begun."""
-        return tuple(self._undertakings.values())
+        return tuple(self._active.values())
 
     def holds(self, name: str) -> frozenset[str]:
         """Returns the ids of the robots and things that a task has and others may not use; for the control thread."""
-        return self._setting.reservations.of(name)
+        return self._context.reservations.of(name)
 
     def plan(self, goal: Sequence[Condition]) -> Execution[Planned]:
         """Plans from what is believed now, without doing anything.
@@ -139,16 +139,16 @@ class TaskManager:
         Raises:
             PlanningError: The planner broke.
         """
-        return Foresight(self._setting, History(self._setting.world, 1), "").plan(goal)
+        return Replanner(self._context, History(self._context.world, 1), "").plan(goal)
 
     # ------------------------------------------------------------------ tasks
 
-    def on_begin(self, listener: Callable[[Undertaking], None]) -> Callable[[], None]:
+    def on_begin(self, listener: Callable[[TaskHandle], None]) -> Callable[[], None]:
         """Calls the listener in the control thread with each task before its first cycle; returns how to end that."""
         self._on_begin.append(listener)
         return lambda: self._on_begin.remove(listener)
 
-    def begin(self, goal: Sequence[Condition], *, name: str = "", policy: Policy | None = None) -> Undertaking:
+    def begin(self, goal: Sequence[Condition], *, name: str = "", policy: Policy | None = None) -> TaskHandle:
         """Begins to pursue a goal, and returns at once; it runs in the control cycle, beside what is under way.
 
         Args:
@@ -159,9 +159,9 @@ class TaskManager:
         Raises:
             UsageError: A task of that name is under way, or everything was halted and not reset.
         """
-        undertaking = Undertaking(self._free(name), goal, policy or self._policy)
-        self._start(undertaking, self._pursuing(undertaking))
-        return undertaking
+        task = TaskHandle(self._free(name), goal, policy or self._policy)
+        self._start(task, self._pursuing(task))
+        return task
 
     def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
         """Pursues a goal to its end, as a part of what is ticked already.
@@ -172,7 +172,7 @@ class TaskManager:
         Raises:
             PlanningError: The planner broke before anything was done.
         """
-        return self._pursuing(Undertaking(self._free(""), goal, self._policy))
+        return self._pursuing(TaskHandle(self._free(""), goal, self._policy))
 
     def execute(
         self,
@@ -182,7 +182,7 @@ class TaskManager:
         name: str = "",
         policy: Policy | None = None,
         anyway: bool = False,
-    ) -> Undertaking:
+    ) -> TaskHandle:
         """Begins to run a sequence of steps as it is, and returns at once.
 
         Args:
@@ -200,42 +200,42 @@ class TaskManager:
         sequence.require_steps()  # an empty round takes no time: repeated for ever, it would hold the cycle
         if not anyway:
             sequence.require_works()
-        undertaking = Undertaking(self._free(name), (), policy or self._policy)
-        run = SequenceRun(undertaking, self._setting, sequence.steps, iterate, anyway=anyway)
+        task = TaskHandle(self._free(name), (), policy or self._policy)
+        run = SequenceRun(task, self._context, sequence.steps, iterate, anyway=anyway)
         self._last = run.history
-        self._start(undertaking, self._listed(undertaking, run.execute()))
-        return undertaking
+        self._start(task, self._listed(task, run.execute()))
+        return task
 
     def sequence(self) -> StepSequence:
         """Returns an empty sequence to be filled with steps: checked against the world as believed now."""
-        return StepSequence(self._setting.world, {c.skill.name: c.skill for c in self.capabilities})
+        return StepSequence(self._context.world, {c.skill.name: c.skill for c in self.capabilities})
 
-    def _pursuing(self, undertaking: Undertaking) -> Execution[GoalReport]:
-        run = GoalRun(undertaking, self._setting)  # begins with a clean slate: what failed before may work now
+    def _pursuing(self, task: TaskHandle) -> Execution[GoalReport]:
+        run = GoalExecutor(task, self._context)  # begins with a clean slate: what failed before may work now
         self._last = run.history
-        return (yield from self._listed(undertaking, run.execute()))
+        return (yield from self._listed(task, run.execute()))
 
-    def _listed(self, undertaking: Undertaking, run: Execution[GoalReport]) -> Execution[GoalReport]:
-        self._undertakings[undertaking.name] = undertaking
+    def _listed(self, task: TaskHandle, run: Execution[GoalReport]) -> Execution[GoalReport]:
+        self._active[task.name] = task
         for listener in tuple(self._on_begin):
-            listener(undertaking)
+            listener(task)
         try:
             return (yield from run)
         finally:
-            del self._undertakings[undertaking.name]
+            del self._active[task.name]
 
-    def _start(self, undertaking: Undertaking, run: Execution[GoalReport]) -> None:
+    def _start(self, task: TaskHandle, run: Execution[GoalReport]) -> None:
         """Gives a task a place in the control cycle."""
-        work = self._contained(undertaking, run)
+        work = self._contained(task, run)
         next(work)  # so far that it hears of its end, even where that comes before its first cycle
         try:
-            self._setting.cycle.start(work, undertaking.name)
+            self._context.cycle.start(work, task.name)
         except UsageError:
             work.close()
             raise
-        self._undertakings[undertaking.name] = undertaking
+        self._active[task.name] = task
 
-    def _contained(self, undertaking: Undertaking, run: Execution[GoalReport]) -> Execution[None]:
+    def _contained(self, task: TaskHandle, run: Execution[GoalReport]) -> Execution[None]:
         """Passes a task through whose faults are in its report; that it has in any case."""
         try:
             yield
@@ -243,9 +243,9 @@ class TaskManager:
         except SkirosError:
             return
         finally:
-            self._undertakings.pop(undertaking.name, None)
-            if undertaking.report is None:
-                end_before_beginning(undertaking, self._setting)
+            self._active.pop(task.name, None)
+            if task.report is None:
+                end_before_beginning(task, self._context)
 
     def _free(self, name: str) -> str:
         """Returns the name of a new task.
@@ -253,7 +253,7 @@ class TaskManager:
         Raises:
             UsageError: A task of that name is under way.
         """
-        if name in self._undertakings:
+        if name in self._active:
             raise UsageError(f"a task named '{name}' is under way already")
-        taken = self._undertakings
+        taken = self._active
         return name or next(free for n in self._names if (free := f"task {n}") not in taken)

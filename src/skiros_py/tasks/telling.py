@@ -8,9 +8,9 @@ from typing import Any
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import Step
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.handle import StepRun
 from skiros_py.tasks.trace import Happening, Trace, TraceEntry
-from skiros_py.tasks.undertaking import StepRun
 from skiros_py.tasks.wording import short_step
 
 __all__ = ["Telling"]
@@ -22,25 +22,25 @@ class Telling:
     Args:
         task: Its name.
         trace: Takes everything.
-        setting: Its time, and who else listens.
+        context: Its time, and who else listens.
         skills: The skills there are, by name.
     """
 
-    def __init__(self, task: str, trace: Trace, setting: Setting, skills: Mapping[str, SkillDescription]) -> None:
+    def __init__(self, task: str, trace: Trace, context: TaskContext, skills: Mapping[str, SkillDescription]) -> None:
         self._task = task
         self._trace = trace
-        self._setting = setting
+        self._context = context
         self._skills = skills
         self._waits: set[str] = set()
 
     def tell(self, what: Happening, text: str, data: Mapping[str, Any] | None = None) -> None:
         """Tells what is about no single step."""
-        self._trace.add(TraceEntry(self._setting.now, what, text, data=data or {}))
+        self._trace.add(TraceEntry(self._context.now, what, text, data=data or {}))
 
     def tell_of(self, what: Happening, text: str, run: StepRun, data: Mapping[str, Any] | None = None) -> None:
         """Tells what is about one step."""
         step, arguments = run.step, dict(run.step.arguments)
-        now, number = self._setting.now, run.number or None
+        now, number = self._context.now, run.number or None
         self._trace.add(TraceEntry(now, what, text, number, step.skill, arguments, run.agent, data or {}))
 
     def waits(self, step: Step, why: str) -> None:
@@ -49,13 +49,13 @@ class Telling:
         if said in self._waits:
             return
         self._waits.add(said)
-        run = StepRun(0, step, self.agent(step), self._setting.now)
+        run = StepRun(0, step, self.agent(step), self._context.now)
         self.tell_of(Happening.WAITS, said, run)
-        if self._setting.monitor is not None:
+        if self._context.monitor is not None:
             text = f"waits: {why}"
             status, agent = Status.RUNNING, run.agent
             event = ModuleEvent(run.start, "skill", step.skill, status, 0, text, agent=agent, task=self._task)
-            self._setting.monitor.publish(event)
+            self._context.monitor.publish(event)
 
     def forget_waits(self) -> None:
         """Tells of waits again: there is another plan."""

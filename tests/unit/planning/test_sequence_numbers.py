@@ -29,7 +29,7 @@ from skiros_py.planning.service import Planned, PlanningService
 from skiros_py.planning.validation import out_of_sequence, replay
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.tasks.lookout import Lookout
+from skiros_py.tasks.plan_checker import PlanChecker
 from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
@@ -173,8 +173,8 @@ def test_the_replay_of_the_rest_knows_what_was_reached_and_what_the_present_step
     world = numbered()
 
     assert replay(world, [drive("box_b")], [], SKILLS, reached={"robot_1": 2}) is not None
-    assert Lookout(world, (), SKILLS).look([drive("box_a")], [drive("box_b")]) is not None
-    assert Lookout(world, (), SKILLS).look([drive("box_b")], [drive("box_a")], {"robot_1": 1}) is None
+    assert PlanChecker(world, (), SKILLS).look([drive("box_a")], [drive("box_b")]) is not None
+    assert PlanChecker(world, (), SKILLS).look([drive("box_b")], [drive("box_a")], {"robot_1": 1}) is None
 
 
 def test_a_round_tells_how_far_each_robot_came() -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.skills.composition import Wait
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport, Outcome
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.testing import Bench, answers, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
@@ -18,23 +18,23 @@ GIANT = "scene:giant_1 a tiny:Giant ; sk:in scene:box_a ."
 ASKING = Policy(ask=True)
 
 
-def begin(bench: Bench, *goal: str) -> Undertaking:
+def begin(bench: Bench, *goal: str) -> TaskHandle:
     return bench.tasks.begin(bench.goal(*goal), name="kit 7", policy=ASKING)
 
 
-def finish(bench: Bench, undertaking: Undertaking) -> GoalReport:
-    bench.until(lambda: undertaking.done)
-    assert undertaking.report is not None
-    return undertaking.report
+def finish(bench: Bench, task: TaskHandle) -> GoalReport:
+    bench.until(lambda: task.done)
+    assert task.report is not None
+    return task.report
 
 
-def answer(bench: Bench, undertaking: Undertaking, choice: str) -> str:
+def answer(bench: Bench, task: TaskHandle, choice: str) -> str:
     """Waits for the question, answers it, and returns its text."""
-    bench.until(lambda: undertaking.question is not None)
-    assert undertaking.question is not None
-    assert undertaking.status == "waiting"
-    text = undertaking.question.text
-    bench.questions.answer(undertaking.question.id, choice, by="ann")
+    bench.until(lambda: task.question is not None)
+    assert task.question is not None
+    assert task.status == "waiting"
+    text = task.question.text
+    bench.questions.answer(task.question.id, choice, by="ann")
     bench.cycle.step()
     return text
 
@@ -45,24 +45,24 @@ def with_a_giant() -> World:
 
 def test_what_cannot_be_reached_is_asked_about_with_reason_and_choices() -> None:
     with Bench(with_a_giant()) as bench:
-        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
-        bench.until(lambda: undertaking.question is not None)
+        task = begin(bench, "In(giant_1, slot_2)", GOAL)
+        bench.until(lambda: task.question is not None)
         bench.advance(5.0)
         (question,) = bench.questions.open
 
-    assert question == undertaking.question
+    assert question == task.question
     assert question.asker == "kit 7"
     assert question.options == ("retry", "done by hand", "skip", "abort")
     assert question.text.startswith("In(giant_1, slot_2) cannot be reached: skill 'place' would do it, but needs that ")
     assert "fits in" in question.text
-    assert not undertaking.done
+    assert not task.done
 
 
 def test_skip_gives_it_up_and_does_the_rest() -> None:
     with Bench(with_a_giant()) as bench:
-        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
-        answer(bench, undertaking, "skip")
-        report = finish(bench, undertaking)
+        task = begin(bench, "In(giant_1, slot_2)", GOAL)
+        answer(bench, task, "skip")
+        report = finish(bench, task)
 
     giant, ball = report.conditions
     assert report.outcome is Outcome.PARTLY_REACHED
@@ -72,9 +72,9 @@ def test_skip_gives_it_up_and_does_the_rest() -> None:
 
 def test_done_by_hand_is_believed_on_the_persons_word_and_the_rest_is_done() -> None:
     with Bench(with_a_giant()) as bench:
-        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
-        answer(bench, undertaking, "done by hand")
-        report = finish(bench, undertaking)
+        task = begin(bench, "In(giant_1, slot_2)", GOAL)
+        answer(bench, task, "done by hand")
+        report = finish(bench, task)
         change = next(c for c in bench.world.changes if c.author == "operator")
 
         assert bench.world.related("giant_1", "sk:in", "slot_2")
@@ -84,10 +84,10 @@ def test_done_by_hand_is_believed_on_the_persons_word_and_the_rest_is_done() -> 
 
 def test_done_by_hand_that_cannot_be_believed_is_asked_about_again_with_the_reason() -> None:
     with Bench(with_a_giant()) as bench:
-        undertaking = begin(bench, "In(Giant, slot_2)")
-        answer(bench, undertaking, "done by hand")
-        again = answer(bench, undertaking, "skip")
-        report = finish(bench, undertaking)
+        task = begin(bench, "In(Giant, slot_2)")
+        answer(bench, task, "done by hand")
+        again = answer(bench, task, "skip")
+        report = finish(bench, task)
 
     assert again.startswith("In(Giant, slot_2) is still not believed")
     assert not report.reached
@@ -97,11 +97,11 @@ def test_retry_tries_again_with_what_is_so_now() -> None:
     world = with_a_giant()
     with Bench(world) as bench:
         bench.managers.close("arm_1")
-        undertaking = begin(bench, GOAL)
-        first = answer(bench, undertaking, "retry")
-        second = answer(bench, undertaking, "retry")
+        task = begin(bench, GOAL)
+        first = answer(bench, task, "retry")
+        second = answer(bench, task, "retry")
         bench.managers.open("arm_1")
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
 
     assert first == second
     assert report.reached
@@ -109,37 +109,37 @@ def test_retry_tries_again_with_what_is_so_now() -> None:
 
 def test_abort_ends_the_whole_task() -> None:
     with Bench(with_a_giant()) as bench:
-        undertaking = begin(bench, "In(giant_1, slot_2)", GOAL)
-        answer(bench, undertaking, "abort")
-        report = finish(bench, undertaking)
+        task = begin(bench, "In(giant_1, slot_2)", GOAL)
+        answer(bench, task, "abort")
+        report = finish(bench, task)
 
     assert report.outcome is Outcome.STOPPED
-    assert [e.text for e in undertaking.trace.entries if e.what is Happening.STOPPED] == ["is stopped: aborted by ann"]
+    assert [e.text for e in task.trace.entries if e.what is Happening.STOPPED] == ["is stopped: aborted by ann"]
 
 
 @pytest.mark.parametrize("ending", ["stop", "halt"])
 def test_a_task_that_waits_for_a_person_can_be_ended_and_its_question_goes(ending: str) -> None:
     with Bench(with_a_giant()) as bench:
-        undertaking = begin(bench, "In(giant_1, slot_2)")
-        bench.until(lambda: undertaking.question is not None)
+        task = begin(bench, "In(giant_1, slot_2)")
+        bench.until(lambda: task.question is not None)
         if ending == "stop":
-            undertaking.stop()
-            finish(bench, undertaking)
+            task.stop()
+            finish(bench, task)
         else:
             bench.cycle.stop_all("a hand was seen")
 
-        assert undertaking.done
+        assert task.done
         assert bench.questions.open == ()
-        assert undertaking.question is None
+        assert task.question is None
 
 
 def test_a_target_that_keeps_failing_is_asked_about_before_it_is_given_up_and_a_retry_forgives() -> None:
     lying = (pretend(DRIVE), pretend(PICK, Wait(0.1)), pretend(PLACE))
     with Bench(tiny_world(), lying) as bench:
-        undertaking = begin(bench, GOAL)
-        text = answer(bench, undertaking, "retry")
-        answer(bench, undertaking, "skip")
-        report = finish(bench, undertaking)
+        task = begin(bench, GOAL)
+        text = answer(bench, task, "retry")
+        answer(bench, task, "skip")
+        report = finish(bench, task)
 
     assert "gave up on ball_1 after 3 failed tries" in text
     assert [s.skill for s in report.steps].count("pick") == 6

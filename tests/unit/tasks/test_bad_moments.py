@@ -11,10 +11,10 @@ from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.ports.pending import Pending
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -22,11 +22,11 @@ GOAL = "In(ball_1, slot_1)"
 LONG = tuple(pretend(skill, Sequence.of(Wait(30.0), AssertEffects(0.0))) for skill in (DRIVE, PICK, PLACE))
 
 
-def begin(bench: Bench, goal: str = GOAL) -> Undertaking:
+def begin(bench: Bench, goal: str = GOAL) -> TaskHandle:
     return bench.tasks.begin(bench.goal(goal))
 
 
-def what(task: Undertaking) -> list[Happening]:
+def what(task: TaskHandle) -> list[Happening]:
     return [entry.what for entry in task.trace.entries]
 
 
@@ -35,7 +35,7 @@ def test_a_task_that_is_halted_before_its_first_cycle_is_over_with_a_report() ->
         task = begin(bench)
         bench.cycle.stop_all("somebody hit the button")
 
-        assert bench.tasks.undertakings == ()
+        assert bench.tasks.active == ()
     assert task.done
     assert task.report is not None
     assert task.report.fault == "somebody hit the button"
@@ -107,7 +107,7 @@ def test_a_stop_in_a_long_step_ends_it_in_a_few_cycles_also_when_it_is_said_twic
 def test_a_stop_around_the_moment_of_completion_gives_a_report_that_is_true(before: int) -> None:
     with Bench(tiny_world()) as bench:
         begin(bench)
-        length = round(bench.until(lambda: not bench.tasks.undertakings) / bench.cycle.board.period)
+        length = round(bench.until(lambda: not bench.tasks.active) / bench.cycle.board.period)
     with Bench(tiny_world()) as bench:
         task = begin(bench)
         for _ in range(length - before):
@@ -162,7 +162,7 @@ def test_a_planner_that_breaks_at_once_is_the_fault_in_the_report() -> None:
         task = begin(bench)
         bench.until(lambda: task.done, limit=1.0)
 
-        assert bench.tasks.undertakings == ()
+        assert bench.tasks.active == ()
     assert task.report is not None
     assert "the planner was killed" in task.report.fault
     assert (task.report.outcome, task.report.steps) == (Outcome.NOT_REACHED, ())
@@ -202,4 +202,4 @@ def test_a_task_that_could_not_begin_leaves_the_one_alone_that_has_its_name_late
         task = bench.tasks.begin(bench.goal(GOAL), name="kit 7")
         del refused
         gc.collect()
-        assert bench.tasks.undertakings == (task,)
+        assert bench.tasks.active == (task,)

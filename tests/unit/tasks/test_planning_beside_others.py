@@ -10,10 +10,10 @@ from skiros_py.planning.planners.planner import Answer
 from skiros_py.planning.service import PlanningService
 from skiros_py.ports.pending import Pending
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -63,7 +63,7 @@ def not_in_lockstep(bench: Bench, planner: Withholding) -> TaskManager:
     return TaskManager(bench.world, bench.managers, PlanningService(planner, lockstep=False), bench.cycle)
 
 
-def outcome(task: Undertaking) -> Outcome | None:
+def outcome(task: TaskHandle) -> Outcome | None:
     return task.report.outcome if task.report else None
 
 

@@ -13,11 +13,11 @@ from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -57,18 +57,18 @@ def _forget() -> None:
     Grasp.slips.clear()
 
 
-def begin(bench: Bench, *goal: str, policy: Policy | None = None) -> Undertaking:
+def begin(bench: Bench, *goal: str, policy: Policy | None = None) -> TaskHandle:
     return bench.tasks.begin(bench.goal(*(goal or (GOAL,))), policy=policy)
 
 
-def finish(bench: Bench, undertaking: Undertaking, limit: float = 60.0) -> GoalReport:
-    bench.until(lambda: undertaking.done, limit=limit)
-    assert undertaking.report is not None
-    return undertaking.report
+def finish(bench: Bench, task: TaskHandle, limit: float = 60.0) -> GoalReport:
+    bench.until(lambda: task.done, limit=limit)
+    assert task.report is not None
+    return task.report
 
 
-def told(undertaking: Undertaking, what: Happening) -> list[str]:
-    return [entry.text for entry in undertaking.trace.entries if entry.what is what]
+def told(task: TaskHandle, what: Happening) -> list[str]:
+    return [entry.text for entry in task.trace.entries if entry.what is what]
 
 
 # ------------------------------------------------------------------ what fails
@@ -77,12 +77,12 @@ def told(undertaking: Undertaking, what: Happening) -> list[str]:
 def test_a_step_that_failed_is_repeated_without_planning_where_the_plan_is_still_right() -> None:
     Grasp.slips["ball_1"] = 2
     with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
-        undertaking = begin(bench)
-        report = finish(bench, undertaking)
+        task = begin(bench)
+        report = finish(bench, task)
 
     assert report.reached
     assert len(bench.plans) == 1
-    assert told(undertaking, Happening.RETRIED) == ["pick failed: ball_1 slipped: it is tried again"] * 2
+    assert told(task, Happening.RETRIED) == ["pick failed: ball_1 slipped: it is tried again"] * 2
     failed = next(s for s in report.steps if s.reason)
     again = next(s for s in report.steps if s.start > failed.start)
     assert again.start == pytest.approx(failed.end)
@@ -90,8 +90,8 @@ def test_a_step_that_failed_is_repeated_without_planning_where_the_plan_is_still
 
 def test_a_skill_whose_declared_effect_does_not_happen_is_retried_and_given_up_with_the_reason() -> None:
     with Bench(tiny_world(), LIAR) as bench:
-        undertaking = begin(bench)
-        report = finish(bench, undertaking)
+        task = begin(bench)
+        report = finish(bench, task)
 
         assert bench.world.related("ball_1", "sk:in", "box_a"), "what a plan supposes is never believed"
     assert report.outcome is TaskOutcome.NOT_REACHED
@@ -103,21 +103,21 @@ def test_a_skill_whose_declared_effect_does_not_happen_is_retried_and_given_up_w
 def test_the_rest_is_done_where_that_is_the_policy() -> None:
     Grasp.slips["ball_1"] = 99
     with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
-        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=True))
-        report = finish(bench, undertaking)
+        task = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=True))
+        report = finish(bench, task)
 
     given_up, done = report.conditions
     assert report.outcome is TaskOutcome.PARTLY_REACHED
     assert "slipped" in given_up.reason
     assert done.believed
-    assert len(told(undertaking, Happening.GIVEN_UP)) == 1
+    assert len(told(task, Happening.GIVEN_UP)) == 1
 
 
 def test_the_rest_is_left_where_that_is_the_policy() -> None:
     Grasp.slips["ball_1"] = 99
     with Bench(tiny_world(), GRASPING, (Grasp,)) as bench:
-        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=False, attempts=1))
-        report = finish(bench, undertaking)
+        task = begin(bench, GOAL, "In(red_ball_1, slot_2)", policy=Policy(rest=False, attempts=1))
+        report = finish(bench, task)
 
     picks = [s.arguments["Ball"] for s in report.steps if s.skill == "pick"]
     assert picks[-1] == "ball_1"
@@ -148,11 +148,11 @@ def move(bench: Bench, ball: str, relation: str, place: str) -> None:
 def test_a_part_that_is_moved_is_planned_for_anew_and_the_trace_says_why() -> None:
     with Bench(tiny_world(), SLOW) as bench:
         when(bench, "drive", Status.STARTED, lambda: move(bench, "ball_1", "sk:in", "box_b"))
-        undertaking = begin(bench)
-        report = finish(bench, undertaking)
+        task = begin(bench)
+        report = finish(bench, task)
 
     assert report.reached
-    assert told(undertaking, Happening.REPLANS) == ["plans anew: ball_1 is not in box_a: it is in box_b"]
+    assert told(task, Happening.REPLANS) == ["plans anew: ball_1 is not in box_a: it is in box_b"]
     assert len(bench.plans) == 2
 
 
@@ -163,8 +163,8 @@ def test_a_part_that_is_removed_leaves_a_goal_that_names_it_out_of_reach() -> No
 
     with Bench(tiny_world(), SLOW) as bench:
         when(bench, "drive", Status.STARTED, remove)
-        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)")
-        report = finish(bench, undertaking)
+        task = begin(bench, GOAL, "In(red_ball_1, slot_2)")
+        report = finish(bench, task)
 
     assert report.outcome is TaskOutcome.PARTLY_REACHED
     assert "ball_1" in report.conditions[0].reason
@@ -172,11 +172,11 @@ def test_a_part_that_is_removed_leaves_a_goal_that_names_it_out_of_reach() -> No
 
 def test_a_finished_part_that_is_taken_out_again_is_put_back() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench, GOAL, "In(red_ball_1, slot_2)")
-        bench.until(lambda: bench.world.related("ball_1", "sk:in", "slot_1") or undertaking.done)
+        task = begin(bench, GOAL, "In(red_ball_1, slot_2)")
+        bench.until(lambda: bench.world.related("ball_1", "sk:in", "slot_1") or task.done)
         bench.advance(0.5)
         move(bench, "ball_1", "sk:in", "box_a")
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
 
     assert report.reached
 
@@ -190,8 +190,8 @@ def test_a_world_that_flips_for_ever_ends_the_task_after_a_bounded_number_of_pla
                 move(bench, "ball_1", "sk:in", "box_b" if here == "box_a" else "box_a")
 
         bench.monitor.subscribe(tease)
-        undertaking = begin(bench)
-        report = finish(bench, undertaking)
+        task = begin(bench)
+        report = finish(bench, task)
 
     assert not report.reached
     assert len(bench.plans) <= 9
@@ -200,25 +200,25 @@ def test_a_world_that_flips_for_ever_ends_the_task_after_a_bounded_number_of_pla
 
 def test_changes_that_nothing_of_the_plan_reads_are_not_even_looked_at() -> None:
     with Bench(tiny_world(BALLS), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: "drive" in bench.managers["base_1"].running)
         for _ in range(20):
             move(bench, "ball_2", "sk:in", "box_a")
             bench.cycle.step()
             move(bench, "ball_2", "sk:in", "box_b")
             bench.cycle.step()
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
 
     assert report.reached
     assert [s.skill for s in report.steps] == ["drive", "pick", "place"]
-    assert told(undertaking, Happening.REPLANS) == []
+    assert told(task, Happening.REPLANS) == []
 
 
 def test_what_makes_the_goal_hold_ends_the_task_and_what_runs_for_it() -> None:
     with Bench(tiny_world(), SLOW) as bench:
         when(bench, "drive", Status.STARTED, lambda: move(bench, "ball_1", "sk:in", "slot_1"))
-        undertaking = begin(bench)
-        report = finish(bench, undertaking, limit=0.5)
+        task = begin(bench)
+        report = finish(bench, task, limit=0.5)
 
     assert report.outcome is TaskOutcome.REACHED
     assert report.steps[0].reason == "nothing more is to be done"
@@ -229,14 +229,14 @@ def test_what_makes_the_goal_hold_ends_the_task_and_what_runs_for_it() -> None:
 
 def test_a_manager_lost_in_mid_step_has_its_step_stopped_and_another_robot_does_it() -> None:
     with Bench(tiny_world(robots=2), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: any("pick" in m.running for m in bench.managers.values()))
         lost = next(a for a, m in bench.managers.items() if "pick" in m.running)
         bench.advance(0.3)
         bench.managers[lost].lose("its host is gone")
         bench.advance(0.1)
         assert "pick" not in bench.managers[lost].running
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
 
     assert report.reached
     assert report.steps[-1].agent not in (lost, "")
@@ -245,25 +245,25 @@ def test_a_manager_lost_in_mid_step_has_its_step_stopped_and_another_robot_does_
 
 def test_a_manager_lost_that_the_rest_of_the_plan_counts_on_is_replanned_at_once() -> None:
     with Bench(tiny_world(robots=2), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: any("drive" in m.running for m in bench.managers.values()))
         base = next(a for a, m in bench.managers.items() if "drive" in m.running)
         arm = base.replace("base", "arm")
         bench.managers[arm].lose("its host is gone")
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
 
     assert report.reached
-    assert told(undertaking, Happening.REPLANS) == [f"plans anew: {arm} has no skill pick any more"]
+    assert told(task, Happening.REPLANS) == [f"plans anew: {arm} has no skill pick any more"]
     assert report.steps[-1].agent != arm
 
 
 def test_a_manager_that_appears_helps_where_nobody_could() -> None:
     with Bench(tiny_world(), SLOW) as bench:
         bench.managers.close("arm_1")
-        undertaking = begin(bench, policy=Policy(ask=True))
-        bench.until(lambda: undertaking.status == "waiting")
+        task = begin(bench, policy=Policy(ask=True))
+        bench.until(lambda: task.status == "waiting")
         bench.managers.open("arm_1")
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
 
         assert bench.questions.open == ()
     assert report.reached

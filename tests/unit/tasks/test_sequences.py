@@ -133,13 +133,13 @@ def test_a_plan_can_be_edited_and_run() -> None:
         assert isinstance(plan, Plan)
         made = StepSequence(bench.world, SKILLS, plan)
         made.change(2, Slot="slot_2")
-        undertaking = bench.tasks.execute(made)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made)
+        bench.until(lambda: task.done)
 
         assert bench.world.related("ball_1", "sk:in", "slot_2")
-    assert undertaking.report is not None
-    assert undertaking.report.outcome is Outcome.REACHED
-    assert [step.skill for step in undertaking.report.steps] == ["drive", "pick", "place"]
+    assert task.report is not None
+    assert task.report.outcome is Outcome.REACHED
+    assert [step.skill for step in task.report.steps] == ["drive", "pick", "place"]
 
 
 def test_an_edited_plan_that_cannot_work_is_refused_with_the_step_and_the_reason() -> None:
@@ -149,7 +149,7 @@ def test_an_edited_plan_that_cannot_work_is_refused_with_the_step_and_the_reason
 
         with pytest.raises(UsageError) as refusal:
             bench.tasks.execute(made)
-        assert bench.tasks.undertakings == ()
+        assert bench.tasks.active == ()
     assert "step 1 (pick box_a ball_1): robot_1 is not at box_a: it is at unknown_location" in str(refusal.value)
 
 
@@ -157,10 +157,10 @@ def test_what_cannot_work_can_be_asked_for_all_the_same_and_fails_at_that_step()
     with Bench(tiny_world()) as bench:
         made = sequence(bench.world)
         made.remove(0)
-        undertaking = bench.tasks.execute(made, anyway=True)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made, anyway=True)
+        bench.until(lambda: task.done)
 
-    report = undertaking.report
+    report = task.report
     assert report is not None
     assert not report.reached
     assert report.fault.startswith("arm_1: pick box_a ball_1 failed 3 times: precondition At(robot_1, box_a)")
@@ -172,24 +172,24 @@ def test_a_sequence_is_repeated_so_often_as_wanted() -> None:
         made = bench.tasks.sequence()
         made.add("drive", Base="base_1", Robot="robot_1", Location="box_a")
         made.add("drive", Base="base_1", Robot="robot_1", Location="box_b")
-        undertaking = bench.tasks.execute(made, iterate=3)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made, iterate=3)
+        bench.until(lambda: task.done)
 
-    assert undertaking.report is not None
-    assert [step.arguments["Location"] for step in undertaking.report.steps] == ["box_a", "box_b"] * 3
+    assert task.report is not None
+    assert [step.arguments["Location"] for step in task.report.steps] == ["box_a", "box_b"] * 3
 
 
 def test_a_sequence_is_repeated_until_it_is_stopped() -> None:
     with Bench(tiny_world(), (pretend(DRIVE, Sequence.of(Wait(0.2), AssertEffects(0.0))),)) as bench:
         made = bench.tasks.sequence()
         made.add("drive", Base="base_1", Robot="robot_1", Location="box_a")
-        undertaking = bench.tasks.execute(made, iterate=None)
+        task = bench.tasks.execute(made, iterate=None)
         bench.advance(3.0)
-        assert not undertaking.done
-        undertaking.stop("enough")
-        bench.until(lambda: undertaking.done, limit=0.1)
+        assert not task.done
+        task.stop("enough")
+        bench.until(lambda: task.done, limit=0.1)
 
-    report = undertaking.report
+    report = task.report
     assert report is not None
     assert report.outcome is Outcome.STOPPED
     assert len(report.steps) > 10
@@ -197,10 +197,10 @@ def test_a_sequence_is_repeated_until_it_is_stopped() -> None:
 
 def test_a_second_round_that_cannot_work_is_not_begun() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = bench.tasks.execute(sequence(bench.world), iterate=2)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(sequence(bench.world), iterate=2)
+        bench.until(lambda: task.done)
 
-    report = undertaking.report
+    report = task.report
     assert report is not None
     assert len(report.steps) == 3
     assert report.fault == "round 2 cannot work: pick box_a ball_1: ball_1 is not in box_a: it is in slot_1"
@@ -229,27 +229,27 @@ _PONDERING = pretend(replace(DRIVE, pre=(*DRIVE.pre, _PONDERED("Robot", "Locatio
 def test_of_many_steps_no_two_slow_checks_are_made_in_one_cycle() -> None:
     with Bench(tiny_world(), (_PONDERING,)) as bench:
         bench.cycle.pace = 1000.0
-        undertaking = bench.tasks.execute(_drives(bench, 30), anyway=True)
+        task = bench.tasks.execute(_drives(bench, 30), anyway=True)
         begun = bench.cycle.board.snapshot.cycle
         bench.until(lambda: bench.events)
         assert bench.cycle.board.snapshot.cycle - begun >= 30
-        bench.until(lambda: undertaking.done)
+        bench.until(lambda: task.done)
 
-    assert undertaking.report is not None
-    assert len(undertaking.report.steps) == 30
+    assert task.report is not None
+    assert len(task.report.steps) == 30
 
 
 def test_a_sequence_is_stopped_while_its_steps_are_checked() -> None:
     with Bench(tiny_world(), (_PONDERING,)) as bench:
         bench.cycle.pace = 1000.0
-        undertaking = bench.tasks.execute(_drives(bench, 30), anyway=True)
+        task = bench.tasks.execute(_drives(bench, 30), anyway=True)
         bench.cycle.step()
-        undertaking.stop("enough")
+        task.stop("enough")
         bench.cycle.step()
         bench.cycle.step()
 
-    assert undertaking.report is not None
-    assert undertaking.report.outcome is Outcome.STOPPED
+    assert task.report is not None
+    assert task.report.outcome is Outcome.STOPPED
     assert bench.events == []
 
 
@@ -268,12 +268,12 @@ def test_how_often_is_a_whole_number(often: object) -> None:
 
 def test_a_skill_that_goes_away_is_a_problem_of_its_step() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = bench.tasks.execute(sequence(bench.world))
+        task = bench.tasks.execute(sequence(bench.world))
         bench.managers.close("arm_1")
-        bench.until(lambda: undertaking.done)
+        bench.until(lambda: task.done)
 
-    assert undertaking.report is not None
-    assert "pick" in undertaking.report.fault
+    assert task.report is not None
+    assert "pick" in task.report.fault
     with pytest.raises(UnknownName):
         bench.tasks.sequence().add("pick")
 
@@ -298,12 +298,12 @@ def test_a_sequence_that_leaves_nearly_everything_out_is_run() -> None:
         made.add("drive", Location="box_a")
         made.add("pick", Ball="ball_1")
         made.add("place", Slot="slot_2")
-        undertaking = bench.tasks.execute(made)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made)
+        bench.until(lambda: task.done)
 
         assert bench.world.related("ball_1", "sk:in", "slot_2")
-    assert undertaking.report is not None
-    assert undertaking.report.reached, undertaking.report.fault
+    assert task.report is not None
+    assert task.report.reached, task.report.fault
 
 
 def test_who_drove_there_is_who_picks_where_nobody_says_who() -> None:
@@ -311,10 +311,10 @@ def test_who_drove_there_is_who_picks_where_nobody_says_who() -> None:
         made = bench.tasks.sequence()
         made.add("drive", Base="base_2", Location="box_a")
         made.add("pick", Ball="ball_1")
-        undertaking = bench.tasks.execute(made)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made)
+        bench.until(lambda: task.done)
 
-        assert bench.world.related("ball_1", "sk:heldBy", "gripper_2"), str(undertaking.trace)
+        assert bench.world.related("ball_1", "sk:heldBy", "gripper_2"), str(task.trace)
 
 
 def test_a_step_without_an_agent_is_done_by_somebody_who_is_there() -> None:
@@ -322,11 +322,11 @@ def test_a_step_without_an_agent_is_done_by_somebody_who_is_there() -> None:
         bench.managers.close("base_1")
         made = bench.tasks.sequence()
         made.add("drive", Location="box_a")
-        undertaking = bench.tasks.execute(made)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made)
+        bench.until(lambda: task.done)
 
-    assert undertaking.report is not None
-    assert [(step.agent, step.reason) for step in undertaking.report.steps] == [("base_2", "")]
+    assert task.report is not None
+    assert [(step.agent, step.reason) for step in task.report.steps] == [("base_2", "")]
 
 
 def test_a_step_that_nobody_who_is_there_can_do_ends_the_sequence_before_it_begins() -> None:
@@ -334,12 +334,12 @@ def test_a_step_that_nobody_who_is_there_can_do_ends_the_sequence_before_it_begi
         made = bench.tasks.sequence()
         made.add("drive", Location="box_a")
         bench.managers.close("base_1")
-        undertaking = bench.tasks.execute(made, anyway=True)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made, anyway=True)
+        bench.until(lambda: task.done)
 
-    assert undertaking.report is not None
-    assert undertaking.report.fault == "round 1 cannot work: drive: nobody has the skill drive any more"
-    assert undertaking.report.steps == ()
+    assert task.report is not None
+    assert task.report.fault == "round 1 cannot work: drive: nobody has the skill drive any more"
+    assert task.report.steps == ()
 
 
 def test_a_step_whose_target_is_left_open_and_that_fails_is_tried_again_and_given_up() -> None:
@@ -347,11 +347,11 @@ def test_a_step_whose_target_is_left_open_and_that_fails_is_tried_again_and_give
         made = bench.tasks.sequence()
         made.add("drive", Location="box_a")
         made.add("pick", Box="box_a")
-        undertaking = bench.tasks.execute(made)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.execute(made)
+        bench.until(lambda: task.done)
 
-    assert undertaking.report is not None
-    assert "pick box_a failed 3 times" in undertaking.report.fault
+    assert task.report is not None
+    assert "pick box_a failed 3 times" in task.report.fault
 
 
 def test_a_sequence_that_runs_for_ever_keeps_its_last_steps_and_counts_the_others() -> None:
@@ -368,7 +368,7 @@ def test_how_many_steps_went_before_those_in_the_report_is_said_in_it() -> None:
     with Bench(tiny_world()) as bench:
         made = StepSequence(bench.world, SKILLS)
         made.add("drive", **DRIVING)
-        undertaking = bench.tasks.execute(made, iterate=3)
-        bench.until(lambda: undertaking.done)
-        assert undertaking.report is not None
-        assert (len(undertaking.report.steps), undertaking.report.forgotten) == (3, 0)
+        task = bench.tasks.execute(made, iterate=3)
+        bench.until(lambda: task.done)
+        assert task.report is not None
+        assert (len(task.report.steps), task.report.forgotten) == (3, 0)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome, StepReport
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.change import Change
@@ -23,8 +23,8 @@ def two_robots(*facts: str) -> World:
     return tiny_world(*facts, robots=2)
 
 
-def finish(bench: Bench, *undertakings: Undertaking, limit: float = 60.0) -> None:
-    bench.until(lambda: all(u.done for u in undertakings), limit=limit)
+def finish(bench: Bench, *tasks: TaskHandle, limit: float = 60.0) -> None:
+    bench.until(lambda: all(u.done for u in tasks), limit=limit)
 
 
 def overlapping(steps: tuple[StepReport, ...]) -> bool:
@@ -56,28 +56,28 @@ def test_between_the_steps_of_each_robot_no_cycle_is_idle() -> None:
 def test_when_one_robots_step_fails_the_other_ones_runs_on() -> None:
     skills = (pretend(DRIVE), *SLOW[1:])
     with Bench(two_robots(), skills) as bench:
-        undertaking = bench.tasks.begin(bench.goal(*EACH_ITS_OWN))
+        task = bench.tasks.begin(bench.goal(*EACH_ITS_OWN))
         bench.until(lambda: all("pick" in bench.managers[arm].running for arm in ("arm_1", "arm_2")))
         bench.advance(0.5)
         bench.managers["arm_1"].stop()
-        finish(bench, undertaking)
+        finish(bench, task)
 
-    assert undertaking.report is not None
-    assert undertaking.report.reached
-    picks = [(s.agent, s.reason) for s in undertaking.report.steps if s.skill == "pick"]
+    assert task.report is not None
+    assert task.report.reached
+    picks = [(s.agent, s.reason) for s in task.report.steps if s.skill == "pick"]
     assert picks == [("arm_1", "pick was stopped"), ("arm_2", ""), ("arm_1", "")]
 
 
 def test_a_change_that_breaks_one_robots_step_leaves_the_other_ones_alone() -> None:
     with Bench(two_robots(), SLOW) as bench:
-        undertaking = bench.tasks.begin(bench.goal(*EACH_ITS_OWN))
+        task = bench.tasks.begin(bench.goal(*EACH_ITS_OWN))
         bench.until(lambda: all("drive" in bench.managers[base].running for base in ("base_1", "base_2")))
         bench.advance(0.5)
         with bench.world.transaction("somebody", "moved it") as tx:
             tx.place("ball_1", "sk:in", "box_b")
-        finish(bench, undertaking)
+        finish(bench, task)
 
-    report = undertaking.report
+    report = task.report
     assert report is not None
     assert report.reached
     drives = [(s.agent, s.arguments["Location"], bool(s.reason)) for s in report.steps if s.skill == "drive"]
@@ -86,17 +86,17 @@ def test_a_change_that_breaks_one_robots_step_leaves_the_other_ones_alone() -> N
 
 def test_what_is_right_for_the_new_plan_too_is_not_broken_off() -> None:
     with Bench(two_robots(BALLS), SLOW) as bench:
-        undertaking = bench.tasks.begin(bench.goal("In(Ball, slot_1)"))
+        task = bench.tasks.begin(bench.goal("In(Ball, slot_1)"))
         bench.until(lambda: any("drive" in manager.running for manager in bench.managers.values()))
-        assert undertaking.plan is not None
-        chosen = next(s.arguments["Ball"] for s in undertaking.plan.steps if s.skill == "pick")
-        before = undertaking.plan.steps[0]
+        assert task.plan is not None
+        chosen = next(s.arguments["Ball"] for s in task.plan.steps if s.skill == "pick")
+        before = task.plan.steps[0]
         bench.advance(0.5)
         with bench.world.transaction("somebody", "took it") as tx:
             tx.place(chosen, "sk:on", "floor")
-        finish(bench, undertaking)
+        finish(bench, task)
 
-    report = undertaking.report
+    report = task.report
     assert report is not None
     assert report.reached
     if before.arguments["Location"] == "box_a":
@@ -120,7 +120,7 @@ def test_two_tasks_that_want_one_robot_take_turns_and_the_second_says_what_it_wa
         second = bench.tasks.begin(bench.goal("In(red_ball_1, slot_2)"), name="kit 2")
         bench.until(lambda: first.done)
         assert second.report is None
-        assert bench.tasks.undertakings == (second,)
+        assert bench.tasks.active == (second,)
         finish(bench, second)
 
     assert [u.report.outcome for u in (first, second) if u.report] == [Outcome.REACHED, Outcome.REACHED]

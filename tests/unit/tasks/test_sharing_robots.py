@@ -17,10 +17,10 @@ from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import Happening, TraceEntry
-from skiros_py.tasks.undertaking import StepRun, Undertaking
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -30,11 +30,11 @@ UNREACHABLE = "In(giant_1, slot_2)"
 ASKING = Policy(ask=True)
 
 
-def begin(bench: Bench, *goal: str, name: str, policy: Policy | None = None) -> Undertaking:
+def begin(bench: Bench, *goal: str, name: str, policy: Policy | None = None) -> TaskHandle:
     return bench.tasks.begin(bench.goal(*goal), name=name, policy=policy)
 
 
-def outcome(task: Undertaking) -> TaskOutcome | None:
+def outcome(task: TaskHandle) -> TaskOutcome | None:
     return task.report.outcome if task.report else None
 
 
@@ -74,7 +74,7 @@ def test_a_paused_task_keeps_what_it_has() -> None:
 # ------------------------------------------------------------------ waiting for a person
 
 
-def lying(bench: Bench) -> Undertaking:
+def lying(bench: Bench) -> TaskHandle:
     """Returns a task that asks a person because its pick failed too often."""
     task = begin(bench, "In(ball_1, slot_1)", name="asks", policy=Policy(ask=True, attempts=1))
     bench.until(lambda: task.question is not None)

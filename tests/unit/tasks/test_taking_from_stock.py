@@ -11,8 +11,8 @@ from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.tasks.handle import StepRun
 from skiros_py.tasks.sequences import StepSequence
-from skiros_py.tasks.undertaking import StepRun
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World

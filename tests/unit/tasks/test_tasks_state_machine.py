@@ -19,9 +19,9 @@ from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.trace import Happening, TraceEntry
-from skiros_py.tasks.undertaking import StepRun, Undertaking
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.element import Placement
@@ -73,7 +73,7 @@ SKILLS = tuple(
 class Watched:
     """One task, and what whoever looks on has heard of it."""
 
-    def __init__(self, bench: Bench, task: Undertaking, complaints: list[str]) -> None:
+    def __init__(self, bench: Bench, task: TaskHandle, complaints: list[str]) -> None:
         self.task = task
         self.busy: dict[int, str] = {}
         self.intents: Counter[int] = Counter()
@@ -134,7 +134,7 @@ class SeveralTasks(RuleBasedStateMachine):
         self.watched: list[Watched] = []
 
     @property
-    def under_way(self) -> list[Undertaking]:
+    def under_way(self) -> list[TaskHandle]:
         return [one.task for one in self.watched if not one.task.done]
 
     def cycles(self, number: int) -> None:

@@ -16,9 +16,9 @@ from skiros_py.server.replays.lines import Line, read_lines
 from skiros_py.server.replays.recording import EVERY, Beginning, Recording
 from skiros_py.server.replays.shelf import ReplayShelf
 from skiros_py.station.session import Session
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import Happening, TraceEntry
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 
@@ -121,9 +121,9 @@ class ReplayRecorder:
         self._running.clear()
         self._notes.put(_Closed())
 
-    def _follow(self, undertaking: Undertaking) -> None:
+    def _follow(self, task: TaskHandle) -> None:
         session = self._session
-        job = session.jobs.open.get(undertaking.name) if session is not None else None
+        job = session.jobs.open.get(task.name) if session is not None else None
         if session is None or job is None:
             return
         number, snapshot = job.number, session.cycle.board.snapshot
@@ -136,7 +136,7 @@ class ReplayRecorder:
                 self._notes.put(session.cycle.board.snapshot)
                 self._notes.put(_Ended(number, entry.time))
 
-        undertaking.trace.subscribe(on_entry)
+        task.trace.subscribe(on_entry)
 
     def _attend(self) -> None:
         if not self._running or self._session is None:

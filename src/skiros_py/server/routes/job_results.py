@@ -42,7 +42,7 @@ def get_job_plan(id: JobId, jobs: JobsDep, services: ServicesDep) -> JobPlan:  #
     """Shows the steps of the last plan, with what each waits for; empty where there is none (yet)."""
     with job_faults():
         job = jobs.job(id)
-        running = next((task for task in services.session.tasks.undertakings if task.name == id), None)
+        running = next((task for task in services.session.tasks.active if task.name == id), None)
         if running is not None and running.plan is not None:  # younger than what is written down
             return JobPlan(steps=planned_steps(running.plan))
         return plan_of(job, jobs.trace(id))

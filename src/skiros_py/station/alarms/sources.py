@@ -12,9 +12,9 @@ from skiros_py.skills.outcome import BROKEN
 from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.control import CLOSING, ControlThread
 from skiros_py.station.session import Session
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import Happening, TraceEntry
-from skiros_py.tasks.undertaking import Undertaking
 
 __all__ = ["AlarmSources"]
 
@@ -170,16 +170,16 @@ class AlarmSources:
         elif event.status is Status.TERMINATED:  # it works again
             self._alarms.clear(AlarmKind.MODULE, source)
 
-    def _task(self, undertaking: Undertaking) -> None:
+    def _task(self, task: TaskHandle) -> None:
         def hear(entry: TraceEntry) -> None:
-            report = undertaking.report
+            report = task.report
             if self._session.cycle.halted:  # there is an alarm of that
                 return
             if entry.what is Happening.FINISHED and report is not None and report.fault:
-                text = f"{undertaking.name} ended before its time: {report.fault}"
-                self._alarms.raise_(AlarmKind.TASK, text, undertaking.name, lasts=False)
+                text = f"{task.name} ended before its time: {report.fault}"
+                self._alarms.raise_(AlarmKind.TASK, text, task.name, lasts=False)
 
-        undertaking.trace.subscribe(hear)
+        task.trace.subscribe(hear)
 
     def _overrun(self, overrun: Overrun) -> None:
         """In the watchdog's thread: the control thread cannot tell itself."""

@@ -125,7 +125,7 @@ def _live_state(session: Session) -> dict[str, Any]:
             if (manager := session.managers.get(agent)) is not None  # they come and go meanwhile
             for name, running in manager.running.items()
         ],
-        "tasks": [{"name": task.name, "status": task.status} for task in session.tasks.undertakings],
+        "tasks": [{"name": task.name, "status": task.status} for task in session.tasks.active],
     }
 
 

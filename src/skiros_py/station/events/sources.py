@@ -13,9 +13,9 @@ from skiros_py.station.jobs.views import state_name
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Turn
 from skiros_py.station.session import Session
 from skiros_py.station.tasks.book import TaskBook
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import TraceEntry
-from skiros_py.tasks.undertaking import Undertaking
 from skiros_py.world.change import Change
 from skiros_py.world.element import is_learned
 
@@ -92,15 +92,15 @@ class EventSources:
         }
         self._events.append(Kind.TASK, "question", question.asker, data=data)
 
-    def _task(self, undertaking: Undertaking) -> None:
-        name, job = undertaking.name, self._tasks.job_of(undertaking.name)
+    def _task(self, task: TaskHandle) -> None:
+        name, job = task.name, self._tasks.job_of(task.name)
 
         def tell(entry: TraceEntry) -> None:
             data = {key: value for key, value in entry.as_json().items() if key not in ("time", "what")}
             elements = {*entry.arguments.values(), entry.agent} - {""}
             self._events.append(Kind.TASK, entry.what.value, name, job=job, elements=elements, data=data)
 
-        undertaking.trace.subscribe(tell)
+        task.trace.subscribe(tell)
 
     def _job(self, job: Job) -> None:
         self._events.append(Kind.JOB, state_name(job.state).value, job.id, job=job.id, data=job_data(job))

@@ -27,7 +27,7 @@ from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Wish
 from skiros_py.station.robots.kinematics import RobotModel, robot_model
 from skiros_py.station.session import Session
-from skiros_py.tasks.undertaking import Undertaking
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.world.vocabulary import HELD_BY
 
 __all__ = ["info", "jog", "reading", "robot_of", "start_by_hand"]
@@ -211,11 +211,11 @@ def _at_work(session: Session, robot: RobotSpec) -> str:
     """Returns what is under way on a robot; empty where it waits for a person, or stands paused between two steps."""
     agents = _agents(session, robot)
     running = [f"{name} of {agent}" for agent in agents for name in session.managers[agent].running]
-    tasks = [task.name for task in session.tasks.undertakings if _may_move(task, agents)]
+    tasks = [task.name for task in session.tasks.active if _may_move(task, agents)]
     return ", ".join([*running, *tasks])
 
 
-def _may_move(task: Undertaking, agents: tuple[str, ...]) -> bool:
+def _may_move(task: TaskHandle, agents: tuple[str, ...]) -> bool:
     if task.status not in ("planning", "running"):
         return False
     return task.plan is None or any(set(step.arguments.values()) & set(agents) for step in task.plan.steps)

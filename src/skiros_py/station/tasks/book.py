@@ -12,9 +12,9 @@ from skiros_py.errors import UnknownName, WrongState
 from skiros_py.planning.plan import Plan
 from skiros_py.skills.questions import Question
 from skiros_py.station.session import Session
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
-from skiros_py.tasks.undertaking import Undertaking
 
 __all__ = ["KeptTask", "TaskBook"]
 
@@ -37,18 +37,18 @@ class KeptTask:
         forgotten: How many entries were dropped.
     """
 
-    def __init__(self, undertaking: Undertaking, *, job: str = "", by: str = "") -> None:
-        self.name = undertaking.name
-        self.goal = tuple(map(str, undertaking.goal))
+    def __init__(self, task: TaskHandle, *, job: str = "", by: str = "") -> None:
+        self.name = task.name
+        self.goal = tuple(map(str, task.goal))
         self.job = job
         self.by = by
         self.wall = time.time()
-        self.entries: deque[TraceEntry] = deque(undertaking.trace.entries, maxlen=_ENTRIES)
+        self.entries: deque[TraceEntry] = deque(task.trace.entries, maxlen=_ENTRIES)
         self.forgotten = 0
-        self.undertaking: Undertaking | None = undertaking
+        self.task: TaskHandle | None = task
         self._plan: Plan | None = None
         self._report: GoalReport | None = None
-        undertaking.trace.subscribe(self._take)
+        task.trace.subscribe(self._take)
 
     def _take(self, entry: TraceEntry) -> None:
         self.forgotten += len(self.entries) == _ENTRIES
@@ -57,31 +57,31 @@ class KeptTask:
     @property
     def over(self) -> bool:
         """True when it has ended."""
-        return self.undertaking is None or self.undertaking.done
+        return self.task is None or self.task.done
 
     @property
     def status(self) -> str:
         """What it does now."""
-        undertaking = self.undertaking
-        return "ended" if undertaking is None else undertaking.status
+        task = self.task
+        return "ended" if task is None else task.status
 
     @property
     def plan(self) -> Plan | None:
         """The present plan, or the last one."""
-        undertaking = self.undertaking
-        return self._plan if undertaking is None else undertaking.plan
+        task = self.task
+        return self._plan if task is None else task.plan
 
     @property
     def report(self) -> GoalReport | None:
         """What came of it; None until it is over."""
-        undertaking = self.undertaking
-        return self._report if undertaking is None else undertaking.report
+        task = self.task
+        return self._report if task is None else task.report
 
     @property
     def question(self) -> Question | None:
         """What it asks a person."""
-        undertaking = self.undertaking
-        return None if undertaking is None else undertaking.question
+        task = self.task
+        return None if task is None else task.question
 
     def command(self, verb: str, by: str) -> None:
         """Pauses, resumes, steps or stops it; obeyed in the coming cycle.
@@ -89,23 +89,23 @@ class KeptTask:
         Raises:
             WrongState: It is over, or belongs to a job; stopping what is over changes nothing.
         """
-        undertaking = self.undertaking
+        task = self.task
         if self.job and not self.over:
             raise WrongState(f"task '{self.name}' belongs to a job: command that one, /jobs/{self.job}")
-        if undertaking is None or undertaking.done:
+        if task is None or task.done:
             if verb == "stop":
                 return
             raise WrongState(f"task '{self.name}' has ended: it takes no {verb}")
         if verb == "stop":
-            undertaking.stop(f"{by} stopped it")
+            task.stop(f"{by} stopped it")
         else:
-            getattr(undertaking, verb)()
+            getattr(task, verb)()
 
     def settle(self) -> None:
         """Lets go of what is over."""
-        if self.undertaking is not None and self.undertaking.done:
-            self._plan, self._report = self.undertaking.plan, self.undertaking.report
-            self.undertaking = None
+        if self.task is not None and self.task.done:
+            self._plan, self._report = self.task.plan, self.task.report
+            self.task = None
 
 
 class TaskBook:
@@ -145,9 +145,9 @@ class TaskBook:
     def open(self, session: Session) -> None:
         """Notes the tasks of a session, from its first cycle on."""
 
-        def note(undertaking: Undertaking) -> None:
-            job = undertaking.name if undertaking.name in session.jobs.open else ""
-            self.note(undertaking, job=job)
+        def note(task: TaskHandle) -> None:
+            job = task.name if task.name in session.jobs.open else ""
+            self.note(task, job=job)
 
         self._leave = session.tasks.on_begin(note)
 
@@ -158,19 +158,19 @@ class TaskBook:
         for task in self.all():
             task.settle()
 
-    def note(self, undertaking: Undertaking, **who: Any) -> KeptTask:
+    def note(self, task: TaskHandle, **who: Any) -> KeptTask:
         """Takes a task in, unless it is there already.
 
         Args:
-            undertaking: The task.
+            task: The task.
             **who: ``job`` or ``by``, as for :class:`KeptTask`.
         """
         with self._guard:
-            known = self._tasks.get(undertaking.name)
-            if known is not None and known.undertaking is undertaking:
+            known = self._tasks.get(task.name)
+            if known is not None and known.task is task:
                 return known
-            self._tasks.pop(undertaking.name, None)
-            kept = self._tasks[undertaking.name] = KeptTask(undertaking, **who)
+            self._tasks.pop(task.name, None)
+            kept = self._tasks[task.name] = KeptTask(task, **who)
             self._forget()
         return kept
 

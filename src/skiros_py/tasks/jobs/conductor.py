@@ -200,11 +200,11 @@ class Conductor:
             self._store.settle(job.id, intent.number, CUT_OFF)
         try:
             goal = self._parse(job.order.goal)
-            undertaking = self._tasks.begin(goal, name=job.id, policy=job.order.policy)
+            task = self._tasks.begin(goal, name=job.id, policy=job.order.policy)
         except SkirosError as error:
             self._book.move(job, Trigger.FAIL, outcome=Outcome.FAILED, reasons=(str(error),), detail="")
             return
-        self._runs[job.id] = JobRun(undertaking, self._station, self._book, self._store)
+        self._runs[job.id] = JobRun(task, self._station, self._book, self._store)
 
     def _note_done(self, id_: str, by: str) -> None:
         with self._guard.control():

@@ -1,4 +1,4 @@
-"""One job under way: the undertaking that pursues its goal, and what of it is written down."""
+"""One job under way: the task that pursues its goal, and what of it is written down."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from skiros_py.execution.station import Station
 from skiros_py.planning.plan import Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
+from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.cut_off import WAITS, hold_what_was_halted
 from skiros_py.tasks.jobs.job import Actual, Job, Outcome
@@ -18,7 +19,6 @@ from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
-from skiros_py.tasks.undertaking import StepRun, Undertaking
 
 __all__ = ["JobRun"]
 
@@ -30,7 +30,7 @@ class JobRun:
     """What runs for a job; used in the control thread.
 
     Args:
-        undertaking: Pursues the goal.
+        task: Pursues the goal.
         station: Where that happens.
         book: Takes what becomes of the job.
         store: Takes intents and trace.
@@ -41,11 +41,11 @@ class JobRun:
         aside: True while it has no place among those that are under way: nothing of it moves.
     """
 
-    def __init__(self, undertaking: Undertaking, station: Station, book: JobBook, store: JobStore) -> None:
+    def __init__(self, task: TaskHandle, station: Station, book: JobBook, store: JobStore) -> None:
         self.ending: Outcome | None = None
         self.paused = False
         self.aside = False
-        self._undertaking = undertaking
+        self._task = task
         self._station = station
         self._book = book
         self._store = store
@@ -54,37 +54,37 @@ class JobRun:
         self._entries: list[TraceEntry] = []
         self._written = time.monotonic()
         self._seen: tuple[object, ...] = ()
-        undertaking.trace.subscribe(self._entries.append)
-        undertaking.before_step(self._intend)
-        undertaking.after_step(self._settle)
+        task.trace.subscribe(self._entries.append)
+        task.before_step(self._intend)
+        task.after_step(self._settle)
 
     # ------------------------------------------------------------------ commands
 
     def pause(self) -> None:
         """Lets it come to a standstill; what waits for an answer then stands when that has come."""
         self.paused = True
-        self._undertaking.pause()
+        self._task.pause()
 
     def resume(self) -> None:
         """Goes on."""
         self.paused = False
         if not self.aside:
-            self._undertaking.resume()
+            self._task.resume()
 
     def set_aside(self) -> None:
         """Takes its place from it: when its question is answered, it waits until it has one again."""
         self.aside = True
-        self._undertaking.pause()
+        self._task.pause()
 
     def take_place(self) -> None:
         """Lets it go on in a place of its own, unless somebody wants it to stand."""
         self.aside = False
         if not self.paused:
-            self._undertaking.resume()
+            self._task.resume()
 
     def stop(self) -> None:
         """Ends it."""
-        self._undertaking.stop(self._comment or f"the job is {self.ending}")
+        self._task.stop(self._comment or f"the job is {self.ending}")
 
     def end_as(self, trigger: Trigger, outcome: Outcome, comment: str) -> None:
         """Says what comes of the job when it stands; the last one who says so counts."""
@@ -93,7 +93,7 @@ class JobRun:
     @property
     def asks(self) -> bool:
         """True while it waits for an answer."""
-        return self._undertaking.question is not None
+        return self._task.question is not None
 
     def answer(self, choice: str, *, by: str, asked: int | None) -> None:
         """Answers what it asks; may be called in any thread.
@@ -106,31 +106,31 @@ class JobRun:
         Raises:
             WrongState: It asks nothing, or something else, by now.
         """
-        question = self._undertaking.question
+        question = self._task.question
         if question is None or question.id != asked:
             now = "waits for no answer any more" if question is None else f"asks something else by now: {question.text}"
-            raise WrongState(f"job '{self._undertaking.name}' {now}")
+            raise WrongState(f"job '{self._task.name}' {now}")
         try:
             self._station.questions.answer(question.id, choice, by=by)
         except UnknownName:  # somebody has answered, and it has not heard that yet
-            raise WrongState(f"job '{self._undertaking.name}' has its answer already") from None
+            raise WrongState(f"job '{self._task.name}' has its answer already") from None
 
     # ------------------------------------------------------------------ what is written down
 
     def _intend(self, run: StepRun) -> None:
-        self._numbers[run.number] = self._store.intend(self._undertaking.name, run.step.skill, run.step.arguments)
+        self._numbers[run.number] = self._store.intend(self._task.name, run.step.skill, run.step.arguments)
 
     def _settle(self, run: StepRun, outcome: StepOutcome) -> None:
         ended = f"failed: {outcome.reason}" if isinstance(outcome, Failure) else "done"
         self._settle_as(run.number, ended)
 
     def _settle_as(self, number: int, ended: str) -> None:
-        self._store.settle(self._undertaking.name, self._numbers.pop(number), ended)
+        self._store.settle(self._task.name, self._numbers.pop(number), ended)
 
     @property
     def has_news(self) -> bool:
         """True when something has changed that :meth:`follow` writes down."""
-        return self._undertaking.done or self._look() != self._seen
+        return self._task.done or self._look() != self._seen
 
     def follow(self, job: Job) -> bool:
         """Writes down what has changed.
@@ -141,8 +141,8 @@ class JobRun:
         Returns:
             True when it is over, or cut off.
         """
-        undertaking, seen = self._undertaking, self._look()
-        if undertaking.done:
+        task, seen = self._task, self._look()
+        if task.done:
             for number in tuple(self._numbers):  # it was stopped in the midst of them, and stands
                 self._settle_as(number, "stopped")
             self.write_trace()  # before the end is told: who reads it then, reads all of it
@@ -154,18 +154,18 @@ class JobRun:
         return False
 
     def _look(self) -> tuple[object, ...]:
-        return self._status, self._undertaking.question, self._steps, self.paused
+        return self._status, self._task.question, self._steps, self.paused
 
     @property
     def _status(self) -> str:
         """What it does, in words."""
         if self.paused or not self.aside:
-            return self._undertaking.status
-        return self._undertaking.phase if self.asks else WAITS
+            return self._task.status
+        return self._task.phase if self.asks else WAITS
 
     @property
     def _steps(self) -> tuple[Step, ...]:
-        plan = self._undertaking.plan
+        plan = self._task.plan
         return tuple(plan.steps) if plan is not None else ()
 
     def _with_moves(self, job: Job) -> Job:
@@ -176,7 +176,7 @@ class JobRun:
 
     def _note(self, job: Job, plan: Sequence[str]) -> None:
         """Passes on what it does now: whether it waits for a person is a state of the job."""
-        question = self._undertaking.question
+        question = self._task.question
         if question is not None:
             asks = {"detail": f"held: {question.text}", "choices": question.options, "question": question.id}
             self._book.move(job, Trigger.HOLD, question.text, plan=plan, **asks)
@@ -188,16 +188,16 @@ class JobRun:
 
     def write_trace(self) -> None:
         """Writes the trace down now and then, and when it is over."""
-        if self._entries and (self._undertaking.done or time.monotonic() - self._written > _BETWEEN_WRITES):
+        if self._entries and (self._task.done or time.monotonic() - self._written > _BETWEEN_WRITES):
             entries, self._entries[:] = tuple(self._entries), ()
-            self._store.tell(self._undertaking.name, [entry.as_json() for entry in entries])
+            self._store.tell(self._task.name, [entry.as_json() for entry in entries])
             self._written = time.monotonic()
 
     # ------------------------------------------------------------------ the end
 
     def _finish(self, job: Job) -> None:
         halted = self._station.cycle.halted
-        report = self._undertaking.report
+        report = self._task.report
         if self.ending is not None:
             self._close(job, self._trigger, self.ending, report)
         elif halted:

@@ -52,7 +52,7 @@ class Cell:
         return [job.id for job in sorted(over, key=lambda job: job.ended or 0.0)]
 
     def _count(self) -> None:
-        going_on = (one for one in self.bench.tasks.undertakings if one.question is None)
+        going_on = (one for one in self.bench.tasks.active if one.question is None)
         self.most = max(self.most, sum(one.status != "paused" for one in going_on))
 
 

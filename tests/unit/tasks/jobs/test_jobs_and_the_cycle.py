@@ -77,9 +77,9 @@ def test_when_the_end_is_told_all_of_the_trace_is_written(bench, tmp_path):
         book = JobBook(store, lambda: 0.0)
         book.add(order("a"), start=True, comment="")
         job = book.move(book.open["a"], Trigger.DISPATCH)
-        undertaking = bench.tasks.begin(bench.goal(*job.order.goal), name="a")
-        run = JobRun(undertaking, bench.station, book, store)
-        bench.until(lambda: undertaking.done)
+        task = bench.tasks.begin(bench.goal(*job.order.goal), name="a")
+        run = JobRun(task, bench.station, book, store)
+        bench.until(lambda: task.done)
         written: list[int] = []
         book.subscribe(lambda each: written.append(len(store.trace(each.id))))
 

@@ -14,48 +14,48 @@ from skiros_py.planning.service import Planned
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.account import Account
+from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.control import Mode
 from skiros_py.tasks.dispatcher import Dispatcher
-from skiros_py.tasks.following import Following
-from skiros_py.tasks.foresight import Foresight
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.person import Choice, ask_for_help, believe_done
+from skiros_py.tasks.plan_monitor import PlanMonitor
+from skiros_py.tasks.replanner import Replanner
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.report_builder import ReportBuilder
 from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import Undertaking
 
-__all__ = ["GoalRun"]
+__all__ = ["GoalExecutor"]
 
 T = TypeVar("T")
 
 
-class GoalRun:
+class GoalExecutor:
     """Pursues the goal of one task.
 
     Args:
-        undertaking: The task.
-        setting: What it is done with.
+        task: The task.
+        context: What it is done with.
 
     Attributes:
         history: Every step that ran.
     """
 
-    def __init__(self, undertaking: Undertaking, setting: Setting) -> None:
-        self.history = History(setting.world, undertaking.policy.attempts)
-        self._task = undertaking
-        self._setting = setting
+    def __init__(self, task: TaskHandle, context: TaskContext) -> None:
+        self.history = History(context.world, task.policy.attempts)
+        self._task = task
+        self._context = context
         self._skills: dict[str, SkillDescription] = {}
-        self._dispatcher = Dispatcher(undertaking, setting, self.history, self._skills)
-        self._following = Following(setting, self._dispatcher, self.history, self._skills)
-        self._foresight = Foresight(setting, self.history, undertaking.name)
-        self._account = Account(undertaking, setting, self.history)
+        self._dispatcher = Dispatcher(task, context, self.history, self._skills)
+        self._monitor = PlanMonitor(context, self._dispatcher, self.history, self._skills)
+        self._replanner = Replanner(context, self.history, task.name)
+        self._report = ReportBuilder(task, context, self.history)
         self._rounds = 0
 
     def execute(self) -> Execution[GoalReport]:
-        """Pursues the goal to its end; the undertaking has a report in any case.
+        """Pursues the goal to its end; the task has a report in any case.
 
         Raises:
             PlanningError: The planner broke before anything was done.
@@ -64,18 +64,18 @@ class GoalRun:
         self._tell(Happening.BEGUN, f"{task.name}: {' and '.join(map(str, task.goal))}")
         try:
             yield from self._until_it_ends()
-            task.report = self._account.report()
+            task.report = self._report.report()
         except Exception as error:
             fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
             with suppress(Exception):  # whatever else breaks now: the first fault counts
                 yield from self._dispatcher.halt(fault)
-            task.report = self._account.report(fault=fault)
+            task.report = self._report.report(fault=fault)
             raise
         finally:
             self._dispatcher.leave()
-            self._following.close()
+            self._monitor.close()
             if task.report is None:  # everything was halted, or somebody's code held the control cycle
-                task.report = self._account.report_cut_off()
+                task.report = self._report.report_cut_off()
             self._tell(Happening.FINISHED, f"{task.name}: {task.report.outcome}")
         return task.report
 
@@ -83,7 +83,7 @@ class GoalRun:
         try:
             yield from self._pursue()
         except StopWanted as wish:
-            self._account.stopped = True
+            self._report.stopped = True
             self._tell(Happening.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
             yield from self._dispatcher.halt(str(wish) or "stopped")
 
@@ -93,11 +93,11 @@ class GoalRun:
         self._allow_rounds()
         while self._rounds:
             self._rounds -= 1
-            kept = self._account.kept
-            if self._all_hold(kept) or (self._account.given_up and not self._task.policy.rest):
+            kept = self._report.kept
+            if self._all_hold(kept) or (self._report.given_up and not self._task.policy.rest):
                 break
-            if self._following.is_right_for(kept):
-                self._tell(Happening.RETRIED, f"{self._following.trouble}: it is tried again")
+            if self._monitor.is_right_for(kept):
+                self._tell(Happening.RETRIED, f"{self._monitor.trouble}: it is tried again")
             else:
                 planned = yield from self._plan(kept)
                 if isinstance(planned.outcome, NoPlan):
@@ -114,7 +114,7 @@ class GoalRun:
         self._rounds = self._task.policy.attempts * (len(self._task.goal) + 2)
 
     def _all_hold(self, goal: Sequence[Condition]) -> bool:
-        return all(believed(c, self._setting.world) for c in goal)
+        return all(believed(c, self._context.world) for c in goal)
 
     def _carry_out(self) -> Execution[None]:
         """Runs the plan until it is done or something is not as planned."""
@@ -124,9 +124,9 @@ class GoalRun:
             failed = self._dispatcher.attend()
             if failed:
                 step, failure = failed[-1]
-                self._following.trouble = f"{step.skill} failed: {failure.reason}"
+                self._monitor.trouble = f"{step.skill} failed: {failure.reason}"
                 return
-            if self._dispatcher.agenda.done or self._following.is_misled():
+            if self._dispatcher.agenda.done or self._monitor.is_misled():
                 return
             if self._dispatcher.start_ready():
                 yield  # what was refused now may be possible in the next cycle
@@ -139,7 +139,7 @@ class GoalRun:
         Raises:
             StopWanted: Somebody wants the task to end.
         """
-        self._account.note()
+        self._report.note()
         wish = self._task.control.stop
         if wish is not None and not (self._dispatcher.agenda.done and self._all_hold(self._task.goal)):
             raise StopWanted(wish)
@@ -163,7 +163,7 @@ class GoalRun:
             while True:
                 self._look_after()
                 try:
-                    with self._setting.turn.of(self._task.control):
+                    with self._context.turn.of(self._task.control):
                         next(work)
                 except StopIteration as end:
                     result: T = end.value
@@ -178,11 +178,11 @@ class GoalRun:
     def _plan(self, kept: tuple[Condition, ...]) -> Execution[Planned]:
         """Plans for what is left, while what is not in question runs on."""
         self._task.phase = "planning"
-        if self._following.began:
-            why = self._following.trouble or "the goal does not hold yet"
+        if self._monitor.began:
+            why = self._monitor.trouble or "the goal does not hold yet"
             self._tell(Happening.REPLANS, f"plans anew: {why}")
-        self._skills |= {c.skill.name: c.skill for c in self._setting.capabilities}  # managers come and go
-        planning = self._foresight.plan(kept, self._following.undoubted, self._skills)
+        self._skills |= {c.skill.name: c.skill for c in self._context.capabilities}  # managers come and go
+        planning = self._replanner.plan(kept, self._monitor.undoubted, self._skills)
         planned = yield from self._meanwhile(planning)
         while self._task.control.mode is Mode.PAUSE:
             self._look_after()
@@ -191,8 +191,8 @@ class GoalRun:
         return planned
 
     def _adopt(self, planned: Planned, plan: Plan, kept: tuple[Condition, ...]) -> None:
-        self._setting.on_plan(planned)
-        self._following.adopt(plan, kept)
+        self._context.on_plan(planned)
+        self._monitor.adopt(plan, kept)
         self._task.plan = plan
         said = ", then ".join(self._dispatcher.telling.said(step) for step in plan.steps) or "nothing is to be done"
         self._tell(Happening.PLANNED, f"plan: {said}", plan.as_json())
@@ -202,10 +202,10 @@ class GoalRun:
     def _no_way(self, kept: tuple[Condition, ...], planned: Planned, answer: NoPlan) -> Execution[bool]:
         """Goes on where there is no plan; returns whether the whole task is over."""
         if not self.history.steps:
-            self._account.no_plan = answer.reasons
-            self._setting.on_plan(planned)
+            self._report.no_plan = answer.reasons
+            self._context.on_plan(planned)
         self._tell(Happening.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", answer.as_json())
-        self._following.break_off()
+        self._monitor.break_off()
         if self._dispatcher.active:  # when that has ended, it is known better what is possible
             yield from self._let_end()
             return False
@@ -220,14 +220,14 @@ class GoalRun:
         """Returns conditions that name a target left out and do not hold, with the reason."""
         out, attempts = self.history.left_out, self._task.policy.attempts
         concerned = (c for c in goal if out.intersection(c.arguments))
-        return {c: f"gave up after {attempts} tries" for c in concerned if not believed(c, self._setting.world)}
+        return {c: f"gave up after {attempts} tries" for c in concerned if not believed(c, self._context.world)}
 
     def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
         """Finds a subset of the goal that can be reached together and returns the rest with reasons."""
         kept: list[Condition] = []
         dropped: dict[Condition, str] = {}
         for condition in goal if len(goal) > 1 else ():
-            planned = yield from self._meanwhile(self._foresight.plan((*kept, condition), (), self._skills))
+            planned = yield from self._meanwhile(self._replanner.plan((*kept, condition), (), self._skills))
             if isinstance(planned.outcome, Plan):
                 kept.append(condition)
             else:
@@ -246,7 +246,7 @@ class GoalRun:
                 self._drop(condition, f"skipped by {by}: {reason}", f"{by} skips it: {why}")
 
     def _drop(self, condition: Condition, reason: str, text: str) -> None:
-        self._account.given_up[condition] = reason
+        self._report.given_up[condition] = reason
         self._tell(Happening.GIVEN_UP, f"{condition} is given up: {text}", {"condition": str(condition)})
 
     def _help(self, condition: Condition, why: str) -> Execution[str | None]:
@@ -260,7 +260,7 @@ class GoalRun:
         while True:
             self._tell(Happening.ASKED, text)
             with self._dispatcher.lending():
-                choice, by = yield from self._meanwhile(ask_for_help(self._task, self._setting, text))
+                choice, by = yield from self._meanwhile(ask_for_help(self._task, self._context, text))
             self._tell(Happening.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
             self._allow_rounds()
             match choice:
@@ -271,7 +271,7 @@ class GoalRun:
                     return by
                 case Choice.ABORT:
                     raise StopWanted(f"aborted by {by}")
-            refusal = believe_done(self._setting, condition, by)
+            refusal = believe_done(self._context, condition, by)
             if refusal is None:
                 return None
             text = refusal.reason

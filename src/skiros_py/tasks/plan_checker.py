@@ -20,10 +20,10 @@ from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
-__all__ = ["Lookout", "supposing"]
+__all__ = ["PlanChecker", "supposing"]
 
 
-class Lookout:
+class PlanChecker:
     """Replays what is left of one plan on the live world. It is used by one thread; any may write the world.
 
     Args:

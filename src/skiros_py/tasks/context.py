@@ -18,11 +18,11 @@ from skiros_py.tasks.turn import Turn
 from skiros_py.world.vocabulary import HAS_SKILL
 from skiros_py.world.world import World
 
-__all__ = ["Setting"]
+__all__ = ["TaskContext"]
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class TaskContext:
     """What tasks are done with.
 
     Attributes:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from skiros_py.planning.plan import Step
-from skiros_py.tasks.lookout import Lookout, supposing
+from skiros_py.tasks.plan_checker import PlanChecker, supposing
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
@@ -15,8 +15,8 @@ REST = (
 )
 
 
-def lookout(world: World) -> Lookout:
-    return Lookout(world, (IN_CONTAINER("ball_1", "slot_1"),), SKILLS)
+def checker(world: World) -> PlanChecker:
+    return PlanChecker(world, (IN_CONTAINER("ball_1", "slot_1"),), SKILLS)
 
 
 def move(world: World, what: str, relation: str, place: str) -> None:
@@ -27,15 +27,15 @@ def move(world: World, what: str, relation: str, place: str) -> None:
 def test_what_runs_is_supposed_to_succeed() -> None:
     world = tiny_world()
 
-    assert lookout(world).look([DRIVING], REST) is None
-    flaw = lookout(world).look([], REST)
+    assert checker(world).look([DRIVING], REST) is None
+    flaw = checker(world).look([], REST)
     assert flaw is not None
     assert (flaw.step, flaw.verdict.text) == (0, "At(robot_1, box_a)")
 
 
 def test_only_a_change_of_what_was_read_makes_another_look_worth_while() -> None:
     world = tiny_world()
-    watch = lookout(world)
+    watch = checker(world)
     assert watch.stale
     watch.look([DRIVING], REST)
 
@@ -50,7 +50,7 @@ def test_only_a_change_of_what_was_read_makes_another_look_worth_while() -> None
 
 def test_an_element_that_goes_is_heard_of() -> None:
     world = tiny_world()
-    watch = lookout(world)
+    watch = checker(world)
     watch.look([DRIVING], REST)
     with world.transaction("somebody", "threw it away") as tx:
         tx.remove("ball_1")
@@ -61,7 +61,7 @@ def test_an_element_that_goes_is_heard_of() -> None:
 
 def test_after_its_end_it_hears_nothing() -> None:
     world = tiny_world()
-    watch = lookout(world)
+    watch = checker(world)
     watch.look([DRIVING], REST)
     watch.close()
     move(world, "ball_1", "sk:in", "box_b")

@@ -15,14 +15,14 @@ from skiros_py.planning.service import Planned
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.history import History
-from skiros_py.tasks.lookout import supposing
+from skiros_py.tasks.plan_checker import supposing
 from skiros_py.tasks.reservations import robot_of
-from skiros_py.tasks.setting import Setting
 from skiros_py.world.overlay import FilteredView
 from skiros_py.world.view import WorldView
 
-__all__ = ["Foresight"]
+__all__ = ["Replanner"]
 
 _PLANNING_LIMIT = 30.0
 """How long what is worked out around the planner may hold the control cycle: a large world takes seconds [s]."""
@@ -30,17 +30,17 @@ _AGAIN = 4
 """How often it is looked into again that there is no plan, where others changed the world meanwhile."""
 
 
-class Foresight:
+class Replanner:
     """Plans for one task.
 
     Args:
-        setting: World, skill managers and planner.
+        context: World, skill managers and planner.
         history: What failed too often.
         who: Name of the task; what other tasks use is only planned with where there is no other way.
     """
 
-    def __init__(self, setting: Setting, history: History, who: str) -> None:
-        self._setting = setting
+    def __init__(self, context: TaskContext, history: History, who: str) -> None:
+        self._context = context
         self._history = history
         self._who = who
 
@@ -76,7 +76,7 @@ class Foresight:
         self, goal: Sequence[Condition], running: Sequence[Step], skills: Mapping[str, SkillDescription]
     ) -> Execution[Planned]:
         """Plans until there is a plan, or an answer about the world as it is by now; a bounded number of times."""
-        world = self._setting.world
+        world = self._context.world
         for _ in range(_AGAIN):
             before = world.version
             try:
@@ -92,30 +92,30 @@ class Foresight:
     def _plan(
         self, goal: Sequence[Condition], running: Sequence[Step], skills: Mapping[str, SkillDescription]
     ) -> Execution[Planned]:
-        setting = self._setting
-        left_out, others = self._history.left_out, setting.reservations.of_others(self._who)
+        context = self._context
+        left_out, others = self._history.left_out, context.reservations.of_others(self._who)
         if others:
-            able = [self._without(capability, others) for capability in setting.capabilities]
+            able = [self._without(capability, others) for capability in context.capabilities]
             view, reached = self._view(left_out | others, running, skills)
             free = [capability for capability in able if capability.agents]
-            planned = yield from setting.planning.plan(view, free, goal, reached=reached)
+            planned = yield from context.planning.plan(view, free, goal, reached=reached)
             if isinstance(planned.outcome, Plan):
                 return planned
         view, reached = self._view(left_out, running, skills)
-        return (yield from setting.planning.plan(view, setting.capabilities, goal, reached=reached))
+        return (yield from context.planning.plan(view, context.capabilities, goal, reached=reached))
 
     def _view(
         self, without: frozenset[str], running: Sequence[Step], skills: Mapping[str, SkillDescription]
     ) -> tuple[WorldView, Mapping[str, int]]:
         """Returns what to plan with, and the sequence numbers that robots have reached there."""
-        now = self._setting.world.snapshot()
+        now = self._context.world.snapshot()
         view: WorldView = FilteredView(now, without) if without else now
         reached = self._history.reached
         return supposing(view, running, skills, reached) if running else (view, reached)
 
     def _without(self, capability: Capability, others: frozenset[str]) -> Capability:
         """Returns a capability of those subsystems only whose robots nobody else uses."""
-        free = (agent for agent in capability.agents if robot_of(self._setting.world, agent) not in others)
+        free = (agent for agent in capability.agents if robot_of(self._context.world, agent) not in others)
         return replace(capability, agents=tuple(free))
 
     def _unhurried(self, planning: Execution[Planned]) -> Execution[Planned]:
@@ -126,7 +126,7 @@ class Foresight:
         """
         with closing(planning):
             while True:
-                with self._setting.cycle.pulse.allowing(_PLANNING_LIMIT):
+                with self._context.cycle.pulse.allowing(_PLANNING_LIMIT):
                     try:
                         next(planning)
                     except StopIteration as end:

@@ -13,11 +13,11 @@ from skiros_py.planning.planners.planner import Solved
 from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.tasks.control import Mode
+from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.undertaking import StepRun, Undertaking
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -26,23 +26,23 @@ SLOW = tuple(pretend(skill, Sequence.of(Wait(1.0), AssertEffects(0.0))) for skil
 STEPS = ["drive", "pick", "place"]
 
 
-def begin(bench: Bench, *goal: str, policy: Policy | None = None, name: str = "") -> Undertaking:
+def begin(bench: Bench, *goal: str, policy: Policy | None = None, name: str = "") -> TaskHandle:
     return bench.tasks.begin(bench.goal(*(goal or (GOAL,))), policy=policy, name=name)
 
 
-def finish(bench: Bench, undertaking: Undertaking, limit: float = 60.0) -> GoalReport:
-    bench.until(lambda: undertaking.done, limit=limit)
-    assert undertaking.report is not None
-    assert bench.tasks.undertakings == () or undertaking not in bench.tasks.undertakings
-    return undertaking.report
+def finish(bench: Bench, task: TaskHandle, limit: float = 60.0) -> GoalReport:
+    bench.until(lambda: task.done, limit=limit)
+    assert task.report is not None
+    assert bench.tasks.active == () or task not in bench.tasks.active
+    return task.report
 
 
 def running(bench: Bench, skill: str) -> bool:
     return any(skill in manager.running for manager in bench.managers.values())
 
 
-def what(undertaking: Undertaking) -> list[Happening]:
-    return [entry.what for entry in undertaking.trace.entries]
+def what(task: TaskHandle) -> list[Happening]:
+    return [entry.what for entry in task.trace.entries]
 
 
 # ------------------------------------------------------------------ beginning
@@ -50,17 +50,17 @@ def what(undertaking: Undertaking) -> list[Happening]:
 
 def test_a_task_is_begun_at_once_and_runs_in_the_control_cycle() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = begin(bench, name="kit 7")
-        assert (undertaking.status, undertaking.done, undertaking.plan) == ("planning", False, None)
-        assert bench.tasks.undertakings == (undertaking,)
+        task = begin(bench, name="kit 7")
+        assert (task.status, task.done, task.plan) == ("planning", False, None)
+        assert bench.tasks.active == (task,)
         bench.cycle.step()
-        assert undertaking.status == "running"
-        assert undertaking.plan is not None
-        report = finish(bench, undertaking)
+        assert task.status == "running"
+        assert task.plan is not None
+        report = finish(bench, task)
 
     assert report.outcome is TaskOutcome.REACHED
-    assert undertaking.status == "ended"
-    assert bench.tasks.undertakings == ()
+    assert task.status == "ended"
+    assert bench.tasks.active == ()
 
 
 def test_two_tasks_of_one_name_are_not_under_way_together() -> None:
@@ -77,7 +77,7 @@ def test_nothing_is_begun_while_everything_is_halted() -> None:
         bench.cycle.halt("a hand was seen")
         with pytest.raises(UsageError, match="a hand was seen"):
             begin(bench)
-        assert bench.tasks.undertakings == ()
+        assert bench.tasks.active == ()
 
 
 def test_a_goal_that_holds_already_is_over_in_one_cycle_with_no_step() -> None:
@@ -118,10 +118,10 @@ def test_attempts_are_a_whole_number(attempts: object) -> None:
 
 def test_the_trace_tells_the_whole_story_in_sentences_and_as_data() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = begin(bench, name="kit 7")
+        task = begin(bench, name="kit 7")
         heard: list[str] = []
-        undertaking.trace.subscribe(lambda entry: heard.append(entry.text))
-        finish(bench, undertaking)
+        task.trace.subscribe(lambda entry: heard.append(entry.text))
+        finish(bench, task)
 
     assert heard == [
         "kit 7: In(ball_1, slot_1)",
@@ -134,7 +134,7 @@ def test_the_trace_tells_the_whole_story_in_sentences_and_as_data() -> None:
         "arm_1: place ball_1 slot_1 is done",
         "kit 7: reached",
     ]
-    started = [e for e in undertaking.trace.entries if e.what is Happening.STARTED]
+    started = [e for e in task.trace.entries if e.what is Happening.STARTED]
     assert [(e.step, e.skill, e.agent) for e in started] == [
         (1, "drive", "base_1"),
         (2, "pick", "arm_1"),
@@ -146,7 +146,7 @@ def test_the_trace_tells_the_whole_story_in_sentences_and_as_data() -> None:
 def test_whoever_wants_to_know_hears_of_each_step_before_its_first_command_and_after_its_end() -> None:
     heard: list[tuple[object, ...]] = []
     with Bench(tiny_world()) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
 
         def before(run: StepRun) -> None:
             heard.append(
@@ -156,9 +156,9 @@ def test_whoever_wants_to_know_hears_of_each_step_before_its_first_command_and_a
         def after(run: StepRun, outcome: Outcome) -> None:
             heard.append(("after", run.number, run.step.skill, isinstance(outcome, Failure)))
 
-        undertaking.before_step(before)
-        undertaking.after_step(after)
-        finish(bench, undertaking)
+        task.before_step(before)
+        task.after_step(after)
+        finish(bench, task)
 
     assert heard == [
         entry
@@ -169,14 +169,14 @@ def test_whoever_wants_to_know_hears_of_each_step_before_its_first_command_and_a
 
 def test_a_step_whose_intent_cannot_be_kept_is_not_started_and_the_task_ends() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
 
         def full(run: StepRun) -> None:
             if run.step.skill == "pick":
                 raise FileError(Path("jobs"), "the disk is full")
 
-        undertaking.before_step(full)
-        report = finish(bench, undertaking)
+        task.before_step(full)
+        report = finish(bench, task)
         assert not any(event.module == "pick" for event in bench.events)
 
     assert "the disk is full" in report.fault
@@ -189,21 +189,21 @@ def test_a_step_whose_intent_cannot_be_kept_is_not_started_and_the_task_ends() -
 
 def test_a_paused_task_stands_and_goes_on_where_it_was() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: running(bench, "pick"))
         bench.advance(0.5)
-        undertaking.pause()
-        assert undertaking.status == "paused"
+        task.pause()
+        assert task.status == "paused"
         bench.advance(5.0)
         assert running(bench, "pick")
-        undertaking.resume()
+        task.resume()
         took = bench.until(lambda: not running(bench, "pick"))
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
 
     assert report.outcome is TaskOutcome.REACHED
     assert took < 1.0, "half of it was done before"
     assert [step.skill for step in report.steps] == STEPS
-    assert [w for w in what(undertaking) if w in (Happening.PAUSED, Happening.RESUMED)] == [
+    assert [w for w in what(task) if w in (Happening.PAUSED, Happening.RESUMED)] == [
         Happening.PAUSED,
         Happening.RESUMED,
     ]
@@ -211,17 +211,17 @@ def test_a_paused_task_stands_and_goes_on_where_it_was() -> None:
 
 def test_while_it_is_paused_no_step_starts_and_nothing_is_broken_off() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: running(bench, "drive"))
-        undertaking.pause()
+        task.pause()
         with bench.world.transaction("somebody", "moved it") as tx:
             tx.place("ball_1", "sk:in", "box_b")
         bench.advance(3.0)
         assert running(bench, "drive")
-        assert undertaking.plan is not None
-        assert undertaking.plan.steps[0].arguments["Location"] == "box_a"
-        undertaking.resume()
-        report = finish(bench, undertaking)
+        assert task.plan is not None
+        assert task.plan.steps[0].arguments["Location"] == "box_a"
+        task.resume()
+        report = finish(bench, task)
 
     assert report.outcome is TaskOutcome.REACHED
     assert report.steps[0].reason.startswith("the plan no longer leads to the goal")
@@ -229,35 +229,35 @@ def test_while_it_is_paused_no_step_starts_and_nothing_is_broken_off() -> None:
 
 def test_a_task_that_was_paused_before_it_began_plans_and_waits() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = begin(bench)
-        undertaking.pause()
+        task = begin(bench)
+        task.pause()
         bench.advance(0.5)
         assert not bench.events
-        undertaking.resume()
-        assert finish(bench, undertaking).reached
+        task.resume()
+        assert finish(bench, task).reached
 
 
 def test_step_by_step_each_wish_does_one_step_and_pauses_again() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = begin(bench)
-        undertaking.pause()
+        task = begin(bench)
+        task.pause()
         for number in range(1, 4):
             bench.advance(0.2)
-            undertaking.step()
-            bench.until(lambda: undertaking.control.mode is Mode.PAUSE or undertaking.done, limit=1.0)
+            task.step()
+            bench.until(lambda: task.control.mode is Mode.PAUSE or task.done, limit=1.0)
             assert len(bench.tasks.steps) == number
-        assert finish(bench, undertaking).reached
+        assert finish(bench, task).reached
 
 
 def test_a_step_wish_in_mid_step_ends_that_step_and_pauses() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: running(bench, "drive"))
-        undertaking.step()
+        task.step()
         bench.advance(3.0)
 
         assert [step.skill for step in bench.tasks.steps] == ["drive"]
-        assert undertaking.status == "paused"
+        assert task.status == "paused"
 
 
 # ------------------------------------------------------------------ stop at every moment
@@ -266,10 +266,10 @@ def test_a_step_wish_in_mid_step_ends_that_step_and_pauses() -> None:
 @pytest.mark.parametrize("seconds", [0.0, 0.005, 0.5, 1.0, 1.005, 1.5, 2.0, 2.5, 2.99])
 def test_a_task_can_be_stopped_at_any_moment_and_then_nothing_of_it_runs(seconds: float) -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.advance(seconds)
-        undertaking.stop("lunch")
-        report = finish(bench, undertaking, limit=0.1)
+        task.stop("lunch")
+        report = finish(bench, task, limit=0.1)
 
         assert all(not manager.running for manager in bench.managers.values())
         with bench.managers.claims.request("the test", ["arm_1", "gripper_1", "base_1"]) as claim:
@@ -280,24 +280,24 @@ def test_a_task_can_be_stopped_at_any_moment_and_then_nothing_of_it_runs(seconds
 
 def test_a_second_stop_changes_nothing() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: running(bench, "pick"))
-        undertaking.stop("lunch")
-        undertaking.stop("really")
-        report = finish(bench, undertaking)
-        undertaking.stop("still")
+        task.stop("lunch")
+        task.stop("really")
+        report = finish(bench, task)
+        task.stop("still")
         bench.advance(0.1)
 
-    assert undertaking.report is report
-    assert [e.text for e in undertaking.trace.entries if e.what is Happening.STOPPED] == ["is stopped: lunch"]
+    assert task.report is report
+    assert [e.text for e in task.trace.entries if e.what is Happening.STOPPED] == ["is stopped: lunch"]
 
 
 def test_a_stop_at_the_moment_of_completion_does_not_undo_what_is_reached() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: bench.world.related("ball_1", "sk:in", "slot_1"))
-        undertaking.stop("too late")
-        report = finish(bench, undertaking, limit=0.1)
+        task.stop("too late")
+        report = finish(bench, task, limit=0.1)
 
     assert report.outcome is TaskOutcome.REACHED
     assert not report.stopped
@@ -305,23 +305,23 @@ def test_a_stop_at_the_moment_of_completion_does_not_undo_what_is_reached() -> N
 
 def test_a_stop_after_the_end_is_nothing() -> None:
     with Bench(tiny_world()) as bench:
-        undertaking = begin(bench)
-        report = finish(bench, undertaking)
-        undertaking.stop()
+        task = begin(bench)
+        report = finish(bench, task)
+        task.stop()
         bench.advance(0.1)
 
-        assert undertaking.report is report
+        assert task.report is report
         assert report.reached
 
 
 def test_a_paused_task_can_be_stopped() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: running(bench, "pick"))
-        undertaking.pause()
+        task.pause()
         bench.advance(1.0)
-        undertaking.stop()
-        assert finish(bench, undertaking, limit=0.1).stopped
+        task.stop()
+        assert finish(bench, task, limit=0.1).stopped
 
 
 class SlowPlanner:
@@ -356,10 +356,10 @@ class SlowPlanner:
 def test_a_task_can_be_stopped_while_it_is_planned() -> None:
     planner = SlowPlanner()
     with Bench(tiny_world(), planner=planner) as bench:
-        undertaking = begin(bench)
-        stopper = threading.Thread(target=lambda: (planner.asked.wait(10.0), undertaking.stop("lunch")))
+        task = begin(bench)
+        stopper = threading.Thread(target=lambda: (planner.asked.wait(10.0), task.stop("lunch")))
         stopper.start()
-        report = finish(bench, undertaking)
+        report = finish(bench, task)
         stopper.join()
 
     assert report.outcome is TaskOutcome.STOPPED
@@ -368,12 +368,12 @@ def test_a_task_can_be_stopped_while_it_is_planned() -> None:
 
 def test_when_everything_is_halted_the_task_is_over_and_says_why() -> None:
     with Bench(tiny_world(), SLOW) as bench:
-        undertaking = begin(bench)
+        task = begin(bench)
         bench.until(lambda: running(bench, "pick"))
         bench.cycle.stop_all("a hand was seen")
 
-    assert undertaking.done
-    assert undertaking.report is not None
-    assert undertaking.report.fault == "a hand was seen"
-    assert not undertaking.report.stopped
-    assert undertaking.report.conditions[0].reason == "a hand was seen"
+    assert task.done
+    assert task.report is not None
+    assert task.report.fault == "a hand was seen"
+    assert not task.report.stopped
+    assert task.report.conditions[0].reason == "a hand was seen"

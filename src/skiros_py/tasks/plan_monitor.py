@@ -1,4 +1,4 @@
-"""Following one plan: whether it still leads to the goal, what of it is in question, and going over to another."""
+"""PlanMonitor one plan: whether it still leads to the goal, what of it is in question, and going over to another."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.active import Active
 from skiros_py.tasks.agenda import Agenda
+from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.dispatcher import Dispatcher
 from skiros_py.tasks.history import History
-from skiros_py.tasks.lookout import Lookout
-from skiros_py.tasks.setting import Setting
+from skiros_py.tasks.plan_checker import PlanChecker
 
-__all__ = ["Following"]
+__all__ = ["PlanMonitor"]
 
 
-class Following:
+class PlanMonitor:
     """The present plan of one task, and how right it still is.
 
     Args:
-        setting: World and skill managers.
+        context: World and skill managers.
         dispatcher: Runs the plan.
         history: Who failed too often, and how far robots have come.
         skills: The skills there are, by name; filled in as managers come.
@@ -32,21 +32,21 @@ class Following:
     """
 
     def __init__(
-        self, setting: Setting, dispatcher: Dispatcher, history: History, skills: Mapping[str, SkillDescription]
+        self, context: TaskContext, dispatcher: Dispatcher, history: History, skills: Mapping[str, SkillDescription]
     ) -> None:
         self.trouble = ""
-        self._setting = setting
+        self._context = context
         self._dispatcher = dispatcher
         self._history = history
         self._skills = skills
-        self._lookout: Lookout | None = None
+        self._checker: PlanChecker | None = None
         self._goal: tuple[Condition, ...] = ()
         self._misled: tuple[Active, ...] = ()
 
     @property
     def began(self) -> bool:
         """True when there was a plan before."""
-        return self._lookout is not None
+        return self._checker is not None
 
     @property
     def undoubted(self) -> tuple[Step, ...]:
@@ -56,9 +56,9 @@ class Following:
 
     def is_misled(self) -> bool:
         """Tells whether the rest of the plan leads to the goal no longer; looks only where something changed."""
-        if self._lookout is None or self._dispatcher.idle:
+        if self._checker is None or self._dispatcher.idle:
             return False
-        flaw = self._lost() or (self._look(self._lookout) if self._lookout.stale else None)
+        flaw = self._lost() or (self._look(self._checker) if self._checker.stale else None)
         if flaw is None:
             return False
         self.trouble, self._misled = flaw.verdict.why, self._leading_to(flaw.step)
@@ -67,12 +67,12 @@ class Following:
     def is_right_for(self, goal: tuple[Condition, ...]) -> bool:
         """Tells whether the plan, with what failed done once more, still leads to a goal."""
         agenda = self._dispatcher.agenda
-        if self._lookout is None or goal != self._goal or agenda.done or self._misled:
+        if self._checker is None or goal != self._goal or agenda.done or self._misled:
             return False
         targets = {step.arguments[self._skills[step.skill].target] for step in self._dispatcher.rest}
         if self._lost() is not None or targets & self._history.left_out:
             return False
-        return self._look(self._lookout) is None
+        return self._look(self._checker) is None
 
     def adopt(self, plan: Plan, goal: tuple[Condition, ...]) -> None:
         """Goes over to another plan; what runs for the old one runs on where it is right for the new one, too."""
@@ -85,7 +85,7 @@ class Following:
         self.break_off(list(going_on.values()))
         self._dispatcher.adopt(agenda, going_on)
         self.close()
-        self._lookout = Lookout(self._setting.world, goal, self._skills)
+        self._checker = PlanChecker(self._context.world, goal, self._skills)
         self._goal = goal
 
     def break_off(self, going_on: Sequence[Active] = ()) -> None:
@@ -101,18 +101,18 @@ class Following:
 
     def close(self) -> None:
         """Looks at the world no more."""
-        if self._lookout is not None:
-            self._lookout.close()
+        if self._checker is not None:
+            self._checker.close()
 
-    def _look(self, lookout: Lookout) -> Flaw | None:
+    def _look(self, checker: PlanChecker) -> Flaw | None:
         running = [one.step for one in self._dispatcher.active]
-        return lookout.look(running, self._dispatcher.rest, self._history.reached)
+        return checker.look(running, self._dispatcher.rest, self._history.reached)
 
     def _lost(self) -> Flaw | None:
         """Returns the first step of the rest whose skill is gone."""
         for index, step in enumerate(self._dispatcher.rest):
             agent = step.arguments[self._skills[step.skill].agent]
-            if not self._setting.offers(agent, step.skill):
+            if not self._context.offers(agent, step.skill):
                 return Flaw(index, Verdict(False, f"{agent} has no skill {step.skill} any more"))
         return None
 

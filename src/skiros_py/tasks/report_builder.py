@@ -6,22 +6,22 @@ from collections.abc import Mapping
 
 from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
+from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import ConditionReport, GoalReport
-from skiros_py.tasks.setting import Setting
 from skiros_py.tasks.trace import Happening, TraceEntry
-from skiros_py.tasks.undertaking import Undertaking
 
-__all__ = ["Account", "end_before_beginning"]
+__all__ = ["ReportBuilder", "end_before_beginning"]
 
 
-class Account:
+class ReportBuilder:
     """What is noted of one goal, for its report.
 
     Args:
-        undertaking: The task.
-        setting: Where it is done.
+        task: The task.
+        context: Where it is done.
         history: Every step that ran.
 
     Attributes:
@@ -30,15 +30,15 @@ class Account:
         stopped: True when somebody stopped it.
     """
 
-    def __init__(self, undertaking: Undertaking, setting: Setting, history: History) -> None:
+    def __init__(self, task: TaskHandle, context: TaskContext, history: History) -> None:
         self.given_up: dict[Condition, str] = {}
         self.no_plan: tuple[str, ...] = ()
         self.stopped = False
-        self._goal = undertaking.goal
-        self._setting = setting
+        self._goal = task.goal
+        self._context = context
         self._history = history
-        self._moments = Moments(setting.world, undertaking.goal, setting.cycle)
-        self._held = {c for c in undertaking.goal if believed(c, setting.world)}
+        self._moments = Moments(context.world, task.goal, context.cycle)
+        self._held = {c for c in task.goal if believed(c, context.world)}
 
     @property
     def kept(self) -> tuple[Condition, ...]:
@@ -68,12 +68,12 @@ class Account:
 
     def report_cut_off(self) -> GoalReport:
         """Returns the report where nothing may be asked any more: as it was when the world was last looked at."""
-        why = self._setting.cycle.halted
+        why = self._context.cycle.halted
         conditions = tuple(self._as_last_seen(c, why or "stopped") for c in self._goal)
         return GoalReport(conditions, tuple(self._history.steps), *self._moments.used, stopped=not why, fault=why)
 
     def _condition(self, c: Condition, given_up: Mapping[Condition, str]) -> ConditionReport:
-        holds = bool(believed(c, self._setting.world))
+        holds = bool(believed(c, self._context.world))
         tries = 0 if c in self._held else self._history.tries(c, holds=holds)
         reason = "" if holds else self._history.why_missing(c, given_up)
         return ConditionReport(str(c), holds, None, tries, reason, *self._moments.since(c))
@@ -83,13 +83,13 @@ class Account:
         return ConditionReport(str(c), held, None, 0, "" if held else why)
 
 
-def end_before_beginning(undertaking: Undertaking, setting: Setting) -> None:
+def end_before_beginning(task: TaskHandle, context: TaskContext) -> None:
     """Gives a task its report that was ended before its first cycle: everything was halted."""
-    why, now = setting.cycle.halted, setting.now
-    held = {c: bool(believed(c, setting.world)) for c in undertaking.goal}
+    why, now = context.cycle.halted, context.now
+    held = {c: bool(believed(c, context.world)) for c in task.goal}
     conditions = tuple(
         ConditionReport(str(c), holds, None, 0, "" if holds else why or "stopped") for c, holds in held.items()
     )
-    undertaking.report = GoalReport(conditions, (), 0.0, 0.0, stopped=not why, fault=why)
-    undertaking.trace.add(TraceEntry(now, Happening.BEGUN, undertaking.name))
-    undertaking.trace.add(TraceEntry(now, Happening.FINISHED, f"{undertaking.name}: {undertaking.report.outcome}"))
+    task.report = GoalReport(conditions, (), 0.0, 0.0, stopped=not why, fault=why)
+    task.trace.add(TraceEntry(now, Happening.BEGUN, task.name))
+    task.trace.add(TraceEntry(now, Happening.FINISHED, f"{task.name}: {task.report.outcome}"))

@@ -15,9 +15,9 @@ from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import Trace
 
-__all__ = ["StepRun", "Undertaking", "UndertakingStatus"]
+__all__ = ["StepRun", "TaskHandle", "TaskStatus"]
 
-UndertakingStatus = Literal["planning", "running", "paused", "waiting", "ended"]
+TaskStatus = Literal["planning", "running", "paused", "waiting", "ended"]
 
 
 _PLAIN = Policy()
@@ -44,7 +44,7 @@ BeforeStep = Callable[[StepRun], None]
 AfterStep = Callable[[StepRun, Outcome], None]
 
 
-class Undertaking:
+class TaskHandle:
     """A task under way, or over. Its methods may be called in any thread; they are obeyed in the coming cycle.
 
     Args:
@@ -75,7 +75,7 @@ class Undertaking:
         self._after: list[AfterStep] = []
 
     @property
-    def status(self) -> UndertakingStatus:
+    def status(self) -> TaskStatus:
         """What it does now; "waiting" is for a person, whose answer is needed."""
         if self.report is not None:
             return "ended"
