@@ -14,6 +14,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from mutations import Mutation, mutations
 from table import Figure, finish
 
 from skiros_py.planning.explanation import Explanation, Trial, explain
@@ -25,7 +26,6 @@ from skiros_py.planning.problem.task import build_task
 from skiros_py.planning.service import PlanningService
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
-from skiros_py.testing.mutations import Mutation, mutations
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 from skiros_py.testing.tiny_tasks import tiny_task
 

@@ -20,8 +20,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
+from agreement import disagreement
 from planning_replan import replanning_times
 from planning_worlds import PART_CLASSES, able, crowded, kitting_world
+from random_tasks import random_task
 from table import Figure, finish
 
 from skiros_py.planning.domain.pddl import write_pddl
@@ -32,8 +34,6 @@ from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.task import build_task
 from skiros_py.planning.service import Planned, PlanningService
 from skiros_py.skills.conditions import Condition
-from skiros_py.testing.agreement import disagreement
-from skiros_py.testing.random_tasks import random_task
 from skiros_py.world.element import Placement
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import IN

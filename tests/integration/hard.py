@@ -13,9 +13,9 @@ from typing import Any, TypeVar
 
 import httpx2
 import psutil
+from support.serving import Served
 
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import Served
 
 PATIENCE = 60.0
 STARTER = {"goal": "InKit(Starter, kit_1)"}

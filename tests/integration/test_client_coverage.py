@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
+from support.serving import serving
 
 from skiros_py.client import calls
-from skiros_py.testing.serving import serving
 
 ELSEWHERE = {"get_health", "get_readiness", "get_metrics", "openapi"}
 """For programs that watch servers: they are outside of the API, and need no client."""

@@ -11,9 +11,9 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
+from support.server_process import ServerProcess
 
 from skiros_py.cli.main import cli
-from skiros_py.testing.server_process import ServerProcess
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])

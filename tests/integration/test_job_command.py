@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from support.server_process import ServerProcess
 
 from skiros_py.client import Client
 from skiros_py.errors import FileError
-from skiros_py.testing.server_process import ServerProcess
 
 STARTER = "InKit(Starter, kit_1)"
 

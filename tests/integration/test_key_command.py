@@ -10,11 +10,11 @@ from typing import get_args
 
 import httpx2
 from click.testing import CliRunner, Result
+from support.serving import serving
 
 from skiros_py.api.keys import RoleName
 from skiros_py.cli.key import command
 from skiros_py.server.access.roles import Role
-from skiros_py.testing.serving import serving
 
 
 def _skiros(*arguments: str) -> subprocess.CompletedProcess[str]:

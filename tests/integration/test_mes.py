@@ -11,12 +11,13 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from support.server_process import ServerProcess
+
 from skiros_py.api.jobs import Job, JobOrder
 from skiros_py.api.keys import KeyOrder
 from skiros_py.client import Client, ProblemError
 from skiros_py.client.calls import stop
 from skiros_py.config import find_scene
-from skiros_py.testing.server_process import ServerProcess
 
 from .chaos import BadNetwork
 

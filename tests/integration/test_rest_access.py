@@ -14,11 +14,11 @@ from urllib.parse import urlsplit
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.api.keys import KeyOrder
 from skiros_py.client.client import Client
 from skiros_py.server.access.roles import Role
-from skiros_py.testing.serving import Served, serving
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import httpx2
 import pytest
+from support.server_process import ServerProcess
+from support.serving import serving
 
 from skiros_py.api.events import EventInfo, ResetInfo
 from skiros_py.client.calls import events as calls
@@ -23,8 +25,6 @@ from skiros_py.server.events.places import place_text
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.events.event import Kind
 from skiros_py.tasks.jobs import JobOrder
-from skiros_py.testing.server_process import ServerProcess
-from skiros_py.testing.serving import serving
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.vocabulary import IN, LABEL, TAUGHT_POSE

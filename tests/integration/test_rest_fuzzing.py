@@ -6,10 +6,10 @@ import sys
 from pathlib import Path
 
 import httpx2
+from support.serving import serving
 
 from skiros_py.server.access.roles import Role
 from skiros_py.server.settings import ServerSettings
-from skiros_py.testing.serving import serving
 
 _CHECKS = (
     "not_a_server_error",

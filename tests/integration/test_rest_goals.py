@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import order_from
@@ -13,7 +14,6 @@ from skiros_py.client.calls import goals as goal_calls
 from skiros_py.client.calls import previews as preview_calls
 from skiros_py.client.calls import templates as template_calls
 from skiros_py.client.client import Client
-from skiros_py.testing.serving import Served, serving
 
 KIT = "InKit(Starter, kit_1)"
 FILL = {

@@ -17,11 +17,11 @@ from typing import Any
 import httpx2
 import pytest
 from standardwebhooks import Webhook
+from support.server_process import ServerProcess
+from support.serving import Served, serving
 
 from skiros_py.server.access.roles import Role
 from skiros_py.server.settings import ServerSettings
-from skiros_py.testing.server_process import ServerProcess
-from skiros_py.testing.serving import Served, serving
 
 from .hard import HOLDS, STARTER, api_of, over, until
 

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
-
-from skiros_py.testing.server_process import ServerProcess
+from support.server_process import ServerProcess
 
 from .hard import ANYHOW, HOLDS, LATER, STARTER, HeldPlanner, cycles, job_of, over, steps, until
 

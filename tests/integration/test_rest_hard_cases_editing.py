@@ -11,9 +11,9 @@ from typing import Any
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.server.access.roles import Role
-from skiros_py.testing.serving import Served, serving
 
 from .hard import ANYHOW, SLOWLY, STARTER, api_of, begin_anew, moves, over, until
 

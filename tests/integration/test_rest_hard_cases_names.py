@@ -10,8 +10,7 @@ import httpx2
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-
-from skiros_py.testing.serving import Served, serving
+from support.serving import Served, serving
 
 from .hard import ANYHOW, api_of, begin_anew, over
 

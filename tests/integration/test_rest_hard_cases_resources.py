@@ -13,10 +13,10 @@ from pathlib import Path
 import httpx2
 import psutil
 import pytest
+from support.server_process import ServerProcess
+from support.serving import Served, serving
 
 from skiros_py.errors import FileError
-from skiros_py.testing.server_process import ServerProcess
-from skiros_py.testing.serving import Served, serving
 
 from .hard import ANYHOW, HOLDS, LATER, STARTER, api_of, job_of, moves, over, until
 

@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.tasks.jobs import JobState
-from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer
 from skiros_py.world.world import World
 

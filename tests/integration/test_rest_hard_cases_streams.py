@@ -13,14 +13,14 @@ from urllib.parse import urlsplit
 import httpx2
 import psutil
 import pytest
+from support.server_process import ServerProcess
+from support.serving import Served, serving
 
 from skiros_py.api.events import EventInfo, ResetInfo
 from skiros_py.client.calls import events as calls
 from skiros_py.client.streams import follow
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.events.event import Kind
-from skiros_py.testing.server_process import ServerProcess
-from skiros_py.testing.serving import Served, serving
 
 from .hard import HOLDS, api_of, cycles, over, until
 

@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.api.jobs import JobOrder, JobResponse
 from skiros_py.client.calls import jobs as calls
@@ -14,7 +15,6 @@ from skiros_py.client.client import Client
 from skiros_py.errors import UsageError
 from skiros_py.tasks.jobs import JobOrder as Order
 from skiros_py.tasks.jobs import Outcome
-from skiros_py.testing.serving import Served, serving
 from skiros_py.world.element import Placement
 
 HOLDS = {"goal": "EmptyHanded(gripper_1)"}

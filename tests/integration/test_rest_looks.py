@@ -11,12 +11,12 @@ from typing import Any
 import httpx2
 import numpy as np
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.client.calls.events import get_state
 from skiros_py.client.client import Client
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import Served, serving
 
 PATIENCE = 60.0
 

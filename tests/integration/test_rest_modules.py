@@ -6,12 +6,12 @@ from typing import Any
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleDetails, ModuleRunInfo
 from skiros_py.client.call import Call
 from skiros_py.client.calls import modules as calls
 from skiros_py.server.services import Services
-from skiros_py.testing.serving import Served, serving
 
 OVER = ("succeeded", "failed", "stopped")
 

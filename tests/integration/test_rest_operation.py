@@ -6,8 +6,7 @@ from collections.abc import Iterator
 import httpx2
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
-
-from skiros_py.testing.serving import Served, serving
+from support.serving import Served, serving
 
 
 @pytest.fixture(scope="module")

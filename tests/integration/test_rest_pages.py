@@ -8,11 +8,11 @@ from pathlib import Path
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.server.access.roles import Role
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import Served, serving
 
 INDEX = "<!doctype html><title>cell</title>"
 WITH_KEYS = ServerSettings(authentication="keys", rate=5)

@@ -11,8 +11,7 @@ from typing import Any
 
 import httpx2
 import pytest
-
-from skiros_py.testing.serving import Served, serving
+from support.serving import Served, serving
 
 PARTS = "SELECT ?part { ?part sk:in $place }"
 

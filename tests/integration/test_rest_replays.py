@@ -10,11 +10,11 @@ from typing import Any
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.api.replays import Replay
 from skiros_py.client.client import Client
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import Served, serving
 
 PATIENCE = 60.0
 

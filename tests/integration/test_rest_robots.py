@@ -7,12 +7,12 @@ from typing import Any
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, JogBase, JogGripper, JogJoints, Teach
 from skiros_py.client.call import Call
 from skiros_py.client.calls import modules, robot_models, robots
-from skiros_py.testing.serving import Served, serving
 
 OVER = ("succeeded", "failed", "stopped")
 STEP = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2)

@@ -11,6 +11,7 @@ from typing import Any
 
 import httpx2
 import pytest
+from support.serving import serving
 
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Role
@@ -18,7 +19,6 @@ from skiros_py.server.app import create_app
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import serving
 
 from .role_table import OPEN, ROLES
 

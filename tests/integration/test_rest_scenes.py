@@ -9,12 +9,12 @@ import httpx2
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.serving import Served, serving
 
 from skiros_py.client.calls import scenes as calls
 from skiros_py.client.client import Client
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
-from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer
 from skiros_py.world.undo import undo
 

@@ -10,6 +10,7 @@ from typing import Any
 import httpx2
 import pytest
 from PIL import Image
+from support.serving import Served, serving
 
 from skiros_py.api.alarms import AlarmKind
 from skiros_py.client.calls import simulation as calls
@@ -18,7 +19,6 @@ from skiros_py.errors import WrongState
 from skiros_py.geometry import Pose
 from skiros_py.station.alarms.alarms import Alarm
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 from skiros_py.world.transaction import Transaction

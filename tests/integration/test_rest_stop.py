@@ -9,12 +9,12 @@ from contextlib import contextmanager
 
 import httpx2
 import pytest
+from support.serving import serving
 
 from skiros_py.errors import WrongState
 from skiros_py.skills.questions import QuestionKind
 from skiros_py.station.session import Options
 from skiros_py.tasks.jobs import JobOrder, JobState
-from skiros_py.testing.serving import serving
 
 STARTER = "InKit(Starter, kit_1)"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from skiros_py.testing.server_process import ServerProcess
+from support.server_process import ServerProcess
 
 from .hard import STARTER, job_of, moves, until
 

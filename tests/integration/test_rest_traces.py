@@ -6,8 +6,7 @@ import time
 from pathlib import Path
 
 import httpx2
-
-from skiros_py.testing.serving import serving
+from support.serving import serving
 
 PATIENCE = 60.0
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import httpx2
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.client import Client
-from skiros_py.testing.serving import Served, serving
 
 MANY = 2_000
 

@@ -12,6 +12,7 @@ import httpx2
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.serving import Served, serving
 
 from skiros_py.api.elements import ElementPatch, NewElement
 from skiros_py.api.locks import LockOrder
@@ -21,7 +22,6 @@ from skiros_py.api.world import SetOperation, TransactionOrder
 from skiros_py.client.calls import elements, learned, locks, ontology, queries, world
 from skiros_py.client.client import Client
 from skiros_py.client.errors import ProblemError
-from skiros_py.testing.serving import Served, serving
 from skiros_py.world.change import Writer
 from skiros_py.world.journal import Journal
 from skiros_py.world.vocabulary import APPLIES_TO, GRASP_WIDTH, TAUGHT_GRASP

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import httpx2
 import pytest
+from support.server_process import ServerProcess
 
 from skiros_py.api.jobs import JobOrder
 from skiros_py.cli.job_files import JobFiles
@@ -22,7 +23,6 @@ from skiros_py.cli.nothing_left import nothing_left_of
 from skiros_py.errors import UsageError
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.roles import Role
-from skiros_py.testing.server_process import ServerProcess
 
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 PATIENCE = 60.0

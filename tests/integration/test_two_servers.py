@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
+from support.server_process import ServerProcess
+
 from skiros_py.api.jobs import Job, JobOrder
 from skiros_py.client import AsyncClient
-from skiros_py.testing.server_process import ServerProcess
 
 GOALS = {"robot_1": "InKit(Starter, kit_1)", "robot_2": "InKit(Starter, kit_2)"}
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import httpx2
 import pytest
+from support.serving import serving
 
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import serving
 
 pytestmark = pytest.mark.physics
 

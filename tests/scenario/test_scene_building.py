@@ -6,11 +6,11 @@ import time
 from pathlib import Path
 
 import pytest
+from support.serving import serving
 
 from skiros_py.station.judgement import judge
 from skiros_py.station.session import Options, Session
 from skiros_py.tasks.jobs import JobOrder
-from skiros_py.testing.serving import serving
 from skiros_py.world.change import Writer
 from skiros_py.world.element import Placement
 

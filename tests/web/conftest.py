@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import pytest
+from support.serving import Served, serving
 
 from skiros_py.server.pages import installed_pages
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.session import Options
-from skiros_py.testing.serving import Served, serving
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, ConsoleMessage, Page

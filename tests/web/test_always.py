@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import httpx2
 import pytest
+from support.server_process import ServerProcess
+from support.serving import Served
 
 from skiros_py.server.settings import ServerSettings
 from skiros_py.skills.questions import QuestionKind
-from skiros_py.testing.server_process import ServerProcess
-from skiros_py.testing.serving import Served
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page

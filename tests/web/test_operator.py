@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import httpx2
 import pytest
-
-from skiros_py.testing.server_process import ServerProcess
+from support.server_process import ServerProcess
 
 from .people import NEAR, WORK, Engineer, Person
 

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
+from agreement import disagreement
+from random_tasks import TAKE, RandomTask, mixed_task, random_task
 
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
@@ -13,8 +15,6 @@ from skiros_py.skills.conditions import Condition, ConditionType, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing import tiny_world
-from skiros_py.testing.agreement import disagreement
-from skiros_py.testing.random_tasks import TAKE, RandomTask, mixed_task, random_task
 from skiros_py.testing.tiny_skills import (
     AT_LOCATION,
     DRIVE,

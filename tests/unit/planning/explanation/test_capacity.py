@@ -7,6 +7,7 @@ from dataclasses import replace
 from random import Random
 
 import pytest
+from mutations import IN_TRAY
 
 from skiros_py.planning.explanation import Trial, certain_causes
 from skiros_py.planning.pieces import at_once
@@ -18,7 +19,6 @@ from skiros_py.skills.conditions import ConditionType, Nothing, Role
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
-from skiros_py.testing.mutations import IN_TRAY
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
 from skiros_py.world.vocabulary import AT
 from skiros_py.world.world import World

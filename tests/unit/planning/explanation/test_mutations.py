@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from mutations import Mutation, mutations
 
 from skiros_py.planning.explanation import Trial, explain
 from skiros_py.planning.pieces import at_once
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.problem.task import build_task
-from skiros_py.testing.mutations import Mutation, mutations
 
 SPOILT = list(mutations(seed=7, rounds=1))
 

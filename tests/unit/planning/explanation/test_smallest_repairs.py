@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from mutations import IN_TRAY
 
 from skiros_py.planning.explanation import Explanation, Trial, explain, find_causes
 from skiros_py.planning.explanation.edits import Move
@@ -15,7 +16,6 @@ from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.problem.task import Capability
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
-from skiros_py.testing.mutations import IN_TRAY
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from random_goals import random_goal
 
 from skiros_py.errors import UsageError
 from skiros_py.station.jobs.texts import goal_texts
@@ -13,7 +14,6 @@ from skiros_py.tasks.goals import goal_as_data, parse_goal
 from skiros_py.tasks.goals.fields import GOALS
 from skiros_py.tasks.goals.forms import read
 from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Word
-from skiros_py.testing.random_goals import random_goal
 from skiros_py.testing.tiny import tiny_world
 from skiros_py.testing.tiny_skills import CONDITIONS
 

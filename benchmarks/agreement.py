@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from random_tasks import RandomTask
+
 from skiros_py.planning.domain.needs import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence
@@ -11,7 +13,6 @@ from skiros_py.planning.problem.stock import with_stock
 from skiros_py.planning.problem.task import PlanningTask, build_task
 from skiros_py.planning.sequence import counts
 from skiros_py.planning.validation import replay
-from skiros_py.testing.random_tasks import RandomTask
 
 __all__ = ["disagreement"]
 
