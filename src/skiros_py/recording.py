@@ -108,7 +108,7 @@ class RunPictures:
 
 def _picture(session: Session, snapshot: Snapshot, agent: str) -> Pending[Any]:
     """Looks over a robot's shoulder at where it works; over the first one's where nobody knows whose."""
-    robots = session.station.context.cell.robots
+    robots = session.runtime.context.cell.robots
     own = (robot.base.id for robot in robots if agent in {robot.base.id, *(arm.id for arm in robot.arms)})
     eye, target = over_the_shoulder(snapshot.bases[next(own, robots[0].base.id)])
     return session.simulation.picture(eye, target, width=WIDTH, height=HEIGHT)
@@ -132,7 +132,7 @@ def run_recorder(session: Session, data: Path) -> RunRecorder:
     physics = session.options.driver is None and not session.options.fake
     camera = (lambda snapshot, agent: _picture(session, snapshot, agent)) if physics else None
     return RunRecorder(
-        _free(folder, Path(session.scene).stem), session.station, session.tasks, _about(session), camera=camera
+        _free(folder, Path(session.scene).stem), session.runtime, session.tasks, _about(session), camera=camera
     )
 
 

@@ -25,7 +25,7 @@ def session() -> Iterator[Session]:
 @pytest.fixture
 def jobs(session: Session, tmp_path: Path) -> Iterator[JobManager]:
     with closing(JobStore(tmp_path / "jobs.db")) as store:
-        yield JobManager(session.tasks, session.station, store, session.parse, at_once=2)
+        yield JobManager(session.tasks, session.runtime, store, session.parse, at_once=2)
 
 
 def order(id_: str, goal: str) -> JobOrder:

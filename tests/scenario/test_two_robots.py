@@ -121,7 +121,7 @@ def reaching() -> Iterator[Session]:
 
 def test_an_arm_waits_for_a_robot_that_drives_where_it_reaches_and_is_in_the_way_then(reaching: Session) -> None:
     session = reaching
-    floor, board = session.station.context.floor, session.cycle.board
+    floor, board = session.runtime.context.floor, session.cycle.board
     past = BasePath((BaseLeg(2.0, 0.0),), 0.0)
     arm = [board.snapshot.arms["arm_2"].positions]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.execution.pulse import Chore
-from skiros_py.execution.station import Station, StationOptions
+from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.service import PlanningService
 from skiros_py.simulation.fake.cell import FakeCell
@@ -29,19 +29,19 @@ _LONGEST = 600.0
 
 
 class Rig:
-    """Runs skills and goals on the robots of a station, whose watchdog looks on.
+    """Runs skills and goals on the robots of a cell, whose watchdog looks on.
 
     Args:
-        station: The station.
+        runtime: The runtime.
     """
 
-    def __init__(self, station: Station) -> None:
-        self.world = station.world
-        self._station = station
-        self._cycle = station.cycle
-        self._managers = station.managers
+    def __init__(self, runtime: Runtime) -> None:
+        self.world = runtime.world
+        self._runtime = runtime
+        self._cycle = runtime.cycle
+        self._managers = runtime.managers
         self._looking = Chore("a contract test", interruptible=True)
-        _answer(station.questions)
+        _answer(runtime.questions)
 
     @contextmanager
     def watched(self) -> Iterator[None]:
@@ -63,8 +63,8 @@ class Rig:
     def run(self, agent: str, skill: str, arguments: Mapping[str, Any]) -> Outcome:
         """Runs a skill to its end, or until it takes too long."""
         running = self._managers[agent].start(skill, arguments)
-        deadline = self._station.context.now + _LONGEST
-        in_time = self._station.finish(running, leave=lambda: self._station.context.now > deadline)
+        deadline = self._runtime.context.now + _LONGEST
+        in_time = self._runtime.finish(running, leave=lambda: self._runtime.context.now > deadline)
         if not in_time and not self._cycle.halted:
             running.stop()
             self._cycle.step()
@@ -99,9 +99,9 @@ def fake_rig(
         overrun: Wall time for which an author's code may hold everything [s]; None for the watchdog's own limit.
     """
     spec = read_cell(world, world.instances(ROBOT), simulated=False)
-    options = StationOptions(overrun=overrun)
-    with closing(FakeCell(spec)) as cell, Station(world, spec, cell, skills, primitives, options) as station:
-        yield Rig(station)
+    options = RuntimeOptions(overrun=overrun)
+    with closing(FakeCell(spec)) as cell, Runtime(world, spec, cell, skills, primitives, options) as runtime:
+        yield Rig(runtime)
 
 
 def _answer(questions: Questions) -> None:

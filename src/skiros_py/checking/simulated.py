@@ -48,7 +48,7 @@ def check_simulated(skill: Skill, scene: str, catalogue: Catalogue, spot: Spot |
 
             def rig_in(_ground: Ground) -> Rig:
                 sessions.append(stack.enter_context(Session(scene, Options(), catalogue=alone)))
-                return Rig(sessions[-1].station)
+                return Rig(sessions[-1].runtime)
 
             case = find_case(skill, [ground], simulable, rig_in, may_make_up=False)
             if isinstance(case, NoCase):

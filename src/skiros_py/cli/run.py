@@ -156,7 +156,7 @@ def stopping(session: Session, *, as_json: bool) -> Iterator[None]:
             as_json=as_json,
         )
 
-    session.station.watchdog.on_lost(lambda task: end_if_stuck(task.name, NOT_REACHED))
+    session.runtime.watchdog.on_lost(lambda task: end_if_stuck(task.name, NOT_REACHED))
     before = {number: signal.signal(number, stop) for number in STOPS}
     try:
         with heard_at_once(lambda: end_if_stuck(getattr(pulse.task, "name", "the control thread"), STOPPED)):

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from skiros_py.execution.monitor import ModuleEvent
-from skiros_py.execution.station import Station
+from skiros_py.execution.runtime import Runtime
 from skiros_py.records.frames import Layout
 from skiros_py.records.pictures import Camera, KeyMoments
 from skiros_py.records.writer import LIMIT, RecordWriter
@@ -38,7 +38,7 @@ class RunRecorder:
 
     Args:
         path: The file; it must not exist.
-        station: What runs everything.
+        runtime: What runs everything.
         tasks: The task manager, whose tasks are recorded.
         about: What shall be known of the run besides, as plain data: scene, seed, versions and so on.
         camera: Takes pictures; None where there is nothing to see.
@@ -55,20 +55,20 @@ class RunRecorder:
     def __init__(
         self,
         path: Path,
-        station: Station,
+        runtime: Runtime,
         tasks: TaskManager,
         about: Mapping[str, Any],
         *,
         camera: Camera | None = None,
         limit: int = LIMIT,
     ) -> None:
-        self._station = station
+        self._runtime = runtime
         self._tasks = tasks
         self._camera = camera
         self._stack = ExitStack()
         self._numbers = count(1)
         self._last: tuple[int, TaskHandle] | None = None
-        self._board = station.cycle.board
+        self._board = runtime.cycle.board
         self._layout = Layout.of(self._board.snapshot)
         self._next = self._board.snapshot.time
         self._times: list[float] = []
@@ -78,19 +78,19 @@ class RunRecorder:
         self.writer = RecordWriter(path, limit=limit)
 
     def __enter__(self) -> Self:
-        station, writer = self._station, self.writer
-        version, index = station.world.state()
+        runtime, writer = self._runtime, self.writer
+        version, index = runtime.world.state()
         own = {"layout": self._layout.as_json(), "version": version, "start": self._board.now, "wall": time.time()}
-        for key, value in (self._about | own | {"robots": _robots(station)}).items():
+        for key, value in (self._about | own | {"robots": _robots(runtime)}).items():
             writer.put_meta(key, value)
         if sum(1 for _ in index.ids()) <= _LARGEST_WORLD:
             writer.put_beginning(index)
-        self._listen(station.world.subscribe(writer.put_change))
+        self._listen(runtime.world.subscribe(writer.put_change))
         self._listen(self._tasks.on_begin(self._follow))
-        self._listen(station.cycle.observe(self._on_cycle))
-        self._listen(station.monitor.subscribe(self._on_event))
+        self._listen(runtime.cycle.observe(self._on_cycle))
+        self._listen(runtime.monitor.subscribe(self._on_event))
         if self._camera is not None:
-            self._listen(KeyMoments(station.monitor, self._want_picture).leave)
+            self._listen(KeyMoments(runtime.monitor, self._want_picture).leave)
         return self
 
     def __exit__(
@@ -170,10 +170,10 @@ def _task(task: TaskHandle, report: GoalReport | None) -> dict[str, Any]:
     return known
 
 
-def _robots(station: Station) -> dict[str, list[str]]:
+def _robots(runtime: Runtime) -> dict[str, list[str]]:
     """Returns the devices of each robot: its subsystems are among them."""
     robots = {}
-    for robot in station.context.cell.robots:
+    for robot in runtime.context.cell.robots:
         parts = (robot.arms, robot.grippers, robot.cameras)
         robots[robot.id] = [robot.id, robot.base.id, *(device.id for some in parts for device in some)]
     return robots

@@ -283,7 +283,7 @@ def _policy(policy: JobPolicy) -> Policy:
 
 def _require_ready(session: Session) -> None:
     try:
-        session.station.require_ready()
+        session.runtime.require_ready()
     except UsageError as error:
         raise WrongState(str(error)) from None
 

@@ -18,7 +18,7 @@ from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
-from skiros_py.execution.station import Station, StationOptions
+from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.planning.service import Planned
@@ -119,7 +119,7 @@ class Session:
         catalogue: The plug-ins found.
         cell: The driver: simulation or fake.
         spec: The cell as brought up.
-        station: What runs everything.
+        runtime: Runs modules on the cell.
         cycle: The control cycle.
         managers: The skill managers by the id of their subsystem.
         questions: What the robots ask a person.
@@ -162,7 +162,7 @@ class Session:
         planners = self._stack.enter_context(closing(self._planners()))
         title = self._source.stem
         self.tasks = TaskManager.of(
-            self.station,
+            self.runtime,
             planners,
             title,
             on_plan=self._tell_plan,
@@ -170,7 +170,7 @@ class Session:
             temporal=self.options.temporal,
         )
         if not self.options.fake:
-            learn_durations(self.tasks, self.station)
+            learn_durations(self.tasks, self.runtime)
 
     def _read_cell(self) -> CellSpec:
         """Reads the cell; of a world that people have changed since it began, without what they have left unfinished.
@@ -272,13 +272,13 @@ class Session:
         """Brings control cycle, skill managers and watchdog up."""
         skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
         seed = (self.options.seed, _STREAM)
-        options = StationOptions(
+        options = RuntimeOptions(
             None, seed, self.options.pace, libraries, self.options.config, overrun=self.options.overrun
         )
-        station = Station(self.world, self.spec, self.cell, skills, self.catalogue.primitives, options)
-        self.station = self._stack.enter_context(station)
-        self.cycle, self.managers = station.cycle, station.managers
-        self.monitor, self.questions = station.monitor, station.questions
+        runtime = Runtime(self.world, self.spec, self.cell, skills, self.catalogue.primitives, options)
+        self.runtime = self._stack.enter_context(runtime)
+        self.cycle, self.managers = runtime.cycle, runtime.managers
+        self.monitor, self.questions = runtime.monitor, runtime.questions
         self.cycle.observe(self._digest_state)
 
     def _watch(self) -> None:
@@ -322,7 +322,7 @@ class Session:
         """
         wanted = self._conditions(goal)
         self._digest.begin(self.simulation.state_bytes() if self.simulates else b"")
-        report = pursue(self.station, self.tasks, wanted, self._is_stopping)
+        report = pursue(self.runtime, self.tasks, wanted, self._is_stopping)
         self._obey_stop()
         report = replace(report, digest=str(self._digest))
         return report.with_truth(self._truths(wanted)) if self.simulates else report
@@ -339,7 +339,7 @@ class Session:
             UnknownName: There is no such module or subsystem.
             UsageError: It cannot be started now, such as when everything was halted and not :meth:`reset`.
         """
-        self.station.require_ready()
+        self.runtime.require_ready()
         if agent is not None and agent not in self.managers:
             raise UnknownName("skill manager", agent, self.managers)
         manager = self.managers.who_runs(module) if agent is None else self.managers[agent]
@@ -348,7 +348,7 @@ class Session:
     def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
         """Runs one skill or primitive by itself to its end, or until :meth:`stop`; see :meth:`start_module`."""
         running = self.start_module(module, arguments, agent)
-        self.station.finish(running, self._is_stopping)
+        self.runtime.finish(running, self._is_stopping)
         self._obey_stop()
         return running.result
 
@@ -363,7 +363,7 @@ class Session:
 
         folder = self.options.data or Path(self._stack.enter_context(TemporaryDirectory(prefix="skiros-jobs-")))
         store = self._stack.enter_context(closing(JobStore(folder / "jobs.db")))
-        return JobManager(self.tasks, self.station, store, self.parse)
+        return JobManager(self.tasks, self.runtime, store, self.parse)
 
     def run_jobs(self) -> None:
         """Lets jobs run until none is under way and none may start now, or until :meth:`stop`."""

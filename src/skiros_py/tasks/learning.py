@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.execution.station import Station
+from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.durations import observe
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.tasks.handle import StepRun, TaskHandle
@@ -12,13 +12,13 @@ from skiros_py.tasks.task_manager import TaskManager
 __all__ = ["learn_durations"]
 
 
-def learn_durations(tasks: TaskManager, station: Station) -> None:
+def learn_durations(tasks: TaskManager, runtime: Runtime) -> None:
     """Lets every step that ends well teach how long its skill takes; for real and simulated cells: fakes pretend."""
 
     def learn(run: StepRun, outcome: Outcome) -> None:
         if not isinstance(outcome, Failure):
-            now = station.context.board.now
-            observe(station.world, StepReport(run.step.skill, {}, run.start, now, agent=run.agent))
+            now = runtime.context.board.now
+            observe(runtime.world, StepReport(run.step.skill, {}, run.start, now, agent=run.agent))
 
     def follow(task: TaskHandle) -> None:
         task.after_step(learn)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
-from skiros_py.execution.station import Station
+from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.report import ConditionReport, GoalReport
@@ -15,12 +15,12 @@ __all__ = ["pursue"]
 
 
 def pursue(
-    station: Station, tasks: TaskManager, goal: Sequence[Condition], leave: Callable[[], bool] = lambda: False
+    runtime: Runtime, tasks: TaskManager, goal: Sequence[Condition], leave: Callable[[], bool] = lambda: False
 ) -> GoalReport:
     """Pursues a goal to its end.
 
     Args:
-        station: Runs everything.
+        runtime: Runs everything.
         tasks: The task manager.
         goal: Conditions that shall hold together.
         leave: Asked in each cycle whether somebody wants it to stop; then everything is still as it was in that cycle.
@@ -29,16 +29,16 @@ def pursue(
         UsageError: Everything was halted before, and not reset.
         PlanningError: The planner broke before anything was done.
     """
-    station.require_ready()
-    started = time.perf_counter(), station.context.board.now
-    task = station.cycle.start(tasks.pursue(goal), "the task manager")
-    if station.finish(task, leave):
+    runtime.require_ready()
+    started = time.perf_counter(), runtime.context.board.now
+    task = runtime.cycle.start(tasks.pursue(goal), "the task manager")
+    if runtime.finish(task, leave):
         return task.result
-    why = station.cycle.halted
-    held = {c: bool(believed(c, station.world)) for c in goal}
+    why = runtime.cycle.halted
+    held = {c: bool(believed(c, runtime.world)) for c in goal}
     conditions = tuple(
         ConditionReport(str(c), holds, None, tasks.tries(c, holds=holds), "" if holds else why or "stopped")
         for c, holds in held.items()
     )
-    used = station.context.board.now - started[1], time.perf_counter() - started[0]
+    used = runtime.context.board.now - started[1], time.perf_counter() - started[0]
     return GoalReport(conditions, tuple(tasks.steps), *used, stopped=not why)

@@ -9,8 +9,8 @@ from typing import Self
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
+from skiros_py.execution.runtime import Runtime
 from skiros_py.execution.skill_manager import Transport
-from skiros_py.execution.station import Station
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.task import Capability
@@ -69,7 +69,7 @@ class TaskManager:
     @classmethod
     def of(
         cls,
-        station: Station,
+        runtime: Runtime,
         planners: Planner | Planners,
         name: str,
         *,
@@ -78,10 +78,10 @@ class TaskManager:
         leaving: Callable[[], bool] = lambda: False,
         temporal: bool = False,
     ) -> Self:
-        """Makes the task manager of a station.
+        """Makes the task manager of a runtime.
 
         Args:
-            station: Runs everything.
+            runtime: Runs everything.
             planners: One planner, or several to choose from; whoever made them closes them.
             name: Name of what is planned for, for the planner's files.
             on_plan: Told of every new plan.
@@ -89,7 +89,7 @@ class TaskManager:
             leaving: Tells whether somebody wants everything to stop: then no planner is waited for.
             temporal: True to plan in time, with a planner that takes durative actions.
         """
-        cycle = station.cycle
+        cycle = runtime.cycle
         planning = PlanningService(
             planners,
             name,
@@ -99,14 +99,14 @@ class TaskManager:
             temporal=temporal,
         )
         made = cls(
-            station.world,
-            station.managers,
+            runtime.world,
+            runtime.managers,
             planning,
             cycle,
             on_plan=on_plan,
             attempts=attempts,
-            monitor=station.monitor,
-            questions=station.questions,
+            monitor=runtime.monitor,
+            questions=runtime.questions,
         )
         return made
 

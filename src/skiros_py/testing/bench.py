@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.running import RunningModule
-from skiros_py.execution.station import Station, StationOptions
+from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Planner
@@ -54,7 +54,7 @@ class Bench:
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
 
     Attributes:
-        station: What runs everything.
+        runtime: What runs everything.
         events: Every module event so far.
         plans: Every plan so far.
         questions: What is asked of a person; see :func:`skiros_py.testing.answers`.
@@ -86,13 +86,13 @@ class Bench:
         spec = read_cell(world, world.instances(ROBOT) if robots is None else robots, simulated=False)
         self.cell = cell(spec)
         named = primitives if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
-        options = StationOptions(driver, libraries=libraries or Libraries(), config=config or {}, overrun=overrun)
-        self.station = station = Station(world, spec, self.cell, skills, named, options)
-        self.cycle, self.managers, self.watchdog = station.cycle, station.managers, station.watchdog
-        self.context, self.questions, self.monitor = station.context, station.questions, station.monitor
+        options = RuntimeOptions(driver, libraries=libraries or Libraries(), config=config or {}, overrun=overrun)
+        self.runtime = runtime = Runtime(world, spec, self.cell, skills, named, options)
+        self.cycle, self.managers, self.watchdog = runtime.cycle, runtime.managers, runtime.watchdog
+        self.context, self.questions, self.monitor = runtime.context, runtime.questions, runtime.monitor
         self.monitor.subscribe(self.events.append)
         self._planner = planner or FastDownward()
-        self.tasks = TaskManager.of(station, self._planner, "bench", on_plan=self.plans.append, attempts=attempts)
+        self.tasks = TaskManager.of(runtime, self._planner, "bench", on_plan=self.plans.append, attempts=attempts)
 
     # ------------------------------------------------------------------ goals
 
@@ -106,7 +106,7 @@ class Bench:
 
     def pursue(self, *texts: str) -> GoalReport:
         """Pursues a goal to its end, or until everything is halted."""
-        return pursue(self.station, self.tasks, self.goal(*texts))
+        return pursue(self.runtime, self.tasks, self.goal(*texts))
 
     # ------------------------------------------------------------------ modules
 

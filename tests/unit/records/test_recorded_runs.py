@@ -24,7 +24,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Bench, Path]
     with Bench(tiny_world()) as bench:
         recorder = RunRecorder(
             path,
-            bench.station,
+            bench.runtime,
             bench.tasks,
             {"scene": "tiny"},
             camera=lambda _snapshot, _agent: Done(PICTURE),
@@ -107,7 +107,7 @@ def test_a_run_with_a_record_is_the_same_run(run: tuple[Bench, Path]) -> None:
 def test_a_run_that_breaks_leaves_a_record_that_says_so(tmp_path: Path) -> None:
     path = tmp_path / "broken.record"
     with Bench(tiny_world()) as bench:
-        with pytest.raises(KeyError, match="gone"), RunRecorder(path, bench.station, bench.tasks, {}):
+        with pytest.raises(KeyError, match="gone"), RunRecorder(path, bench.runtime, bench.tasks, {}):
             {}["gone"]
         bench.cycle.step()  # it is recorded no longer
 
@@ -120,7 +120,7 @@ def test_recorders_that_have_ended_leave_nobody_listening(tmp_path: Path) -> Non
     with Bench(tiny_world()) as bench:
         before = listeners(bench)
         for name in "ab":
-            with RunRecorder(tmp_path / name, bench.station, bench.tasks, {}, camera=lambda *_: Done(PICTURE)):
+            with RunRecorder(tmp_path / name, bench.runtime, bench.tasks, {}, camera=lambda *_: Done(PICTURE)):
                 assert listeners(bench) > before
         assert listeners(bench) == before
 
@@ -134,7 +134,7 @@ def test_a_record_is_never_written_over(tmp_path: Path) -> None:
     path.write_text("mine")
 
     with Bench(tiny_world()) as bench, pytest.raises(FileError, match="there is a record already"):
-        RunRecorder(path, bench.station, bench.tasks, {})
+        RunRecorder(path, bench.runtime, bench.tasks, {})
     assert path.read_text() == "mine"
 
 

@@ -58,8 +58,8 @@ class AlarmSources:
             session.monitor.subscribe(self._module),
             session.tasks.on_begin(self._task),
         ]
-        session.station.watchdog.on_overrun(self._overrun)
-        session.station.watchdog.on_lost(self._stuck)
+        session.runtime.watchdog.on_overrun(self._overrun)
+        session.runtime.watchdog.on_lost(self._stuck)
         self._look_at_plugins()
 
     def close(self, _session: Session) -> None:

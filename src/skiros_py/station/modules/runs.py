@@ -342,7 +342,7 @@ def _require_startable(session: Session, manager: SkillManager, module: str) -> 
         WrongState: Everything was halted, the manager is lost, or it runs the module already.
     """
     try:
-        session.station.require_ready()
+        session.runtime.require_ready()
     except UsageError as error:
         raise WrongState(str(error)) from None
     if manager.lost:

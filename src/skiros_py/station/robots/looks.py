@@ -68,7 +68,7 @@ class Looks:
         self._shots = {camera.id: deque(maxlen=_KEPT) for robot in session.spec.robots for camera in robot.cameras}
         self._told = {}
         self._session = session
-        self._leave = session.station.asked.subscribe(self._note)
+        self._leave = session.runtime.asked.subscribe(self._note)
 
     def close(self, _session: Session) -> None:
         """Notes them no longer; what was seen in it is forgotten."""

@@ -84,7 +84,7 @@ class Motions:
             self._ways = {robot.id: {} for robot in robots}
             self._robots = {id_: robot.id for robot in robots for id_ in (robot.base.id, *(a.id for a in robot.arms))}
             self._session = session
-        self._leave = session.station.asked.subscribe(self._note)
+        self._leave = session.runtime.asked.subscribe(self._note)
 
     def close(self, _session: Session) -> None:
         """Notes them no longer; what was planned in it is given up."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
-from skiros_py.execution.station import Station
+from skiros_py.execution.runtime import Runtime
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.conductor import Conductor
 from skiros_py.tasks.jobs.cut_off import ABORT, BY_HAND, WAITS
@@ -27,14 +27,14 @@ class JobCommands(JobLookups):
     Args:
         book: The jobs as they are now.
         store: Where they are kept.
-        station: Where they are done.
+        runtime: Where they are done.
         conductor: Lets them run.
         guard: Held while a job changes.
     """
 
-    def __init__(self, book: JobBook, store: JobStore, station: Station, conductor: Conductor, guard: Guard) -> None:
+    def __init__(self, book: JobBook, store: JobStore, runtime: Runtime, conductor: Conductor, guard: Guard) -> None:
         super().__init__(book, store)
-        self._station = station
+        self._runtime = runtime
         self._conductor = conductor
         self._guard = guard
 
@@ -170,6 +170,6 @@ class JobCommands(JobLookups):
         return now
 
     def _require_ready(self, job: Job) -> None:
-        halted = self._station.cycle.halted
+        halted = self._runtime.cycle.halted
         if halted:
             raise WrongState(f"job '{job.id}' cannot go on: everything is halted ({halted}); look, reset, then answer")

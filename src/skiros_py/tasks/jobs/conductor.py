@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from skiros_py.errors import SkirosError
-from skiros_py.execution.station import Station
+from skiros_py.execution.runtime import Runtime
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.by_hand import done_by_hand
@@ -40,7 +40,7 @@ class Conductor:
 
     Args:
         tasks: Plans and does.
-        station: What it does it with.
+        runtime: What it does it with.
         store: Where jobs are kept.
         book: The jobs as they are now.
         parse: Reads goal texts.
@@ -53,7 +53,7 @@ class Conductor:
     def __init__(
         self,
         tasks: TaskManager,
-        station: Station,
+        runtime: Runtime,
         store: JobStore,
         book: JobBook,
         parse: ReadGoal,
@@ -63,7 +63,7 @@ class Conductor:
         clock: Callable[[], float],
     ) -> None:
         self._tasks = tasks
-        self._station = station
+        self._runtime = runtime
         self._store = store
         self._book = book
         self._parse = parse
@@ -110,7 +110,7 @@ class Conductor:
             self._wishes.popleft()()
         for job, run in tuple(self._runs.items()):
             self._follow(job, run)
-        if self._station.cycle.halted:
+        if self._runtime.cycle.halted:
             self._hold_what_comes_back()
         else:
             self._give_places()
@@ -175,7 +175,7 @@ class Conductor:
 
     def _begun(self, job: Job) -> dict[str, Any]:
         """Returns what changes of a job that begins: written down together, for the disk is waited for."""
-        return {"detail": "planning", "attempts": job.attempts + 1, "seen": self._station.world.version}
+        return {"detail": "planning", "attempts": job.attempts + 1, "seen": self._runtime.world.version}
 
     def _go_on(self, id_: str) -> None:
         with self._guard.control():
@@ -193,8 +193,8 @@ class Conductor:
 
     def _begin(self, job: Job) -> None:
         self._turns.leave(job.id)
-        if self._station.cycle.halted:
-            hold_what_was_halted(self._book, job, self._station.cycle.halted)
+        if self._runtime.cycle.halted:
+            hold_what_was_halted(self._book, job, self._runtime.cycle.halted)
             return
         for intent in self._cut_off(job.id):
             self._store.settle(job.id, intent.number, CUT_OFF)
@@ -204,28 +204,28 @@ class Conductor:
         except SkirosError as error:
             self._book.move(job, Trigger.FAIL, outcome=Outcome.FAILED, reasons=(str(error),), detail="")
             return
-        self._runs[job.id] = JobRun(task, self._station, self._book, self._store)
+        self._runs[job.id] = JobRun(task, self._runtime, self._book, self._store)
 
     def _note_done(self, id_: str, by: str) -> None:
         with self._guard.control():
             job = self._book.open.get(id_)
             if job is None or job.state is not JobState.INTERRUPTED or id_ in self._runs:  # somebody was quicker
                 return
-            before = self._station.world.version
+            before = self._runtime.world.version
             try:
                 self._believe(id_, by)
             except SkirosError as error:
                 detail = f"that it was done by hand cannot be believed: {error}; answer again"
                 self._book.change(job.but(detail=detail))
                 return
-            materials = moved(self._station.world, job.but(seen=before), self._store.intents(id_))
+            materials = moved(self._runtime.world, job.but(seen=before), self._store.intents(id_))
             goes_on = {"detail": WAITS, "choices": (), "question": None, "materials": materials}
             self._book.move(job, Trigger.RESUME, f"{BY_HAND}, says {by}", **goes_on)
             self._turns.come_back(id_)
 
     def _believe(self, job: str, by: str) -> None:
         for intent in self._cut_off(job):
-            done_by_hand(self._station.world, self._tasks.capabilities, intent, by)
+            done_by_hand(self._runtime.world, self._tasks.capabilities, intent, by)
             self._store.settle(job, intent.number, f"done by hand, says {by}")
 
     def _cut_off(self, job: str) -> tuple[Intent, ...]:

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 
 from skiros_py.errors import Busy, Removed, WrongState
-from skiros_py.execution.station import Station
+from skiros_py.execution.runtime import Runtime
 from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.commands import JobCommands
 from skiros_py.tasks.jobs.conductor import Conductor, ReadGoal
@@ -31,11 +31,11 @@ _RETRY_AFTER = 30.0
 
 
 class JobManager(JobCommands):
-    """The queue of jobs of one station.
+    """The queue of jobs of one runtime.
 
     Args:
         tasks: Plans and does.
-        station: What it does it with.
+        runtime: What it does it with.
         store: Where jobs are kept; whoever made it closes it.
         parse: Reads goal texts.
         at_once: How many jobs may be under way at the same time.
@@ -49,7 +49,7 @@ class JobManager(JobCommands):
     def __init__(
         self,
         tasks: TaskManager,
-        station: Station,
+        runtime: Runtime,
         store: JobStore,
         parse: ReadGoal,
         *,
@@ -59,12 +59,12 @@ class JobManager(JobCommands):
     ) -> None:
         guard = Guard()
         book = JobBook(store, clock)
-        conductor = Conductor(tasks, station, store, book, parse, guard, at_once=at_once, clock=clock)
-        super().__init__(book, store, station, conductor, guard)
+        conductor = Conductor(tasks, runtime, store, book, parse, guard, at_once=at_once, clock=clock)
+        super().__init__(book, store, runtime, conductor, guard)
         self.limit = limit
         self._parse = parse
-        hold_what_was_cut_off(book, store, station.world)
-        station.cycle.observe(conductor.attend)
+        hold_what_was_cut_off(book, store, runtime.world)
+        runtime.cycle.observe(conductor.attend)
 
     @property
     def idle(self) -> bool:

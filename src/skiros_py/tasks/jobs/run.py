@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 
 from skiros_py.errors import UnknownName, WrongState
-from skiros_py.execution.station import Station
+from skiros_py.execution.runtime import Runtime
 from skiros_py.planning.plan import Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.outcome import Outcome as StepOutcome
@@ -31,7 +31,7 @@ class JobRun:
 
     Args:
         task: Pursues the goal.
-        station: Where that happens.
+        runtime: Where that happens.
         book: Takes what becomes of the job.
         store: Takes intents and trace.
 
@@ -41,12 +41,12 @@ class JobRun:
         aside: True while it has no place among those that are under way: nothing of it moves.
     """
 
-    def __init__(self, task: TaskHandle, station: Station, book: JobBook, store: JobStore) -> None:
+    def __init__(self, task: TaskHandle, runtime: Runtime, book: JobBook, store: JobStore) -> None:
         self.ending: Outcome | None = None
         self.paused = False
         self.aside = False
         self._task = task
-        self._station = station
+        self._runtime = runtime
         self._book = book
         self._store = store
         self._trigger, self._comment = Trigger.STOP, ""
@@ -111,7 +111,7 @@ class JobRun:
             now = "waits for no answer any more" if question is None else f"asks something else by now: {question.text}"
             raise WrongState(f"job '{self._task.name}' {now}")
         try:
-            self._station.questions.answer(question.id, choice, by=by)
+            self._runtime.questions.answer(question.id, choice, by=by)
         except UnknownName:  # somebody has answered, and it has not heard that yet
             raise WrongState(f"job '{self._task.name}' has its answer already") from None
 
@@ -170,8 +170,8 @@ class JobRun:
 
     def _with_moves(self, job: Job) -> Job:
         """Returns the job with the parts that it has moved by now; of the same version, nobody has it yet."""
-        version = self._station.world.version
-        materials = moved(self._station.world, job, self._store.intents(job.id))
+        version = self._runtime.world.version
+        materials = moved(self._runtime.world, job, self._store.intents(job.id))
         return job.model_copy(update={"materials": materials, "seen": version})
 
     def _note(self, job: Job, plan: Sequence[str]) -> None:
@@ -196,7 +196,7 @@ class JobRun:
     # ------------------------------------------------------------------ the end
 
     def _finish(self, job: Job) -> None:
-        halted = self._station.cycle.halted
+        halted = self._runtime.cycle.halted
         report = self._task.report
         if self.ending is not None:
             self._close(job, self._trigger, self.ending, report)

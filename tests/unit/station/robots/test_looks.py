@@ -75,8 +75,8 @@ class Station:
     def __init__(self, session: Session) -> None:
         self.perception = Perception()
         self.robot = session.spec.robots[0]
-        session.station.asked = LibraryMonitor(Libraries(None, None, self.perception, self.perception))
-        self.libraries = session.station.asked.libraries
+        session.runtime.asked = LibraryMonitor(Libraries(None, None, self.perception, self.perception))
+        self.libraries = session.runtime.asked.libraries
         self.looks = Looks()
         self.looks.open(session)
 

@@ -47,7 +47,7 @@ def test_the_way_of_an_arm_goes_from_where_its_tip_is_to_where_it_stands_at_last
     deltas = (0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     running = session.start_module("jog_joints", {"arm": "arm_1", "deltas": deltas})
     (way,) = planned_for("arms", session, motions, running).arms
-    session.station.finish(running)
+    session.runtime.finish(running)
 
     assert session.cycle.board.snapshot.arms["arm_1"].positions[0] == pytest.approx(wanted[0], abs=0.01)
     assert way.arm == "arm_1"
@@ -62,7 +62,7 @@ def test_a_motion_is_given_up_with_the_module_that_planned_it(session, motions) 
     planned = planned_for("base", session, motions, running)
     assert planned.base
     running.stop()
-    session.station.finish(running)
+    session.runtime.finish(running)
     session.cycle.step()
 
     given_up = motions.motion(session.spec.robots[0])
@@ -74,7 +74,7 @@ def test_the_way_of_a_base_begins_where_it_stands_and_ends_with_its_last_turn(se
     start = session.cycle.board.snapshot.bases["base_1"].pose
     running = session.start_module("drive", {"Location": "pallet_a"})
     way = planned_for("base", session, motions, running).base
-    session.station.finish(running)
+    session.runtime.finish(running)
 
     end = session.cycle.board.snapshot.bases["base_1"].pose
     assert (way[0].x, way[0].y) == pytest.approx(start.position[:2], abs=0.05)

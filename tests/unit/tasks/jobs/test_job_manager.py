@@ -23,7 +23,7 @@ class Cell:
 
     def __init__(self, bench: Bench, store: JobStore, at_once: int = 1) -> None:
         self.bench = bench
-        self.jobs = JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts), at_once=at_once)
+        self.jobs = JobManager(bench.tasks, bench.runtime, store, lambda texts: bench.goal(*texts), at_once=at_once)
 
     @property
     def job(self) -> Job:

@@ -33,7 +33,7 @@ def store(tmp_path: Path) -> Iterator[JobStore]:
 
 @pytest.fixture
 def jobs(bench: Bench, store: JobStore) -> JobManager:
-    return JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts))
+    return JobManager(bench.tasks, bench.runtime, store, lambda texts: bench.goal(*texts))
 
 
 def order(id_: str = "a", goal: str = GOAL, **more: object) -> JobOrder:
@@ -93,7 +93,7 @@ def test_an_order_keeps_what_was_sent_with_it(bench, store):
     sent = order(
         work_master="kit", parameters={"Kit": "kit_1"}, materials=({"class": "tiny:Ball", "quantity": 2, "use": "x"},)
     )
-    JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts)).submit(sent)
+    JobManager(bench.tasks, bench.runtime, store, lambda texts: bench.goal(*texts)).submit(sent)
     (kept,) = store.open()
     assert kept.order == sent
     assert (kept.order.materials[0].class_, kept.order.materials[0].quantity) == ("tiny:Ball", 2)
@@ -145,7 +145,7 @@ def test_a_late_repeat_of_a_request_does_not_do_again_what_was_cleared(jobs, ben
 
 def test_receipts_go_after_a_day_and_not_before(bench, store):
     now = [0.0]
-    jobs = JobManager(bench.tasks, bench.station, store, lambda t: bench.goal(*t), clock=lambda: now[0])
+    jobs = JobManager(bench.tasks, bench.runtime, store, lambda t: bench.goal(*t), clock=lambda: now[0])
     jobs.submit(order("a"), receipt=MES)
     now[0] = 24 * 3600.0
     jobs.submit(order("b"), receipt=Receipt("mes", "request-2", "digest"))
@@ -258,7 +258,7 @@ def test_that_a_job_was_removed_is_known_over_restarts_and_for_a_week(tmp_path, 
     now = [1e9]
 
     def life(store: JobStore) -> JobManager:
-        return JobManager(bench.tasks, bench.station, store, lambda t: bench.goal(*t), clock=lambda: now[0])
+        return JobManager(bench.tasks, bench.runtime, store, lambda t: bench.goal(*t), clock=lambda: now[0])
 
     with closing(JobStore(tmp_path / "jobs.db")) as store:
         first = life(store)

@@ -30,7 +30,7 @@ class Cell:
 
     def __init__(self, bench: Bench, store: JobStore, at_once: int) -> None:
         self.bench = bench
-        self.jobs = JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts), at_once=at_once)
+        self.jobs = JobManager(bench.tasks, bench.runtime, store, lambda texts: bench.goal(*texts), at_once=at_once)
         self.most = 0
         bench.cycle.observe(self._count)
 

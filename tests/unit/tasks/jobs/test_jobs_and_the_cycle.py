@@ -27,7 +27,7 @@ def bench() -> Iterator[Bench]:
 @pytest.fixture
 def jobs(bench: Bench, tmp_path: Path) -> Iterator[JobManager]:
     with closing(JobStore(tmp_path / "jobs.db")) as store:
-        yield JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts))
+        yield JobManager(bench.tasks, bench.runtime, store, lambda texts: bench.goal(*texts))
 
 
 def order(id_: str, goal: str = "In(ball_1, slot_1)", **more: object) -> JobOrder:
@@ -78,7 +78,7 @@ def test_when_the_end_is_told_all_of_the_trace_is_written(bench, tmp_path):
         book.add(order("a"), start=True, comment="")
         job = book.move(book.open["a"], Trigger.DISPATCH)
         task = bench.tasks.begin(bench.goal(*job.order.goal), name="a")
-        run = JobRun(task, bench.station, book, store)
+        run = JobRun(task, bench.runtime, book, store)
         bench.until(lambda: task.done)
         written: list[int] = []
         book.subscribe(lambda each: written.append(len(store.trace(each.id))))

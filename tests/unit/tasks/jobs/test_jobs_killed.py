@@ -22,7 +22,7 @@ from skiros_py.tasks.jobs import JobManager, JobOrder, JobStore, Receipt
 from skiros_py.testing import Bench, tiny_world
 with Bench(tiny_world()) as bench:
     store = JobStore(Path(sys.argv[1]))
-    jobs = JobManager(bench.tasks, bench.station, store, lambda texts: bench.goal(*texts))
+    jobs = JobManager(bench.tasks, bench.runtime, store, lambda texts: bench.goal(*texts))
     def take(thread):
         for n in range(100_000):
             id_ = f"{thread}-{n}"

@@ -74,7 +74,7 @@ class Jobs(RuleBasedStateMachine):
         self.bench.__enter__()
         self.store = JobStore(Path(self._folder.name) / "jobs.db")
         self.jobs = JobManager(
-            self.bench.tasks, self.bench.station, self.store, lambda t: self.bench.goal(*t), clock=lambda: self.clock
+            self.bench.tasks, self.bench.runtime, self.store, lambda t: self.bench.goal(*t), clock=lambda: self.clock
         )
         self.jobs.subscribe(self._hear)
 

@@ -1,4 +1,4 @@
-"""A station: a world and a cell's devices under one control cycle, with skill managers and a watchdog."""
+"""The runtime: a world and a cell's devices under one control cycle, with skill managers and a watchdog."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from skiros_py.skills.sensing import BoardSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
 
-__all__ = ["Station", "StationOptions"]
+__all__ = ["Runtime", "RuntimeOptions"]
 
 
 @dataclass(frozen=True, slots=True)
-class StationOptions:
-    """How to set a station up.
+class RuntimeOptions:
+    """How to set up a runtime.
 
     Attributes:
         kind: Kind of cell driver whose implementations of skills are used; the driver's own where left out.
@@ -52,13 +52,13 @@ class StationOptions:
     overrun: float | None = None
 
 
-class Station:
+class Runtime:
     """Everything that runs modules on a cell. It is watched while it is used in a ``with``.
 
     Args:
         world: The live world model.
         spec: The cell as described in it.
-        driver: The cell as brought up; whoever did that closes it.
+        driver: The cell's driver; the caller closes it.
         skills: All skills found.
         primitives: All primitives found, by name.
         options: How to set it up.
@@ -84,7 +84,7 @@ class Station:
         driver: CellDriver,
         skills: Sequence[Skill],
         primitives: Mapping[str, type[Primitive[Any]]],
-        options: StationOptions = StationOptions(),
+        options: RuntimeOptions = RuntimeOptions(),
     ) -> None:
         check_configuration(options.config, primitives, world)
         board = DeviceBoard(driver)
@@ -135,10 +135,10 @@ class Station:
         return work.done and not self.cycle.halted
 
     def require_ready(self) -> None:
-        """Sees that modules may be started.
+        """Requires that modules may be started.
 
         Raises:
-            UsageError: Everything was halted, and nobody has reset it since.
+            UsageError: Everything was halted and has not been reset since.
         """
         if self.cycle.halted:
             raise UsageError(f"nothing can start: everything was halted ({self.cycle.halted}); look, then reset()")
