@@ -144,9 +144,7 @@ def test_an_arm_waits_for_a_robot_that_drives_where_it_reaches_and_is_in_the_way
 def test_the_truth_tells_when_two_robots_touch(open_session: Callable[..., Session]) -> None:
     session = open_session("kitting_two", seed=0)
     truth = watched(session)
-    one = session.simulation.scene.robots[0]
-    for joint, value in zip(one.joints.indices(("base_x", "base_y")), (-2.2, -0.7), strict=True):
-        session.simulation.scene.client.resetJointState(one.body, joint, value)
+    session.simulation.scene.robots[0].model.joints(("base_x", "base_y")).reset((-2.2, -0.7))
 
     for _ in range(10):
         session.cycle.step()

@@ -122,6 +122,7 @@ KINDS: Mapping[str, Kind] = {
         ),
         Kind("skiros.planners", "what makes a Planner when it is called", callable),
         Kind("skiros.drivers", "what makes a CellDriver when it is called", callable),
+        Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),
         Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_path),
         Kind("skiros.robots", "a package with Turtle files, or a Path", _is_path),
         Kind("skiros.scenes", "a package with scene files, or a Path", _is_path),

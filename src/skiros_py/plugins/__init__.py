@@ -8,7 +8,7 @@ from skiros_py.plugins.files import files_of, folder_of
 from skiros_py.plugins.fits import OWN_NAME, misfit
 from skiros_py.plugins.installation import GROUPS, Installation, installation
 from skiros_py.plugins.lazy import LazyPlugins
-from skiros_py.plugins.loading import attempt, examined, fault_of, load, load_plugins, raised, unambiguous
+from skiros_py.plugins.loading import attempt, examined, fault_of, find_plugin, load, load_plugins, raised, unambiguous
 from skiros_py.plugins.origin import locate, origin_of
 from skiros_py.plugins.plugin import Distribution, Entry, Plugin, PluginFault
 
@@ -25,6 +25,7 @@ __all__ = [
     "examined",
     "fault_of",
     "files_of",
+    "find_plugin",
     "folder_of",
     "installation",
     "load",

@@ -7,8 +7,9 @@ import traceback
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stdout
 from importlib.metadata import EntryPoint
-from typing import TypeVar
+from typing import Any, TypeVar
 
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.interruptions import by_user
 from skiros_py.plugins.fits import misfit
 from skiros_py.plugins.installation import installation
@@ -20,6 +21,7 @@ __all__ = [
     "contained",
     "examined",
     "fault_of",
+    "find_plugin",
     "load",
     "load_plugins",
     "raised",
@@ -40,6 +42,24 @@ def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...
     loaded = [load(entry) for entry in entries]
     plugins = tuple(one for one in loaded if isinstance(one, Plugin))
     return plugins, (*twins, *(one for one in loaded if isinstance(one, PluginFault)))
+
+
+def find_plugin(group: str, name: str) -> Any:
+    """Loads the one entry point of a group that has a name, and returns what it names.
+
+    Raises:
+        UnknownName: There is none.
+        UsageError: It cannot be loaded; the text says why, and where it is from.
+    """
+    kind = group.partition(".")[2].removesuffix("s")
+    entries, faults = unambiguous(installation().of(group))
+    entry = next((entry for entry in entries if entry.name == name), None)
+    found = load(entry) if entry is not None else next((fault for fault in faults if fault.name == name), None)
+    if found is None:
+        raise UnknownName(kind, name, [entry.name for entry in entries])
+    if isinstance(found, PluginFault):
+        raise UsageError(f"{kind} '{name}' cannot be used: {found} (skiros plugins {name} shows it in full)")
+    return found.value
 
 
 def unambiguous(entries: Iterable[Entry]) -> tuple[tuple[Entry, ...], tuple[PluginFault, ...]]:

@@ -24,7 +24,10 @@ from pathlib import Path
 
 from skiros_py.errors import DeviceError, FileError, UnknownName
 
-__all__ = ["BASE_JOINTS", "WHEEL_RADIUS", "WHEEL_TRACK", "write_robot_urdf"]
+__all__ = ["BASE_JOINTS", "BASE_LINK", "WHEEL_RADIUS", "WHEEL_TRACK", "write_robot_urdf"]
+
+BASE_LINK = "base_link"
+"""Footprint frame of a mobile base: on the floor, x forward, in the middle between the wheels."""
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 """Joints of a mobile base: where it is in the map [m, m, rad]."""

@@ -19,7 +19,7 @@ from skiros_py.station.simulation.bodies import Bodies
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from skiros_py.simulation.pybullet.cell import PyBulletCell
+    from skiros_py.simulation.cell import SimulatedCell
     from skiros_py.station.judgement import Whereabouts
 
 __all__ = ["Simulation"]
@@ -53,7 +53,7 @@ class Simulation:
             cycle = session.cycle
             snapshot = cycle.board.snapshot
             return SimulationState(
-                driver=session.options.driver or ("fake" if session.options.fake else "pybullet"),
+                driver=session.options.driver or ("fake" if session.options.fake else session.options.engine),
                 simulates=session.simulates,
                 running=not cycle.halted,
                 halted=cycle.halted,
@@ -78,7 +78,7 @@ class Simulation:
 
         def look(session: Session) -> tuple[float, dict[str, str], Callable[[], Whereabouts]]:
             scene = _cell(session).scene
-            specs = [body.spec for body in scene.bodies.values()] + [spec for spec, _ in scene.compartments.values()]
+            specs = [*scene.bodies.values(), *(spec for spec, _ in scene.compartments.values())]
             types = {spec.id: spec.type for spec in specs}
             return session.cycle.board.snapshot.time, types, true_whereabouts(_cell(session))
 
@@ -209,7 +209,7 @@ class Simulation:
         return file.getvalue()
 
 
-def _cell(session: Session) -> PyBulletCell:
+def _cell(session: Session) -> SimulatedCell:
     if not session.simulates:
         raise Problem(
             409, "NoSimulation", "no physics is simulated behind these robots: start without --fake or --driver"
@@ -224,14 +224,14 @@ def _require_simulated_time(session: Session) -> None:
         )
 
 
-def _require_free(cell: PyBulletCell, body: str) -> None:
+def _require_free(cell: SimulatedCell, body: str) -> None:
     if body in cell.scene.compartments:
         raise WrongState(f"'{body}' is a region of {cell.scene.compartments[body][0].place}, and moves with it only")
     there = cell.scene.bodies.get(body)
     if there is None:
         raise UnknownName("body", body, cell.scene.bodies)
-    if there.constraint is not None:
-        raise WrongState(f"'{body}' is bolted to {there.spec.carrier}, and moves with it only")
+    if there.carrier is not None:
+        raise WrongState(f"'{body}' is bolted to {there.carrier}, and moves with it only")
 
 
 def _not_straight_down(eye: Point, target: Point) -> Point:

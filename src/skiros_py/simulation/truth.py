@@ -11,13 +11,11 @@ import numpy as np
 
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec
-from skiros_py.simulation.pybullet.bodies import Body
-from skiros_py.simulation.pybullet.cell import PyBulletCell
+from skiros_py.ports.models import BASE_LINK
+from skiros_py.ports.simulation import FLOOR
+from skiros_py.simulation.cell import SimulatedCell
 
-__all__ = ["FLOOR", "Contact", "Glance", "Truth"]
-
-FLOOR = "floor"
-"""The place of what lies on nothing in particular."""
+__all__ = ["Glance", "RobotContact", "Truth"]
 
 _WALL_TOLERANCE = 0.002  # how much nearer than its wall a part's origin must be to be inside a compartment [m]
 _LOW = 0.015  # greatest height of a part's origin above the floor of its compartment [m]
@@ -25,12 +23,12 @@ _UPRIGHT = math.cos(math.radians(15.0))
 _SUNK = 0.01  # how far below a surface an origin may be that lies on it, a fallen part's for instance [m]
 
 
-_CARRIERS = frozenset({"base_link"})
+_CARRIERS = frozenset({BASE_LINK})
 """Links that may touch what is bolted to the robot: it stands on them."""
 
 
 @dataclass(frozen=True, slots=True)
-class Contact:
+class RobotContact:
     """A robot touches a body or another robot.
 
     Attributes:
@@ -49,19 +47,21 @@ class Glance:
     """What only the simulation itself knows at one moment; all else is worked out from it, in any thread.
 
     Attributes:
-        bodies: The bodies, each with where its centre of mass is in the map [m] and how it is turned.
+        bodies: The bodies.
+        body_poses: Their poses in the map, by body id.
         compartments: The compartments, and where they are in the bodies that they belong to.
         holders: Which gripper holds what, by body id.
     """
 
-    bodies: tuple[tuple[Body, Pose], ...]
+    bodies: tuple[BodySpec, ...]
+    body_poses: Mapping[str, Pose]
     compartments: tuple[tuple[BodySpec, Pose], ...]
     holders: Mapping[str, str]
 
     @cached_property
     def poses(self) -> Mapping[str, Pose]:
         """Where every body and compartment is in the map."""
-        poses = {body.spec.id: body.pose_at(at) for body, at in self.bodies}
+        poses = dict(self.body_poses)
         for spec, relative in self.compartments:
             if spec.place in poses:
                 poses[spec.id] = poses[spec.place] @ relative
@@ -69,37 +69,36 @@ class Glance:
 
     def placements(self) -> Mapping[str, str]:
         """Returns the place of every movable body, by body id; see :meth:`Truth.placements`."""
-        movable = [body for body, _ in self.bodies if body.spec.mass > 0.0 and body.constraint is None]
-        return {body.spec.id: self.holders.get(body.spec.id) or self._place(body) for body in movable}
+        return {body.id: self.holders.get(body.id) or self._place(body) for body in self.bodies if _is_movable(body)}
 
-    def _place(self, body: Body) -> str:
-        pose = self.poses[body.spec.id]
+    def _place(self, body: BodySpec) -> str:
+        pose = self.poses[body.id]
         for compartment, _ in self.compartments:
             if compartment.id in self.poses and _stands_in(compartment, self._into[compartment.id] @ pose):
                 return compartment.id
         return self._support_below(body, pose)
 
-    def _support_below(self, body: Body, pose: Pose) -> str:
+    def _support_below(self, body: BodySpec, pose: Pose) -> str:
         best, best_height = FLOOR, -_SUNK
         for place in self._supports:
             if place is body:
                 continue
-            height = self.poses[place.spec.id].position[2] + place.spec.support_height
-            at = self._into[place.spec.id] @ pose
-            inside = _above(place.spec, at)
-            if inside and height >= best_height and at.position[2] >= place.spec.support_height - _SUNK:
-                best, best_height = place.spec.id, height
+            height = self.poses[place.id].position[2] + place.support_height
+            at = self._into[place.id] @ pose
+            inside = _above(place, at)
+            if inside and height >= best_height and at.position[2] >= place.support_height - _SUNK:
+                best, best_height = place.id, height
         return best
 
     @cached_property
-    def _supports(self) -> tuple[Body, ...]:
+    def _supports(self) -> tuple[BodySpec, ...]:
         kits = {compartment.place for compartment, _ in self.compartments}
-        return tuple(body for body, _ in self.bodies if body.spec.support is not None or body.spec.id in kits)
+        return tuple(body for body in self.bodies if body.support is not None or body.id in kits)
 
     @cached_property
     def _into(self) -> Mapping[str, Pose]:
         """The map as it is seen from each place."""
-        places = {place.spec.id for place in self._supports} | {spec.id for spec, _ in self.compartments}
+        places = {place.id for place in self._supports} | {spec.id for spec, _ in self.compartments}
         return {name: pose.inverse() for name, pose in self.poses.items() if name in places}
 
 
@@ -113,9 +112,9 @@ class Truth:
         worst: The deepest contact seen by :meth:`watch` for each pair of robot link and body.
     """
 
-    def __init__(self, cell: PyBulletCell) -> None:
+    def __init__(self, cell: SimulatedCell) -> None:
         self._scene = cell.scene
-        self.worst: dict[tuple[str, str], Contact] = {}
+        self.worst: dict[tuple[str, str], RobotContact] = {}
 
     def pose(self, body_id: str) -> Pose:
         """Returns where a body or compartment is in the map.
@@ -146,24 +145,21 @@ class Truth:
     def glance(self) -> Glance:
         """Takes what the simulation has to be asked for; quick, so that a cycle does not wait for the rest."""
         scene = self._scene
-        bodies = tuple((body, body.centre_pose(scene.client)) for body in scene.bodies.values())
-        holders = {body.spec.id: held for body, _ in bodies if (held := self._holder(body)) is not None}
-        return Glance(bodies, tuple(scene.compartments.values()), holders)
+        return Glance(
+            tuple(scene.bodies.values()), scene.engine.poses(), tuple(scene.compartments.values()), self._holders()
+        )
 
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[RobotContact, ...]:
         """Returns what the robots touch now, except the floor under their base and what stands on it."""
-        bodies = {body.index: body for body in self._scene.bodies.values()}
-        names = {robot.body: robot.spec.id for robot in self._scene.robots} | {self._scene.floor: FLOOR}
-        names |= {body.index: body.spec.id for body in bodies.values()}
-        found: dict[tuple[str, str], Contact] = {}
-        for robot in self._scene.robots:
-            for point in self._scene.client.getContactPoints(robot.body):
-                body = bodies.get(point[2])
-                bolted = body is not None and body.constraint is not None
-                if point[2] == robot.body or (bolted and robot.joints.link_name(point[3]) in _CARRIERS):
+        scene = self._scene
+        found: dict[tuple[str, str], RobotContact] = {}
+        for robot in scene.robots:
+            for point in scene.engine.contacts(robot.spec.id):
+                body = scene.bodies.get(point.other)
+                bolted = body is not None and body.carrier is not None
+                if point.other == robot.spec.id or (bolted and point.link in _CARRIERS):
                     continue
-                link = robot.joints.link_name(point[3])
-                _keep_deeper(found, Contact(link, names[point[2]], max(0.0, -point[8])))
+                _keep_deeper(found, RobotContact(point.link, point.other, max(0.0, point.depth)))
         return tuple(found.values())
 
     def watch(self) -> None:
@@ -171,21 +167,25 @@ class Truth:
         for contact in self.contacts():
             _keep_deeper(self.worst, contact)
 
-    def _holder(self, body: Body) -> str | None:
-        if body.spec.mass <= 0.0 or body.constraint is not None:
-            return None
-        points = self._scene.client.getContactPoints(body.index)
-        touched = {(point[2], point[4]) for point in points}
-        for robot in self._scene.robots:
-            if any(other != robot.body for other, _ in touched):
-                continue
+    def _holders(self) -> dict[str, str]:
+        """Returns the gripper that holds each held body: one that touches both fingers, and nothing but that robot."""
+        scene, holders = self._scene, {}
+        for robot in scene.robots:
+            name = robot.spec.id
             for gripper in robot.grippers:
-                if all((robot.body, finger) in touched for finger in gripper.fingers):
-                    return gripper.spec.id
-        return None
+                pads = [{c.other for c in scene.engine.contacts(name, finger)} for finger in gripper.fingers]
+                for held in sorted(set.intersection(*pads) & scene.bodies.keys()):
+                    others = {contact.other for contact in scene.engine.contacts(held)}
+                    if others == {name} and _is_movable(scene.bodies[held]):
+                        holders[held] = gripper.spec.id
+        return holders
 
 
-def _keep_deeper(found: dict[tuple[str, str], Contact], contact: Contact) -> None:
+def _is_movable(body: BodySpec) -> bool:
+    return body.mass > 0.0 and body.carrier is None
+
+
+def _keep_deeper(found: dict[tuple[str, str], RobotContact], contact: RobotContact) -> None:
     known = found.get((contact.link, contact.body))
     if known is None or contact.depth > known.depth:
         found[contact.link, contact.body] = contact

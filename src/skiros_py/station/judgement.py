@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.cell import CellSpec
-from skiros_py.simulation.pybullet.cell import PyBulletCell
+from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.truth import Truth
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
 from skiros_py.world.element import Element
@@ -38,7 +38,7 @@ _THERE = (0.06, 0.06)
 """A robot is at a location when it stands this close to where it should [m, rad]."""
 
 
-def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
+def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
     """Evaluates conditions on the world as it really is; None for those that a simulator knows nothing of.
 
     Args:
@@ -67,7 +67,7 @@ def judge(cell: PyBulletCell, spec: CellSpec, view: WorldView, goal: Sequence[Co
     return tuple(bool(c.evaluate(real)) if can else None for c, can in zip(goal, can_tell, strict=True))
 
 
-def true_whereabouts(cell: PyBulletCell) -> Callable[[], Whereabouts]:
+def true_whereabouts(cell: SimulatedCell) -> Callable[[], Whereabouts]:
     """Looks where everything really is, for people who look on; quick.
 
     Args:

@@ -45,7 +45,7 @@ from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
 if TYPE_CHECKING:
-    from skiros_py.simulation.pybullet.cell import PyBulletCell
+    from skiros_py.simulation.cell import SimulatedCell
     from skiros_py.tasks.jobs import JobManager
     from skiros_py.world.journal import DataDirectory
 
@@ -68,7 +68,8 @@ class Options:
         robot: Id of the robot to use; None for all robots of the scene.
         fake: True for no physics: skills only pretend.
         pace: Simulated seconds per wall second; None for as fast as possible.
-        gui: True to open PyBullet's window.
+        gui: True to open the simulation's window.
+        engine: Name of the physics engine that simulates.
         goal: Goal text or texts; empty for the goal that goes with the scene.
         driver: Name of a cell driver that a plug-in brings; None for the simulation (or the fake).
         config: Values of configuration parameters by "module.key".
@@ -86,6 +87,7 @@ class Options:
     fake: bool = False
     pace: float | None = None
     gui: bool = False
+    engine: str = "pybullet"
     goal: str | tuple[str, ...] = ()
     driver: str | None = None
     config: Mapping[str, Any] = field(default_factory=dict)
@@ -259,9 +261,11 @@ class Session:
             from skiros_py.simulation.fake.cell import FakeCell
 
             return self._stack.enter_context(closing(FakeCell(self.spec, seed=self.options.seed)))
-        from skiros_py.simulation.pybullet.cell import PyBulletCell
+        from skiros_py.simulation.cell import SimulatedCell
 
-        return self._stack.enter_context(closing(PyBulletCell(self.spec, seed=self.options.seed, gui=self.options.gui)))
+        options = self.options
+        cell = SimulatedCell(self.spec, seed=options.seed, engine=options.engine, gui=options.gui)
+        return self._stack.enter_context(closing(cell))
 
     def _planners(self) -> Planners:
         if self.options.planner_command is not None:
@@ -390,7 +394,7 @@ class Session:
         """
         spec = read_cell(scene, self._robots(scene), simulated=self.simulates)
         if self.simulates:
-            from skiros_py.simulation.pybullet.spawn import start_poses
+            from skiros_py.simulation.spawn import start_poses
 
             start_poses(spec, self.options.seed)
 
@@ -454,15 +458,15 @@ class Session:
         return judge(self.simulation, self.spec, self.world, goal)
 
     @property
-    def simulation(self) -> PyBulletCell:
+    def simulation(self) -> SimulatedCell:
         """The physics simulation, for what only a simulation can do (moving bodies, outside pictures).
 
         Raises:
             UsageError: The session runs on a fake.
         """
-        from skiros_py.simulation.pybullet.cell import PyBulletCell
+        from skiros_py.simulation.cell import SimulatedCell
 
-        if not isinstance(self.cell, PyBulletCell):
+        if not isinstance(self.cell, SimulatedCell):
             raise UsageError("there is no simulation behind this robot: leave out --fake and --driver")
         return self.cell
 

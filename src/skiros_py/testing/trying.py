@@ -143,9 +143,9 @@ def _made(driver: Driver, spec: CellSpec) -> CellDriver:
         case "fake":
             return FakeCell(spec)
         case "pybullet":
-            from skiros_py.simulation.pybullet.cell import PyBulletCell  # heavy, and seldom wanted
+            from skiros_py.simulation.cell import SimulatedCell  # heavy, and seldom wanted
 
-            return PyBulletCell(spec, seed=0)
+            return SimulatedCell(spec, seed=0)
         case str():
             return load_catalogue().driver(driver, spec, seed=0)
         case _:

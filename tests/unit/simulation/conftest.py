@@ -13,7 +13,7 @@ import pytest
 from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.ports.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
 from skiros_py.ports.models import write_robot_urdf
-from skiros_py.simulation.pybullet import PyBulletCell
+from skiros_py.simulation.cell import SimulatedCell
 
 EDGE = 0.48  # where the table begins ahead of a docked robot's base frame [m]
 TOP = 0.5
@@ -126,13 +126,13 @@ def kitting() -> SimpleNamespace:
 
 
 @pytest.fixture
-def make_cell() -> Iterator[Callable[..., PyBulletCell]]:
+def make_cell() -> Iterator[Callable[..., SimulatedCell]]:
     cells = []
 
-    def make(spec: CellSpec, seed: int = 1, *, cameras: bool = False) -> PyBulletCell:
+    def make(spec: CellSpec, seed: int = 1, *, cameras: bool = False) -> SimulatedCell:
         if not cameras:
             spec = dataclasses.replace(spec, robots=tuple(dataclasses.replace(r, cameras=()) for r in spec.robots))
-        cells.append(PyBulletCell(spec, seed=seed))
+        cells.append(SimulatedCell(spec, seed=seed))
         return cells[-1]
 
     yield make

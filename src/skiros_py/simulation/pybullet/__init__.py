@@ -1,5 +1,5 @@
-"""A physically simulated robot cell: the adapter to PyBullet."""
+"""The PyBullet physics engine behind the simulation port."""
 
-from skiros_py.simulation.pybullet.cell import PyBulletCell
+from skiros_py.simulation.pybullet.engine import PyBulletEngine
 
-__all__ = ["PyBulletCell"]
+__all__ = ["PyBulletEngine"]

@@ -2,63 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from skiros_py.geometry import Array, Pose, Primitive, Solid
-from skiros_py.ports.cell import BodySpec
+from skiros_py.ports.simulation import Colour, Vector
 from skiros_py.simulation.pybullet.client import Client
 
-__all__ = ["Body", "Colour", "build_solid", "centre_of_mass"]
-
-Colour = tuple[float, float, float, float]
-
-# Friction of parts, furniture and kits. With fingers of 1.0 a part of 0.9 kg is held at 30 N per finger; at 0.3 parts
-# begin to slip. The two small ones stop parts from spinning between the finger pads and from rolling away for ever.
-_LATERAL_FRICTION = 0.8
-_SPINNING_FRICTION = 0.01
-_ROLLING_FRICTION = 1e-4
+__all__ = ["Body", "Poses", "build_solid", "centre_of_mass"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Body:
     """A body in the physics client.
 
     Attributes:
-        spec: What it was built from.
-        index: PyBullet's id of it.
-        centre: Its centre of mass in the solid's frame [m]; PyBullet speaks of poses of the centre of mass only.
-        colour: For the eye.
-        constraint: PyBullet's id of the bolt to the robot that carries it, or None.
+        index: PyBullet's id.
+        solid: Its shape.
+        mass: [kg].
+        centre: Its centre of mass in the solid's frame [m]; PyBullet states poses of the centre of mass only.
+        colour: For pictures.
+        constraint: PyBullet's id of the attachment to a link, or None.
     """
 
-    spec: BodySpec
     index: int
-    centre: tuple[float, float, float]
+    solid: Solid
+    mass: float
+    centre: Vector
     colour: Colour
     constraint: int | None = None
 
-    def pose(self, client: Client) -> Pose:
-        """Returns the pose of the solid's frame in the map."""
-        return self.pose_at(self.centre_pose(client))
 
-    def centre_pose(self, client: Client) -> Pose:
-        """Returns where its centre of mass is in the map, which is all that PyBullet says."""
-        position, orientation = client.getBasePositionAndOrientation(self.index)
-        return Pose(tuple(position), tuple(orientation))
+class Poses(Mapping[str, Pose]):
+    """The poses of bodies at one moment, each computed when it is first read.
 
-    def pose_at(self, centre: Pose) -> Pose:
-        """Returns the pose of the solid's frame where the centre of mass is at a pose."""
-        return centre @ Pose(tuple(-c for c in self.centre))  # type: ignore[arg-type]
+    Args:
+        bodies: By name.
+        client: The physics client.
+    """
 
-    def place(self, client: Client, pose: Pose) -> None:
-        """Puts the body somewhere in the map, at rest."""
-        at = pose @ Pose(self.centre)
-        client.resetBasePositionAndOrientation(self.index, at.position, at.orientation)
-        client.resetBaseVelocity(self.index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    def __init__(self, bodies: Mapping[str, Body], client: Client) -> None:
+        locate = client.getBasePositionAndOrientation
+        self._raw = {name: (body.centre, *locate(body.index)) for name, body in bodies.items()}
+        self._poses: dict[str, Pose] = {}
+
+    def __getitem__(self, name: str) -> Pose:
+        if name not in self._poses:
+            (x, y, z), position, orientation = self._raw[name]
+            self._poses[name] = Pose(tuple(position), tuple(orientation)) @ Pose((-x, -y, -z))
+        return self._poses[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._raw)
+
+    def __len__(self) -> int:
+        return len(self._raw)
 
 
 def build_solid(
@@ -67,8 +68,8 @@ def build_solid(
     pose: Pose,
     *,
     mass: float = 0.0,
-    centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    colour: Colour | None = None,
+    centre: Vector = (0.0, 0.0, 0.0),
+    colour: Colour,
     collides: bool = True,
 ) -> int:
     """Builds one body.
@@ -77,9 +78,9 @@ def build_solid(
         client: Where.
         solid: Its shape.
         pose: Pose of the solid's frame in the map.
-        mass: [kg]; 0 for what never moves.
+        mass: [kg]; 0 for a body that never moves.
         centre: Centre of mass in the solid's frame [m].
-        colour: Visible in this colour; None: not visible.
+        colour: For pictures.
         collides: False for a body that is only looked at.
 
     Returns:
@@ -87,23 +88,14 @@ def build_solid(
     """
     shapes = _shapes(client, solid.primitives)
     collision = client.createCollisionShapeArray(**_frames(solid.primitives, centre, "collision"), **shapes)
-    visual = -1
-    if colour is not None:
-        frames = _frames(solid.primitives, centre, "visual")
-        visual = client.createVisualShapeArray(**frames, **shapes, rgbaColors=[colour] * len(solid.primitives))
+    frames = _frames(solid.primitives, centre, "visual")
+    visual = client.createVisualShapeArray(**frames, **shapes, rgbaColors=[colour] * len(solid.primitives))
     at = pose @ Pose(centre)
     index: int = client.createMultiBody(mass, collision if collides else -1, visual, at.position, at.orientation)
-    client.changeDynamics(
-        index,
-        -1,
-        lateralFriction=_LATERAL_FRICTION,
-        spinningFriction=_SPINNING_FRICTION,
-        rollingFriction=_ROLLING_FRICTION,
-    )
     return index
 
 
-def centre_of_mass(solid: Solid) -> tuple[float, float, float]:
+def centre_of_mass(solid: Solid) -> Vector:
     """Returns the centre of mass of a solid of even density in its frame [m]; overlaps of primitives count twice."""
     volumes = np.array([_volume(block) for block in solid.primitives])
     centres: Array = np.array([block.pose.position for block in solid.primitives])

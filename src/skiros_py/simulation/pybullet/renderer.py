@@ -1,4 +1,4 @@
-"""Pictures of the scene, made in a process of its own: a software renderer holds the interpreter for tens of ms.
+"""Renders in a process of its own: a software renderer holds the interpreter for tens of ms.
 
 The renderer has a client without physics that it brings into the state of the wanted moment before each picture.
 """
@@ -6,125 +6,138 @@ The renderer has a client without physics that it brings into the state of the w
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.values import CameraIntrinsics, DepthImage
-from skiros_py.simulation.pybullet.appearance import FLOOR
+from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.ports.simulation import Colour, Rendering, View
+from skiros_py.ports.values import CameraIntrinsics
 from skiros_py.simulation.pybullet.bodies import build_solid
 from skiros_py.simulation.pybullet.client import Client
-from skiros_py.simulation.pybullet.joints import Joints
-from skiros_py.simulation.pybullet.picture import Look, SceneState, Shot
-from skiros_py.simulation.pybullet.robot import load_model
+from skiros_py.simulation.pybullet.robot import RobotModel
 
-__all__ = ["Renderer", "intrinsics_of"]
+__all__ = ["BodyLook", "Moment", "Renderer", "RobotLook", "intrinsics_of"]
+
+T = TypeVar("T")
 
 _FLOOR = Solid.box(40.0, 40.0, 0.1)
+_FLOOR_COLOUR: Colour = (0.80, 0.81, 0.80, 1.0)
 _LIGHT = (1.5, -2.0, 4.0)
-_PICTURE_FOV = 50.0  # vertical [deg]
-_PICTURE_RANGE = (0.1, 30.0)  # [m]
 
 
-def intrinsics_of(width: int, height: int, vertical_fov: float, near: float, far: float) -> CameraIntrinsics:
-    """Returns the pinhole model of this renderer's images; lengths in [px], angle [rad], range [m].
+@dataclass(frozen=True, slots=True)
+class BodyLook:
+    """Shape, colour and pose in the map of a body."""
+
+    solid: Solid
+    colour: Colour
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class RobotLook:
+    """Model, pose of the root link and positions of all movable joints of a robot."""
+
+    urdf: Path
+    root: Pose
+    positions: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """All bodies and robots by name at one moment."""
+
+    bodies: Mapping[str, BodyLook]
+    robots: Mapping[str, RobotLook]
+
+
+def intrinsics_of(view: View) -> CameraIntrinsics:
+    """Returns the pinhole model of this renderer's images.
 
     The renderer samples pixel (u, v) at the ray through (u - w/2, v - h/2 + 1), measured to 1e-3 px.
     """
-    focal = height / 2.0 / math.tan(vertical_fov / 2.0)
-    return CameraIntrinsics(width, height, focal, focal, width / 2.0, height / 2.0 - 1.0, near, far)
+    focal = view.height / 2.0 / math.tan(view.vertical_fov / 2.0)
+    cx, cy = view.width / 2.0, view.height / 2.0 - 1.0
+    return CameraIntrinsics(view.width, view.height, focal, focal, cx, cy, view.near, view.far)
 
 
 class Renderer:
-    """Makes pictures of scene states.
+    """Renders views of moments.
 
     Args:
-        urdfs: Model of each robot, by the robot's id.
+        urdfs: Models of robots to load at once, by name; others are loaded when they are first seen.
     """
 
-    def __init__(self, urdfs: Mapping[str, Path]) -> None:
+    def __init__(self, urdfs: Mapping[str, tuple[Path, Pose]]) -> None:
         self._client = Client()
-        self._robots = {robot: Joints(self._client, load_model(self._client, urdf)) for robot, urdf in urdfs.items()}
-        self._bodies: dict[str, tuple[Look, int]] = {}
-        build_solid(self._client, _FLOOR, Pose((0.0, 0.0, -0.1)), colour=FLOOR, collides=False)
+        self._robots = {name: RobotModel(self._client, *model) for name, model in urdfs.items()}
+        self._bodies: dict[str, tuple[BodyLook, int]] = {}
+        build_solid(self._client, _FLOOR, Pose((0.0, 0.0, -0.1)), colour=_FLOOR_COLOUR, collides=False)
 
-    def shoot(self, state: SceneState, shot: Shot) -> DepthImage:
-        """Takes a picture with a robot's camera."""
-        self._show(state)
-        k = shot.intrinsics
-        projection = self._client.computeProjectionMatrixFOV(
-            math.degrees(shot.camera.vertical_fov), k.width / k.height, k.near, k.far
-        )
-        colour, buffer = self._render(k.width, k.height, self._camera_view(shot), projection)
-        depth = _metres(buffer, k.near, k.far)
-        rng = np.random.default_rng(shot.noise_seed)
-        depth += rng.normal(scale=shot.camera.noise, size=depth.shape)
-        depth[(buffer >= 1.0) | (depth > k.far) | (depth < k.near)] = 0.0
-        return DepthImage(shot.cycle, depth.astype(np.float32), colour, k, shot.arms, shot.bases)
-
-    def picture(
-        self, state: SceneState, eye: Sequence[float], target: Sequence[float], width: int, height: int
-    ) -> NDArray[np.uint8]:
-        """Makes a picture for people, seen from a point in the map towards another [m]; RGB, (height, width, 3)."""
-        self._show(state)
-        view = self._client.computeViewMatrix(eye, target, (0.0, 0.0, 1.0))
-        projection = self._client.computeProjectionMatrixFOV(_PICTURE_FOV, width / height, *_PICTURE_RANGE)
-        return self._render(width, height, view, projection)[0]
-
-    def _render(
-        self, width: int, height: int, view: Sequence[float], projection: Sequence[float]
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    def render(self, moment: Moment, view: View, finish: Callable[[Rendering], T]) -> T:
+        """Renders a view of a moment, and returns what ``finish`` makes of it."""
+        self._show(moment)
         client = self._client
-        _, _, colour, depth, _ = client.getCameraImage(
-            width,
-            height,
-            view,
+        projection = client.computeProjectionMatrixFOV(
+            math.degrees(view.vertical_fov), view.width / view.height, view.near, view.far
+        )
+        _, _, colour, buffer, _ = client.getCameraImage(
+            view.width,
+            view.height,
+            self._view_matrix(view),
             projection,
             renderer=client.ER_TINY_RENDERER,
             shadow=0,
             lightDirection=_LIGHT,
             flags=client.ER_NO_SEGMENTATION_MASK,
         )
-        rgb = np.ascontiguousarray(np.asarray(colour, dtype=np.uint8).reshape(height, width, 4)[:, :, :3])
-        return rgb, np.asarray(depth, dtype=np.float64).reshape(height, width)
+        shape = (view.height, view.width)
+        rgb = np.ascontiguousarray(np.asarray(colour, dtype=np.uint8).reshape(*shape, 4)[:, :, :3])
+        return finish(Rendering(_metres(np.asarray(buffer, dtype=np.float64).reshape(shape), view), rgb))
 
-    def _camera_view(self, shot: Shot) -> Sequence[float]:
-        joints = self._robots[shot.robot]
-        link = self._client.getLinkState(joints.body, joints.link(shot.camera.frame), computeForwardKinematics=True)
-        axes = Pose(link[4], link[5]).matrix()
+    def _view_matrix(self, view: View) -> Sequence[float]:
+        at = view.pose
+        if view.robot is not None:
+            model = self._robots[view.robot]
+            link = model.link_pose(model.link(view.link))
+            at = link if at == Pose() else link @ at
+        axes = at.matrix()
         eye, down, forward = axes[:3, 3], axes[:3, 1], axes[:3, 2]
-        view: Sequence[float] = self._client.computeViewMatrix(eye, eye + forward, -down)
-        return view
+        matrix: Sequence[float] = self._client.computeViewMatrix(eye, eye + forward, -down)
+        return matrix
 
-    def _show(self, state: SceneState) -> None:
-        for robot, posture in state.robots.items():
-            joints = self._robots[robot]
-            for index, position in zip(joints.movable, posture, strict=True):
-                self._client.resetJointState(joints.body, index, position)
-        wanted = {look.id: look for look in state.bodies}
-        for body_id in [known for known in self._bodies if known not in wanted]:
-            self._forget(body_id)
-        for look in state.bodies:
-            self._show_body(look)
+    def _show(self, moment: Moment) -> None:
+        for name, robot in moment.robots.items():
+            if name not in self._robots:
+                self._robots[name] = RobotModel(self._client, robot.urdf, robot.root)
+            self._robots[name].place(robot.positions)
+        for gone in [name for name in self._bodies if name not in moment.bodies]:
+            self._forget(gone)
+        for name, look in moment.bodies.items():
+            self._show_body(name, look)
 
-    def _show_body(self, look: Look) -> None:
-        known = self._bodies.get(look.id)
+    def _show_body(self, name: str, look: BodyLook) -> None:
+        known = self._bodies.get(name)
         if known is not None and (known[0].solid, known[0].colour) != (look.solid, look.colour):
-            self._forget(look.id)
+            self._forget(name)
             known = None
         if known is None:
             index = build_solid(self._client, look.solid, look.pose, colour=look.colour, collides=False)
-            self._bodies[look.id] = (look, index)
+            self._bodies[name] = (look, index)
         else:
             self._client.resetBasePositionAndOrientation(known[1], look.pose.position, look.pose.orientation)
 
-    def _forget(self, body_id: str) -> None:
-        self._client.removeBody(self._bodies.pop(body_id)[1])
+    def _forget(self, name: str) -> None:
+        self._client.removeBody(self._bodies.pop(name)[1])
 
 
-def _metres(buffer: NDArray[np.float64], near: float, far: float) -> NDArray[np.float64]:
+def _metres(buffer: Array, view: View) -> Array:
     """Turns a depth buffer (0 near, 1 far, uneven in between) into distances along the optical axis [m]."""
-    return far * near / (far - (far - near) * buffer)
+    near, far = view.near, view.far
+    depth = far * near / (far - (far - near) * buffer)
+    depth[buffer >= 1.0] = np.inf
+    return np.asarray(depth)

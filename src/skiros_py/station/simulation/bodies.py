@@ -77,15 +77,11 @@ class Bodies:
             self._move_bodies(session, view, change)
 
     def _move_bodies(self, session: Session, view: Index, change: Change) -> None:
-        from skiros_py.station.simulation.standing import (
-            put,  # brings the physics along, which a pretending robot lacks
-        )
-
         wanted = [body for name in sorted(_touched(view, change.edits)) if (body := self._read(view, name)) is not None]
         for name in sorted({edit.element for edit in change.edits if isinstance(edit, ElementEdit)}):
             if not view.has(name):
                 self._settle(name)
-                put(session.simulation, name, None, moved=True, seed=0)
+                session.simulation.scene.follow_belief(name, None, moved=True, seed=0)
         wanted.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))  # what carries comes first
         moved = _moved(view, change.edits)
         for body in wanted:
@@ -100,10 +96,9 @@ class Bodies:
             return None
 
     def _put(self, session: Session, body: BodySpec, *, moved: bool) -> None:
-        from skiros_py.station.simulation.standing import put
-
+        scene = session.simulation.scene
         try:
-            put(session.simulation, body.id, body, moved=moved, seed=session.options.seed)
+            scene.follow_belief(body.id, body, moved=moved, seed=session.options.seed)
         except SkirosError as error:
             self._note(body.id, f"the body of {body.id} stays as it is: {error}")
         else:

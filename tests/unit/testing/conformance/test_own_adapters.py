@@ -14,8 +14,8 @@ from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.pending import Done, Pending
+from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell
-from skiros_py.simulation.pybullet import PyBulletCell
 from skiros_py.testing import FaultyCell
 from skiros_py.testing.conformance import (
     ArmPlannerContract,
@@ -43,9 +43,9 @@ class TestFaultyCellWithoutFaults(CellDriverContract):
 
 
 @pytest.mark.physics
-class TestPyBulletCell(CellDriverContract):
+class TestSimulatedCell(CellDriverContract):
     def make(self, spec: CellSpec) -> CellDriver:
-        return PyBulletCell(spec, seed=1)
+        return SimulatedCell(spec, seed=1)
 
 
 class TestWorkerArmPlanner(ArmPlannerContract):

@@ -1,4 +1,4 @@
-"""A simulated arm: joint position control with velocity feed-forward, limits, and braking when commands cease."""
+"""A simulated arm: joint position control with velocity feed-forward, limits, and braking without a command."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import numpy as np
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array
 from skiros_py.ports.cell import ArmSpec
+from skiros_py.ports.simulation import SimulatedRobot
 from skiros_py.ports.values import ArmState, ArmTarget
-from skiros_py.simulation.pybullet.client import Client
-from skiros_py.simulation.pybullet.joints import Joints
-from skiros_py.simulation.pybullet.limits import Standstill
+from skiros_py.simulation.limits import Standstill
 
-__all__ = ["Arm"]
+__all__ = ["SimulatedArm"]
 
 _GAIN = 0.3
 _BRAKING = 7.5
@@ -20,31 +19,26 @@ _BRAKING = 7.5
 _STILL = 0.01  # [rad/s]
 
 
-class Arm:
-    """One arm of a robot in the physics client.
+class SimulatedArm:
+    """The controller of one arm.
 
-    Set-points are followed as the real controller follows them: within joint limits and joint speeds, so that a jump
+    Set-points are followed as a real controller follows them: within joint limits and joint speeds, so that a jump
     in the commands becomes a fast motion and not a teleport. Without a command it brakes along its path and holds.
 
     Args:
-        client: The physics client.
-        joints: All joints of its robot.
-        spec: What it is.
-        period: Control period [s].
+        spec: The arm.
+        robot: The robot that it belongs to.
     """
 
-    def __init__(self, client: Client, joints: Joints, spec: ArmSpec, period: float) -> None:
+    def __init__(self, spec: ArmSpec, robot: SimulatedRobot) -> None:
         self.spec = spec
-        self._client = client
-        self._body = joints.body
-        self._indices = joints.indices(spec.joints)
-        self._lower, self._upper, self._efforts, self._speeds = joints.limits(spec.joints)
-        self._period = period
+        self._joints = robot.joints(spec.joints)
+        self._lower, self._upper, self._efforts, self._speeds = self._joints.limits
+        self._period = robot.engine.period
         self._reference: Array = np.array(spec.home, dtype=float)
         self._velocity: Array = np.zeros(len(spec.home))
         self._standstill = Standstill(_STILL)
-        for index, angle in zip(self._indices, spec.home, strict=True):
-            client.resetJointState(self._body, index, angle)
+        self._joints.reset(spec.home)
 
     @property
     def braking_time(self) -> float:
@@ -59,23 +53,13 @@ class Arm:
             self._follow(target)
         # The motor adds the speed during the coming step, so the place to correct towards is where that step begins.
         begin = self._reference - self._velocity * self._period
-        self._client.setJointMotorControlArray(
-            self._body,
-            self._indices,
-            self._client.POSITION_CONTROL,
-            targetPositions=begin,
-            targetVelocities=self._velocity,
-            positionGains=[_GAIN] * len(self._indices),
-            velocityGains=[1.0] * len(self._indices),
-            forces=self._efforts,
-        )
+        self._joints.hold_positions(begin, gain=_GAIN, effort=self._efforts, velocities=self._velocity)
 
     def state(self) -> ArmState:
         """Reads the joint sensors; to be called once per cycle."""
-        states = self._client.getJointStates(self._body, self._indices)
-        velocities = tuple(state[1] for state in states)
+        positions, velocities, _ = self._joints.read()
         still = self._standstill.update(max(map(abs, velocities)))
-        return ArmState(tuple(state[0] for state in states), velocities, still)
+        return ArmState(positions, velocities, still)
 
     def _follow(self, target: ArmTarget) -> None:
         wanted, speed = np.asarray(target.positions), np.asarray(target.velocities)

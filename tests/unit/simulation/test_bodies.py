@@ -1,6 +1,7 @@
 """Bodies stand where they should, ride along when bolted, and people can move them behind the robot's back."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import pytest
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import BaseTwist, Commands
-from skiros_py.simulation.pybullet import PyBulletCell, spawn
+from skiros_py.simulation import spawn
+from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.truth import Truth
 
 
@@ -115,19 +117,19 @@ def test_a_window_without_a_display_is_refused_with_the_alternative(monkeypatch,
     monkeypatch.delenv("DISPLAY", raising=False)
 
     with pytest.raises(UsageError, match="run without the window"):
-        PyBulletCell(kitting.cell_spec(), seed=1, gui=True)
+        SimulatedCell(kitting.cell_spec(), seed=1, gui=True)
 
 
 def test_what_the_library_raises_arrives_as_a_device_error(make_cell, kitting):
     cell = make_cell(kitting.cell_spec())
 
     with pytest.raises(DeviceError, match="PyBullet, getJointInfo"):
-        cell.scene.client.getJointInfo(999, 0)
+        cell.scene.engine.client.getJointInfo(999, 0)
 
 
 def test_a_closed_cell_can_be_closed_again_and_leaves_no_files(kitting):
-    cell = PyBulletCell(kitting.cell_spec(), seed=1)
-    urdf = cell._urdfs["robot"]
+    cell = SimulatedCell(kitting.cell_spec(), seed=1)
+    urdf = Path(cell._directory.name) / "mobile_panda.urdf"
     existed = urdf.exists()
 
     cell.close()
@@ -140,9 +142,9 @@ def test_a_closed_cell_can_be_closed_again_and_leaves_no_files(kitting):
 def test_a_body_stands_as_its_solid_says(make_cell, kitting):
     """The physics body's box around it is the solid's, whatever its centre of mass."""
     cell = make_cell(kitting.cell_spec(kitting.PARTS["Starter"].body(Pose((0.7, 0.0, kitting.TOP)), "table")))
-    body = cell.scene.bodies["part"]
-    low, high = cell.scene.client.getAABB(body.index)
-    expected_low, expected_high = body.spec.solid.bounds()
+    engine = cell.scene.engine
+    low, high = engine.client.getAABB(engine._bodies["part"].index)
+    expected_low, expected_high = cell.scene.bodies["part"].solid.bounds()
 
     assert np.subtract(high, low) == pytest.approx(expected_high - expected_low, abs=0.006)
     assert np.add(low, high) / 2 == pytest.approx(

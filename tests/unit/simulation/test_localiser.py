@@ -5,7 +5,7 @@ import pytest
 
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import BaseTwist, Commands
-from skiros_py.simulation.pybullet.localiser import POSITION_SIGMA, YAW_SIGMA, Localiser
+from skiros_py.simulation.localiser import POSITION_SIGMA, YAW_SIGMA, Localiser
 from skiros_py.simulation.truth import Truth
 
 

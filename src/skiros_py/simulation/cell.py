@@ -1,8 +1,7 @@
-"""A physically simulated robot cell."""
+"""A physically simulated robot cell, on any engine."""
 
 from __future__ import annotations
 
-import functools
 import tempfile
 from collections import Counter
 from collections.abc import Mapping
@@ -11,18 +10,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from skiros_py.errors import DeviceError, UsageError
+from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import BodySpec, CameraSpec, CellSpec, RobotSpec
+from skiros_py.plugins import find_plugin
+from skiros_py.ports.cell import BodySpec, CellSpec
 from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.simulation import Engine, EngineFactory, Vector
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
-from skiros_py.simulation.pybullet.client import Client
-from skiros_py.simulation.pybullet.picture import Shot
-from skiros_py.simulation.pybullet.renderer import Renderer, intrinsics_of
-from skiros_py.simulation.pybullet.scene import Scene
-from skiros_py.workers import Call, Worker
+from skiros_py.simulation.camera import DepthShot, colour_of, outside_view, view_of
+from skiros_py.simulation.scene import Scene
 
-__all__ = ["PyBulletCell"]
+__all__ = ["ENGINE", "SimulatedCell"]
+
+ENGINE = "pybullet"
+"""The engine that is used where no other is asked for."""
 
 _VIEW_DISTANCE = 6.0
 """From how far the window shows the cell [m]."""
@@ -34,15 +36,16 @@ _COMING_TO_REST = 0.25
 """After the last braking command [s]: drives lag behind, and who stands must have been slow for 10 cycles."""
 
 
-class PyBulletCell:
-    """A :class:`skiros_py.ports.driver.CellDriver` on the PyBullet physics engine; one physics step per exchange.
+class SimulatedCell:
+    """A :class:`skiros_py.ports.driver.CellDriver` on a physics engine; one physics step per exchange.
 
-    Everything that happens in it is a function of the specification, the seed and the commands. Pictures are made by a
-    worker process and show exactly the cycle in which they were asked for.
+    Everything that happens in it is a function of the specification, the seed and the commands. Pictures are rendered
+    elsewhere and show exactly the cycle in which they were asked for.
 
     Args:
         spec: What stands in the cell.
         seed: Seed of everything drawn: poses of bodies without one, errors of the localisers, noise of the cameras.
+        engine: The physics engine: its name in the entry-point group ``skiros.engines``, or what builds it.
         gui: Open a window.
 
     Attributes:
@@ -50,29 +53,27 @@ class PyBulletCell:
 
     Raises:
         UsageError: A window is wanted where there is no display.
-        UnknownName: A robot's model or one of its joints does not exist.
+        UnknownName: The engine, a robot's model or one of its joints does not exist.
         DescriptionError: A body has no pose and no room on its place.
-        DeviceError: PyBullet does not work here.
+        DeviceError: The engine does not work here.
     """
 
-    def __init__(self, spec: CellSpec, *, seed: int, gui: bool = False) -> None:
-        self._client = Client(gui=gui)
+    def __init__(self, spec: CellSpec, *, seed: int, engine: str | EngineFactory = ENGINE, gui: bool = False) -> None:
+        self._engine = _start_engine(engine, gui=gui)
         self._seed = seed
-        self._cameras = {camera.id: (robot, camera) for robot in spec.robots for camera in robot.cameras}
+        self._cameras = {camera.id: (robot.id, camera) for robot in spec.robots for camera in robot.cameras}
         self._shots: Counter[str] = Counter()
         self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
-        self._renderer: Worker | None = None
         self._closed = False
         self._halted = False
         try:
-            self._urdfs = _write_models(spec, Path(self._directory.name))
-            self.scene = Scene(self._client, spec, self._urdfs, seed=seed, period=_PERIOD)
+            self.scene = Scene(self._engine, spec, _write_models(spec, Path(self._directory.name)), seed=seed)
             self._settle()
             if gui:
-                self._client.look_at(_middle(spec), _VIEW_DISTANCE)
+                self._engine.look_at(_middle(spec), _VIEW_DISTANCE)
             self._snapshot = self._sense(0)
             if self._cameras:
-                self._worker()  # starts while the caller does other things
+                self._engine.prepare_rendering()  # starts while the caller does other things
         except BaseException:
             self.close()
             raise
@@ -84,8 +85,8 @@ class PyBulletCell:
 
     @property
     def kind(self) -> str:
-        """Name of the adapter."""
-        return "pybullet"
+        """Name of the engine."""
+        return self._engine.name
 
     @property
     def braking_time(self) -> float:
@@ -104,7 +105,7 @@ class PyBulletCell:
         While the cell is halted it ignores the commands.
 
         Raises:
-            DeviceError: A command is malformed or for a device that does not exist, or PyBullet broke.
+            DeviceError: A command is malformed or for a device that does not exist, or the engine broke.
         """
         now = self._snapshot
         _require(commands.arms, now.arms)
@@ -117,7 +118,7 @@ class PyBulletCell:
     def halt(self) -> None:
         """Brakes everything from the next exchange on, whatever is commanded; for any thread.
 
-        The physics client belongs to the control thread, so this only says what :meth:`exchange` shall do.
+        The engine belongs to the control thread, so this only says what :meth:`exchange` shall do.
         """
         self._halted = True
 
@@ -125,7 +126,7 @@ class PyBulletCell:
         """Obeys commands again."""
         self._halted = False
 
-    def capture(self, camera: str) -> Call[DepthImage]:
+    def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now; the image arrives after the camera's latency.
 
         Args:
@@ -137,29 +138,34 @@ class PyBulletCell:
         if camera not in self._cameras:
             raise DeviceError(f"no camera '{camera}'; there is {', '.join(sorted(self._cameras)) or 'none'}")
         robot, spec = self._cameras[camera]
-        shot = self._shot(robot, spec)
-        return self._worker().call("shoot", self.scene.state(), shot, latency=spec.latency)
+        view, now = view_of(spec, robot), self._snapshot
+        number = self._shots[camera]
+        self._shots[camera] += 1
+        shot = DepthShot(
+            now.cycle,
+            spec.noise,
+            (self._seed, _NOISE_STREAM, list(self._cameras).index(camera), number),
+            self._engine.intrinsics(view),
+            {arm: state.positions for arm, state in now.arms.items()},
+            {base: state.pose for base, state in now.bases.items()},
+        )
+        return self._engine.render(view, shot, latency=spec.latency)
 
     def picture(
-        self,
-        eye: tuple[float, float, float],
-        target: tuple[float, float, float],
-        *,
-        width: int = 640,
-        height: int = 480,
-    ) -> Call[NDArray[np.uint8]]:
+        self, eye: Vector, target: Vector, *, width: int = 640, height: int = 480
+    ) -> Pending[NDArray[np.uint8]]:
         """Makes a picture of the whole scene as it is now, for recordings.
 
         Args:
-            eye: Where the observer is, in the map [m].
-            target: Where the observer looks, in the map [m].
+            eye: Position of the observer in the map [m].
+            target: The point in the map that the observer looks at [m], not straight above or below.
             width: [px].
             height: [px].
 
         Returns:
             RGB, shape (height, width, 3), when it is ready.
         """
-        return self._worker().call("picture", self.scene.state(), eye, target, width, height)
+        return self._engine.render(outside_view(eye, target, width, height), colour_of)
 
     def move_body(self, body_id: str, pose: Pose) -> None:
         """Puts a body somewhere else in the map, at rest; the robot is not told.
@@ -190,36 +196,15 @@ class PyBulletCell:
 
     def state_bytes(self) -> bytes:
         """Returns the exact state of all joints and bodies, for a run's hash."""
-        return self.scene.state_bytes()
+        return self._engine.state_bytes()
 
     def close(self) -> None:
-        """Ends the physics client and the renderer's process; may be called twice."""
+        """Ends the engine and its processes; may be called twice."""
         if self._closed:
             return
         self._closed = True
-        if self._renderer is not None:
-            self._renderer.close()
-        self._client.close()
+        self._engine.close()
         self._directory.cleanup()
-
-    def _worker(self) -> Worker:
-        if self._renderer is None:
-            self._renderer = Worker("renderer", functools.partial(Renderer, self._urdfs))
-        return self._renderer
-
-    def _shot(self, robot: RobotSpec, camera: CameraSpec) -> Shot:
-        number = self._shots[camera.id]
-        self._shots[camera.id] += 1
-        now = self._snapshot
-        return Shot(
-            robot.id,
-            camera,
-            intrinsics_of(camera.width, camera.height, camera.vertical_fov, camera.near, camera.far),
-            now.cycle,
-            {arm: state.positions for arm, state in now.arms.items()},
-            {base: state.pose for base, state in now.bases.items()},
-            (self._seed, _NOISE_STREAM, list(self._cameras).index(camera.id), number),
-        )
 
     def _settle(self) -> None:
         for _ in range(_SETTLING):
@@ -228,7 +213,7 @@ class PyBulletCell:
     def _step(self, commands: Commands) -> None:
         for robot in self.scene.robots:
             robot.command(commands)
-        self._client.stepSimulation()
+        self._engine.step()
 
     def _sense(self, cycle: int) -> Snapshot:
         robots = self.scene.robots
@@ -239,6 +224,16 @@ class PyBulletCell:
             {gripper.spec.id: gripper.state() for robot in robots for gripper in robot.grippers},
             {robot.base.spec.id: robot.base.state() for robot in robots},
         )
+
+
+def _start_engine(wanted: str | EngineFactory, *, gui: bool) -> Engine:
+    build: EngineFactory = find_plugin("skiros.engines", wanted) if isinstance(wanted, str) else wanted
+    try:
+        return build(period=_PERIOD, gui=gui)
+    except SkirosError:
+        raise
+    except Exception as error:
+        raise DeviceError(f"engine {wanted!r} does not start: {type(error).__name__}: {error}") from error
 
 
 def _require(commanded: Mapping[str, object], known: Mapping[str, object]) -> None:

@@ -1,13 +1,11 @@
-"""Colours, for the eye: nothing that decides anything reads them."""
+"""Colours of bodies in pictures; no decision depends on them."""
 
 from __future__ import annotations
 
 from skiros_py.ports.cell import BodySpec
-from skiros_py.simulation.pybullet.bodies import Colour
+from skiros_py.ports.simulation import Colour
 
-__all__ = ["FLOOR", "Palette"]
-
-FLOOR: Colour = (0.80, 0.81, 0.80, 1.0)
+__all__ = ["Palette"]
 
 _FURNITURE: Colour = (0.80, 0.67, 0.49, 1.0)
 _KIT: Colour = (0.25, 0.45, 0.60, 1.0)

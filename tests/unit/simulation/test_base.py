@@ -70,16 +70,15 @@ def test_a_standing_base_does_not_creep_while_the_arm_swings(make_cell, kitting)
 
 def test_the_wheels_turn_as_far_as_the_base_drives(make_cell, kitting):
     cell = make_cell(kitting.cell_spec(start=Pose((-2.0, 0.0, 0.0))))
-    robot = cell.scene.robots[0]
-    wheels = robot.joints.indices(("wheel_left", "wheel_right"))
+    wheels = cell.scene.robots[0].model.joints(("wheel_left", "wheel_right"))
     before = Truth(cell).base_pose("base")
 
     _drive(cell, 0.5, 0.0, 400)
     _coast(cell, 200)
-    turned = [cell.scene.client.getJointState(robot.body, wheel)[0] for wheel in wheels]
+    turned = wheels.read().positions
     way = before.distance(Truth(cell).base_pose("base"))
 
-    assert turned == pytest.approx([way / 0.10] * 2, rel=0.02)
+    assert turned == pytest.approx((way / 0.10,) * 2, rel=0.02)
 
 
 def test_a_speed_that_is_no_number_is_refused(make_cell, kitting):

@@ -1,0 +1,299 @@
+"""PyBullet as a physics engine of the simulation port."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from skiros_py.errors import DeviceError, UnknownName, UsageError
+from skiros_py.geometry import Array, Pose, Solid
+from skiros_py.ports.simulation import FLOOR, Colour, Contact, RayHit, Rendering, Surface, Twist, Vector, View, Wrench
+from skiros_py.ports.values import CameraIntrinsics
+from skiros_py.simulation.pybullet.bodies import Body, Poses, build_solid, centre_of_mass
+from skiros_py.simulation.pybullet.client import Client
+from skiros_py.simulation.pybullet.renderer import BodyLook, Moment, Renderer, RobotLook, intrinsics_of
+from skiros_py.simulation.pybullet.robot import PyBulletRobot, surface_options
+from skiros_py.workers import Call, Worker
+
+__all__ = ["PyBulletEngine"]
+
+T = TypeVar("T")
+
+_GRAVITY = 9.81  # [m/s²]
+_ATTACHMENT_FORCE = 1e5  # [N]
+_AS_THE_ENGINE_HAS_IT = Surface()
+_ORIGIN = Pose()
+
+
+class PyBulletEngine:
+    """A :class:`skiros_py.ports.simulation.Engine`.
+
+    Args:
+        period: Length of one step [s].
+        gui: Open a window.
+
+    Attributes:
+        client: The physics client; for tests of this adapter.
+
+    Raises:
+        UsageError: A window is wanted where there is no display.
+        DeviceError: PyBullet does not work here.
+    """
+
+    name = "pybullet"
+
+    def __init__(self, *, period: float, gui: bool = False) -> None:
+        self.client = Client(gui=gui)
+        self._period = period
+        self._robots: dict[str, PyBulletRobot] = {}
+        self._bodies: dict[str, Body] = {}
+        self._before_step: list[Callable[[], None]] = []
+        self._renderer: Worker | None = None
+        client = self.client
+        client.setGravity(0.0, 0.0, -_GRAVITY)
+        client.setTimeStep(period)
+        client.setPhysicsEngineParameter(
+            numSolverIterations=50,
+            # Contact points kept over a longer distance keep their direction while the robot turns: held parts then
+            # stick to a finger that opens.
+            contactBreakingThreshold=0.001,
+            deterministicOverlappingPairs=1,
+        )
+        self._floor: int = client.createMultiBody(0, client.createCollisionShape(client.GEOM_PLANE))
+
+    @property
+    def period(self) -> float:
+        """Length of one step [s]."""
+        return self._period
+
+    def step(self) -> None:
+        """Simulates one period."""
+        for action in self._before_step:
+            action()
+        self.client.stepSimulation()
+
+    def before_step(self, action: Callable[[], None]) -> None:
+        """Calls an action before each step from now on."""
+        self._before_step.append(action)
+
+    # ------------------------------------------------------------------ what is in the world
+
+    def add_robot(self, name: str, urdf: Path, pose: Pose = _ORIGIN) -> PyBulletRobot:
+        """Loads a robot with its root link fixed at a pose."""
+        self._require_free(name)
+        self._robots[name] = PyBulletRobot(self, name, urdf, pose)
+        return self._robots[name]
+
+    def add_body(
+        self,
+        name: str,
+        solid: Solid,
+        pose: Pose,
+        *,
+        mass: float = 0.0,
+        colour: Colour,
+        surface: Surface = _AS_THE_ENGINE_HAS_IT,
+    ) -> None:
+        """Builds a rigid body of even density, at rest."""
+        self._require_free(name)
+        centre = centre_of_mass(solid) if mass > 0.0 else (0.0, 0.0, 0.0)
+        index = build_solid(self.client, solid, pose, mass=mass, centre=centre, colour=colour)
+        if options := surface_options(surface):
+            self.client.changeDynamics(index, -1, **options)
+        self._bodies[name] = Body(index, solid, mass, centre, colour)
+
+    def remove_body(self, name: str) -> None:
+        """Removes a body, and its attachment to a link."""
+        body = self._body(name)
+        if body.constraint is not None:
+            self.client.removeConstraint(body.constraint)
+        self.client.removeBody(body.index)
+        del self._bodies[name]
+
+    def move_body(self, name: str, pose: Pose) -> None:
+        """Puts a body to a pose, at rest."""
+        body = self._body(name)
+        at = pose @ Pose(body.centre)
+        self.client.resetBasePositionAndOrientation(body.index, at.position, at.orientation)
+        self.client.resetBaseVelocity(body.index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+    def attach(self, body: str, robot: str, link: str) -> None:
+        """Fixes a body with mass to a link, where it is now; it no longer collides with that link."""
+        attached, model, client = self._body(body), self._robot(robot).model, self.client
+        number = model.link(link)
+        if attached.mass <= 0.0 or attached.constraint is not None:
+            raise UsageError(f"'{body}' has no mass, or is attached already: it cannot be attached to '{link}'")
+        # The constraint's frames are relative to the centres of mass of both.
+        mounted = self._link_centre(model.body, number).inverse() @ self._centre_pose(attached)
+        frames = (mounted.position, (0.0, 0.0, 0.0), mounted.orientation, (0.0, 0.0, 0.0, 1.0))
+        attached.constraint = client.createConstraint(
+            model.body, number, attached.index, -1, client.JOINT_FIXED, (0.0, 0.0, 0.0), *frames
+        )
+        client.changeConstraint(attached.constraint, maxForce=_ATTACHMENT_FORCE)
+        client.setCollisionFilterPair(model.body, attached.index, number, -1, 0)
+
+    def detach(self, body: str) -> None:
+        """Releases an attached body."""
+        attached = self._body(body)
+        if attached.constraint is None:
+            raise UnknownName("attached body", body, [n for n, b in self._bodies.items() if b.constraint is not None])
+        self.client.removeConstraint(attached.constraint)
+        attached.constraint = None
+        for robot in self._robots.values():
+            for number in robot.model.links.values():
+                self.client.setCollisionFilterPair(robot.model.body, attached.index, number, -1, 1)
+
+    # ------------------------------------------------------------------ what physics says
+
+    def pose(self, body: str) -> Pose:
+        """Returns the pose of a body's solid frame."""
+        found = self._body(body)
+        x, y, z = found.centre
+        return self._centre_pose(found) @ Pose((-x, -y, -z))
+
+    def poses(self) -> Poses:
+        """Returns the present poses of all bodies."""
+        return Poses(self._bodies, self.client)
+
+    def twist(self, body: str) -> Twist:
+        """Returns the velocity of a body's centre of mass."""
+        linear, angular = self.client.getBaseVelocity(self._body(body).index)
+        return Twist(tuple(linear), tuple(angular))
+
+    def contacts(self, name: str, link: str | None = None) -> tuple[Contact, ...]:
+        """Returns the contacts of a body or robot after the last step."""
+        if name in self._bodies and not link:
+            points = self.client.getContactPoints(self._bodies[name].index)
+        else:
+            model = self._robot(name).model
+            narrowed = {} if link is None else {"linkIndexA": model.link(link)}
+            points = self.client.getContactPoints(model.body, **narrowed)
+        names = {body.index: name for name, body in self._bodies.items()} | {self._floor: FLOOR}
+        links = {robot.model.body: robot for robot in self._robots.values()}
+
+        def told(index: int, number: int) -> tuple[str, str]:
+            robot = links.get(index)
+            return (names[index], "") if robot is None else (robot.name, robot.model.link_names[number])
+
+        return tuple(
+            Contact(*told(point[1], point[3]), *told(point[2], point[4]), point[5], point[7], -point[8], point[9])
+            for point in points
+        )
+
+    def cast_rays(self, starts: Array, ends: Array) -> tuple[RayHit | None, ...]:
+        """Returns what each ray meets first."""
+        found: list[RayHit | None] = []
+        most = self.client.MAX_RAY_INTERSECTION_BATCH_SIZE
+        names = {body.index: name for name, body in self._bodies.items()} | {self._floor: FLOOR}
+        robots = {robot.model.body: robot for robot in self._robots.values()}
+        for first in range(0, len(starts), most):
+            batch = slice(first, first + most)
+            for index, number, fraction, point, normal in self.client.rayTestBatch(
+                np.asarray(starts[batch]).tolist(), np.asarray(ends[batch]).tolist()
+            ):
+                robot = robots.get(index)
+                link = "" if robot is None else robot.model.link_names[number]
+                name = names.get(index) if robot is None else robot.name
+                found.append(None if name is None else RayHit(name, link, fraction, point, normal))
+        return tuple(found)
+
+    def apply_wrench(self, name: str, wrench: Wrench, *, at: Vector | None = None, link: str = "") -> None:
+        """Applies a wrench during the next step."""
+        if name in self._bodies and not link:
+            index, number = self._bodies[name].index, -1
+            centre = self._centre_pose(self._bodies[name])
+        else:
+            model = self._robot(name).model
+            index, number = model.body, model.link(link)
+            centre = self._link_centre(index, number)
+        world = self.client.WORLD_FRAME
+        self.client.applyExternalForce(index, number, wrench.force, at or centre.position, world)
+        self.client.applyExternalTorque(index, number, wrench.torque, world)
+
+    # ------------------------------------------------------------------ pictures
+
+    def prepare_rendering(self) -> None:
+        """Starts the renderer's process."""
+        self._worker()
+
+    def intrinsics(self, view: View) -> CameraIntrinsics:
+        """Returns the exact pinhole model of the images of a view."""
+        return intrinsics_of(view)
+
+    def render(self, view: View, finish: Callable[[Rendering], T], *, latency: float = 0.0) -> Call[T]:
+        """Renders the present moment in the renderer's process, which also calls ``finish``."""
+        poses = self.poses()
+        moment = Moment(
+            {name: BodyLook(body.solid, body.colour, poses[name]) for name, body in self._bodies.items()},
+            {name: RobotLook(robot.urdf, robot.root, robot.positions()) for name, robot in self._robots.items()},
+        )
+        return self._worker().call("render", moment, view, finish, latency=latency)
+
+    def look_at(self, target: Vector, distance: float) -> None:
+        """Turns the window to a point."""
+        self.client.look_at(target, distance)
+
+    def _worker(self) -> Worker:
+        if self._renderer is None:
+            models = {name: (robot.urdf, robot.root) for name, robot in self._robots.items()}
+            self._renderer = Worker("renderer", functools.partial(Renderer, models))
+        return self._renderer
+
+    # ------------------------------------------------------------------ state
+
+    def state_bytes(self) -> bytes:
+        """Returns the exact state of all joints and bodies."""
+        values = list(itertools.chain.from_iterable(robot.motion() for robot in self._robots.values()))
+        for body in self._bodies.values():
+            values.extend(itertools.chain(*self.client.getBasePositionAndOrientation(body.index)))
+            values.extend(itertools.chain(*self.client.getBaseVelocity(body.index)))
+        return struct.pack(f"<{len(values)}d", *values)
+
+    def save(self) -> object:
+        """Returns the state of all that is in the world now."""
+        return tuple(self._bodies), self.client.saveState()
+
+    def restore(self, state: object) -> None:
+        """Goes back to a saved state; the same bodies and robots must be there."""
+        match state:
+            case (tuple() as bodies, int() as number) if bodies == tuple(self._bodies):
+                self.client.restoreState(number)
+            case _:
+                raise DeviceError("this state was saved with other bodies in the world")
+
+    def close(self) -> None:
+        """Ends the renderer's process and the physics client; may be called twice."""
+        if self._renderer is not None:
+            self._renderer.close()
+        self.client.close()
+
+    def _require_free(self, name: str) -> None:
+        if name in self._bodies or name in self._robots or name == FLOOR:
+            raise UsageError(f"there is a '{name}' in the world already")
+
+    def _body(self, name: str) -> Body:
+        if name not in self._bodies:
+            raise UnknownName("body", name, self._bodies)
+        return self._bodies[name]
+
+    def _robot(self, name: str) -> PyBulletRobot:
+        if name not in self._robots:
+            raise UnknownName("body or robot", name, [*self._bodies, *self._robots])
+        return self._robots[name]
+
+    def _centre_pose(self, body: Body) -> Pose:
+        position, orientation = self.client.getBasePositionAndOrientation(body.index)
+        return Pose(tuple(position), tuple(orientation))
+
+    def _link_centre(self, index: int, number: int) -> Pose:
+        if number < 0:
+            position, orientation = self.client.getBasePositionAndOrientation(index)
+            return Pose(tuple(position), tuple(orientation))
+        state = self.client.getLinkState(index, number, computeForwardKinematics=True)
+        return Pose(state[0], state[1])

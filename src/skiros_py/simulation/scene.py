@@ -1,0 +1,213 @@
+"""What stands in a simulated cell: bodies, compartments and robots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from skiros_py.errors import UnknownName, UsageError
+from skiros_py.geometry import Pose
+from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
+from skiros_py.ports.models import BASE_LINK
+from skiros_py.ports.simulation import Engine, SimulatedRobot, Surface
+from skiros_py.ports.values import Commands
+from skiros_py.simulation.appearance import Palette
+from skiros_py.simulation.arm import SimulatedArm
+from skiros_py.simulation.base import SimulatedBase
+from skiros_py.simulation.gripper import SimulatedGripper
+from skiros_py.simulation.spawn import free_pose, start_poses
+
+__all__ = ["CellRobot", "Scene"]
+
+_CARRIED_MASS = 2.0  # [kg] of a body without mass that rides on a robot and so cannot be part of the ground
+_LOCALISER_STREAM = 1
+# With fingers of 1.0 a part of 0.9 kg is held at 30 N per finger; at 0.3 parts begin to slip. The two small ones stop
+# parts from spinning between the finger pads and from rolling away for ever.
+_BODIES = Surface(lateral=0.8, spinning=0.01, rolling=1e-4)
+
+
+@dataclass(frozen=True, slots=True)
+class CellRobot:
+    """A robot with the controllers of its devices.
+
+    Attributes:
+        spec: The robot.
+        model: It in the engine.
+        base: Its base.
+        arms: Its arms.
+        grippers: Its grippers.
+    """
+
+    spec: RobotSpec
+    model: SimulatedRobot
+    base: SimulatedBase
+    arms: tuple[SimulatedArm, ...]
+    grippers: tuple[SimulatedGripper, ...]
+
+    @classmethod
+    def bring_up(cls, spec: RobotSpec, model: SimulatedRobot, rng: np.random.Generator) -> CellRobot:
+        """Makes the controllers of a robot that is in the engine."""
+        base = SimulatedBase(spec.base, model, rng)
+        arms = tuple(SimulatedArm(arm, model) for arm in spec.arms)
+        return cls(spec, model, base, arms, tuple(SimulatedGripper(gripper, model) for gripper in spec.grippers))
+
+    def command(self, commands: Commands) -> None:
+        """Lets every device act for one period."""
+        self.base.command(commands.bases.get(self.base.spec.id))
+        for arm in self.arms:
+            arm.command(commands.arms.get(arm.spec.id))
+        for gripper in self.grippers:
+            gripper.command(commands.grippers.get(gripper.spec.id))
+
+
+class Scene:
+    """The simulated world behind a cell.
+
+    Args:
+        engine: The engine, still empty.
+        spec: What stands in it.
+        urdfs: Model of each robot, by the robot's id.
+        seed: The run's seed.
+
+    Attributes:
+        engine: The engine.
+        bodies: Bodies by id.
+        compartments: Compartments by id, each with its pose in the frame of the body it belongs to.
+        robots: The robots.
+    """
+
+    def __init__(self, engine: Engine, spec: CellSpec, urdfs: Mapping[str, Path], *, seed: int) -> None:
+        self.engine = engine
+        self._palette = Palette()
+        self.bodies: dict[str, BodySpec] = {}
+        poses = start_poses(spec, seed)
+        self.robots = [
+            CellRobot.bring_up(
+                robot,
+                engine.add_robot(robot.id, urdfs[robot.id]),
+                np.random.default_rng([seed, _LOCALISER_STREAM, number]),
+            )
+            for number, robot in enumerate(spec.robots)
+        ]
+        self.compartments = {
+            body.id: (body, poses[body.place].inverse() @ poses[body.id])
+            for body in spec.bodies
+            if body.compartment and body.place is not None
+        }
+        for body in spec.bodies:
+            if not body.compartment:
+                self.add(body, poses[body.id])
+
+    def add(self, spec: BodySpec, pose: Pose) -> None:
+        """Builds a body at a pose in the map.
+
+        Raises:
+            UsageError: There is a body of that id, or it is a compartment.
+        """
+        if spec.id in self.bodies or spec.compartment:
+            raise UsageError(f"'{spec.id}' is a compartment or is in the cell already")
+        mass = spec.mass if spec.carrier is None else spec.mass or _CARRIED_MASS
+        colour = self._palette.colour(spec)
+        self.engine.add_body(spec.id, spec.solid, pose, mass=mass, colour=colour, surface=_BODIES)
+        self.bodies[spec.id] = spec
+        if spec.carrier is not None:
+            robot = next(robot for robot in self.robots if robot.base.spec.id == spec.carrier)
+            self.engine.attach(spec.id, robot.model.name, BASE_LINK)
+
+    def remove(self, body_id: str) -> None:
+        """Removes a body.
+
+        Raises:
+            UnknownName: There is no such body.
+        """
+        self.body(body_id)
+        self.engine.remove_body(body_id)
+        del self.bodies[body_id]
+
+    def move(self, body_id: str, pose: Pose) -> None:
+        """Puts a body somewhere else in the map, at rest.
+
+        Raises:
+            UnknownName: There is no such body.
+            UsageError: The body is bolted to a robot.
+        """
+        body = self.body(body_id)
+        if body.carrier is not None:
+            raise UsageError(f"'{body_id}' is bolted to '{body.carrier}' and moves with it only")
+        self.engine.move_body(body_id, pose)
+
+    def follow_belief(self, name: str, body: BodySpec | None, *, moved: bool, seed: int) -> None:
+        """Adds, removes or moves a body, or rebuilds it with another shape or mass, to be as it is believed to be.
+
+        Args:
+            name: Id of the body.
+            body: How it is believed to be; None where it is gone.
+            moved: True to put it where it is believed to be; otherwise it stays where it is, or away.
+            seed: For a pose that is not stated.
+
+        Raises:
+            UsageError: It is bolted to a robot, or shall be: that takes a new session.
+            DescriptionError: There is no room for it where it shall lie.
+        """
+        there = self.bodies.get(name)
+        if there is not None and there.carrier is not None and (body is None or moved):
+            raise UsageError(f"it is bolted to {there.carrier}: reset the simulation, and it is brought up like that")
+        if body is None:
+            self.compartments.pop(name, None)
+            if there is not None:
+                self.remove(name)
+        elif body.compartment:
+            self._fit(body)
+        elif body.carrier is not None:
+            raise UsageError(f"it rides on {body.carrier}: reset the simulation, and it is brought up like that")
+        elif there is None:
+            if moved:
+                self._bring(body, seed)
+        elif (there.solid, there.mass, there.type) != (body.solid, body.mass, body.type):
+            pose = None if moved else self.pose(name)
+            self.remove(name)
+            self._bring(body if pose is None else replace(body, pose=pose), seed)
+        elif moved:
+            others = [(spec, pose) for spec, pose in self._standing() if spec.id != name]
+            self.move(name, free_pose(body, others, seed))
+            self.bodies[name] = body
+
+    def _bring(self, body: BodySpec, seed: int) -> None:
+        pose = free_pose(body, self._standing(), seed)
+        self.add(replace(body, pose=pose), pose)
+
+    def body(self, body_id: str) -> BodySpec:
+        """Returns a body.
+
+        Raises:
+            UnknownName: There is no such body.
+        """
+        if body_id not in self.bodies:
+            raise UnknownName("body", body_id, self.bodies)
+        return self.bodies[body_id]
+
+    def pose(self, body_id: str) -> Pose:
+        """Returns the real pose of a body or compartment in the map.
+
+        Raises:
+            UnknownName: There is no such body.
+        """
+        if body_id in self.compartments:
+            compartment, relative = self.compartments[body_id]
+            return self.pose(str(compartment.place)) @ relative
+        self.body(body_id)
+        return self.engine.pose(body_id)
+
+    def _standing(self) -> list[tuple[BodySpec, Pose]]:
+        """Returns all bodies and compartments, with their real poses in the map."""
+        compartments = [spec for spec, _ in self.compartments.values() if spec.place in self.bodies]
+        return [(spec, self.pose(spec.id)) for spec in (*self.bodies.values(), *compartments)]
+
+    def _fit(self, compartment: BodySpec) -> None:
+        """A compartment is a region of the body that has it: it moves with that one."""
+        whole = self.bodies.get(compartment.place or "")
+        if whole is not None and compartment.pose is not None and whole.pose is not None:
+            self.compartments[compartment.id] = (compartment, whole.pose.inverse() @ compartment.pose)
