@@ -6,6 +6,7 @@
     ├── UsageError            somebody asked for something that does not exist or does not parse
     │   ├── UnknownName       ... and here are the names that do exist
     │   ├── GoalSyntaxError   ... at this column of the goal
+    │   ├── MissingExtra      ... that needs an extra of the distribution, which is not installed
     │   ├── KeyReused         ... with the key of an earlier request, which was another one
     │   └── WrongState        ... that cannot be done now, in the state things are in
     │       └── Removed       ... since it was done before, and what came of it was removed
@@ -42,6 +43,7 @@ __all__ = [
     "GoalSyntaxError",
     "KeyReused",
     "Locked",
+    "MissingExtra",
     "MissingSystemLibrary",
     "ModuleError",
     "PlanningError",
@@ -225,6 +227,18 @@ class Busy(SkirosError):
     def __init__(self, text: str, *, retry_after: float = 1.0) -> None:
         self.retry_after = retry_after
         super().__init__(text)
+
+
+class MissingExtra(UsageError):
+    """An extra of the distribution is needed and not installed.
+
+    Attributes:
+        extra: Its name.
+    """
+
+    def __init__(self, extra: str, needed_for: str) -> None:
+        self.extra = extra
+        super().__init__(f"{needed_for} needs the extra '{extra}': python3 -m pip install 'skiros-py[{extra}]'")
 
 
 class MissingSystemLibrary(SkirosError):

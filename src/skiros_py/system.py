@@ -1,4 +1,4 @@
-"""Checks, before anything starts, for what pip cannot install."""
+"""Checks, before anything starts, what is missing: extras of the distribution, libraries that pip cannot install."""
 
 from __future__ import annotations
 
@@ -9,9 +9,24 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
-from skiros_py.errors import MissingSystemLibrary, UsageError
+from skiros_py.errors import MissingExtra, MissingSystemLibrary, UsageError
 
-__all__ = ["check_display", "check_system_libraries", "memory", "missing_system_libraries", "processors"]
+__all__ = [
+    "EXTRAS",
+    "check_display",
+    "check_system_libraries",
+    "has_extra",
+    "memory",
+    "missing_system_libraries",
+    "processors",
+    "require_extra",
+]
+
+EXTRAS = {
+    "physics": ("pybullet", "pinocchio", "open3d"),
+    "server": ("fastapi", "uvicorn", "structlog"),
+}
+"""Modules that tell whether an extra of the distribution is installed."""
 
 _NEEDED = (
     # (used by, shared library, Debian package)
@@ -22,6 +37,28 @@ _NEEDED = (
     ("pinocchio", "libgomp.so.1", "libgomp1"),
 )
 _CONTAINER = Path("/sys/fs/cgroup/memory.max")
+
+
+def has_extra(name: str) -> bool:
+    """Returns whether an extra of the distribution is installed."""
+    try:
+        return all(find_spec(module) is not None for module in EXTRAS[name])
+    except ImportError:
+        return False
+
+
+def require_extra(name: str, needed_for: str) -> None:
+    """Checks that an extra of the distribution is installed.
+
+    Args:
+        name: The extra.
+        needed_for: What needs it, for the message ("serving a scene").
+
+    Raises:
+        MissingExtra: It is not; the message says how to install it.
+    """
+    if not has_extra(name):
+        raise MissingExtra(name, needed_for)
 
 
 def check_system_libraries() -> None:

@@ -87,6 +87,17 @@ def _libraries() -> Iterator[Finding]:
                 yield Finding(f"{requirement.name} {found} does not fit {requirement.specifier}", todo, wrong=True)
 
 
+@_check("extras")
+def _extras() -> Iterator[Finding]:
+    """Says which extras of the distribution are installed; each is optional."""
+    from skiros_py.system import EXTRAS, has_extra
+
+    for extra in EXTRAS:
+        installed = has_extra(extra)
+        text = f"extra {extra}: {'installed' if installed else 'not installed'}"
+        yield Finding(text, "" if installed else f"python3 -m pip install 'skiros-py[{extra}]'")
+
+
 @_check("system")
 def _system() -> Iterator[Finding]:
     from skiros_py.system import missing_system_libraries

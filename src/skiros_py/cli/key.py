@@ -17,6 +17,7 @@ from skiros_py.cli.options import DATA, JSON
 from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
+from skiros_py.system import require_extra
 
 if TYPE_CHECKING:
     from skiros_py.api.keys import ApiKey
@@ -47,6 +48,7 @@ def command() -> None:
 
     It works on the data directory, whether a server runs on it or not; what is revoked counts at once.
     """
+    require_extra("server", "skiros key")
 
 
 @command.command("create", epilog="Example: skiros key create 'line 1 MES' --role mes --expires 90d --data plant")

@@ -24,6 +24,7 @@ from skiros_py.cli.text import escaped
 from skiros_py.cli.warnings import no_warnings_on_stderr
 from skiros_py.errors import UsageError
 from skiros_py.interruptions import UserStop
+from skiros_py.system import require_extra
 
 if TYPE_CHECKING:
     from socket import socket
@@ -106,6 +107,7 @@ def command(
     /api/v1/docs; where the web pages are installed, they are at /. At the end the robots come to a standstill, and what
     was under way waits for a person at the next start.
     """
+    require_extra("server", "skiros serve")
     from skiros_py.server.serving import bind, switching_quickly
     from skiros_py.server.settings import ServerSettings
     from skiros_py.station.session import Options

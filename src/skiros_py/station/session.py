@@ -30,7 +30,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.respawn import respawn
-from skiros_py.system import check_system_libraries
+from skiros_py.system import check_system_libraries, require_extra
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.learning import learn_durations
 from skiros_py.tasks.pursuit import pursue
@@ -243,11 +243,12 @@ class Session:
         Each robot plans its arms' motions in a process of its own; base paths and perception are shared, and answer in
         the order of asking.
         """
+        require_extra("physics", "a simulated run without --fake")
+        check_system_libraries()
         from skiros_py.motion.arm_planner import ArmPlanners
         from skiros_py.motion.base_paths import ShapelyBasePlanner
         from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
 
-        check_system_libraries()
         perception = self._stack.enter_context(closing(start_perception()))
         arm_planner = self._stack.enter_context(closing(ArmPlanners(self.spec.robots)))
         base_planner = self._stack.enter_context(closing(ShapelyBasePlanner()))
