@@ -23,13 +23,13 @@ from typing import Any
 
 from table import Figure, finish
 
+from skiros_py.behaviours import Do, Parallel, Sequence
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.ports.devices import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.composition import Do, Parallel, Sequence
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, Param
@@ -231,7 +231,7 @@ def _watched() -> Figure:
 
 _MODULE = '''
 from dataclasses import dataclass
-from skiros_py.skills.composition import Do, P
+from skiros_py.behaviours import Do, P
 from skiros_py.skills.outcome import Success
 from skiros_py.skills.conditions import ConditionType, Related, Role
 from skiros_py.skills.parameters import Kind, Param, param

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from planning_worlds import kitting_world
 
-from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.behaviours import AssertEffects, Do, P, Sequence
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
+from skiros_py.behaviours import Do, P
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.devices import Base
 from skiros_py.ports.values import BaseTwist
 from skiros_py.simulation.fake import FakeCell
-from skiros_py.skills.composition import Do, P
 from skiros_py.skills.conditions import Computed, ConditionType, Role
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param

@@ -174,7 +174,7 @@ def test_a_primitive_of_a_plug_in_that_breaks_mid_run_fails_the_goal_in_words_an
     install("sk_fine", {"skills": {"hop": "HOP"}, "conditions": {"TinyAt": "AT"}}, GOOD)
     broken = """
 from dataclasses import dataclass, replace
-from skiros_py.skills.composition import Do
+from skiros_py.behaviours import Do
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.conditions import ConditionType, Related, Role
 from skiros_py.testing.tiny_skills import DRIVE, pretend

@@ -21,7 +21,7 @@ HOP = pretend(replace(DRIVE, name="hop"))
 """
 BAD = """
 from dataclasses import replace
-from skiros_py.skills.composition import Do
+from skiros_py.behaviours import Do
 from skiros_py.skills.skill import Skill
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE
 

@@ -21,7 +21,7 @@ Start = Callable[..., subprocess.Popen[str]]
 HEAD = """
 import ctypes, os, sys, threading, time
 from dataclasses import dataclass, replace
-from skiros_py.skills.composition import Do
+from skiros_py.behaviours import Do
 from skiros_py.skills.outcome import Success
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.conditions import ConditionType, Related, Role

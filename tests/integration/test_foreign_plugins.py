@@ -25,7 +25,7 @@ AT = AT_LOCATION
 """
 BAD = """
 from dataclasses import replace
-from skiros_py.skills.composition import Do
+from skiros_py.behaviours import Do
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
 from skiros_py.testing.tiny_skills import DRIVE, pretend

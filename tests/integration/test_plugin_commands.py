@@ -20,7 +20,7 @@ from skiros_py.testing import CONDITIONS, SKILLS, TINY_ONTOLOGY, tiny_ontology, 
 
 CODE = """
 from dataclasses import dataclass, replace
-from skiros_py.skills.composition import Do
+from skiros_py.behaviours import Do
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing.tiny_skills import DRIVE, pretend
@@ -244,7 +244,7 @@ def test_a_skill_that_calls_a_broken_primitive_says_so_by_name(site: Any) -> Non
 
 WITHIN = """
 from dataclasses import replace
-from skiros_py.skills.composition import Do, P
+from skiros_py.behaviours import Do, P
 from skiros_py.testing.tiny_skills import DRIVE, pretend
 OUTER = pretend(replace(DRIVE, name="tour"), Do.of("hop", Location=P("Location")))
 INNER = pretend(replace(DRIVE, name="hop"))

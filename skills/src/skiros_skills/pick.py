@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.skills.composition import AssertEffects, Do, P, Sequence
+from skiros_py.behaviours import AssertEffects, Do, P, Sequence
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, MANIPULATABLE, ROBOT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from skiros_py.skills.composition import Do, walk
+from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.skill import Skill
 
 __all__ = ["called_by", "callers_of_broken"]
@@ -12,7 +12,7 @@ __all__ = ["called_by", "callers_of_broken"]
 
 def called_by(skill: Skill) -> tuple[str, ...]:
     """Returns the names of the modules that a skill calls, in alphabetical order."""
-    return tuple(sorted({node.module for tree in skill.nodes for node in walk(tree) if isinstance(node, Do)}))
+    return tuple(sorted({call.module for call in calls_of(*skill.nodes)}))
 
 
 def callers_of_broken(skills: Mapping[str, Skill], broken: Mapping[str, str]) -> dict[str, str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName, UsageError
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.plugins import LazyPlugins, PluginFault
+from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
@@ -36,6 +37,7 @@ class Catalogue:
         early: Faults that were known when the catalogue was made.
         reasoners: Reasoners that worlds are opened with.
         drivers: What makes a cell driver, by name; each is loaded when it is first asked for.
+        behaviours: Kinds of node by name; each is loaded when it is first asked for.
     """
 
     skills: Mapping[str, Skill]
@@ -46,6 +48,7 @@ class Catalogue:
     early: tuple[PluginFault, ...] = ()
     reasoners: Reasoners = NO_REASONERS
     drivers: Mapping[str, Any] = field(default_factory=dict)
+    behaviours: Mapping[str, type[Behaviour]] = field(default_factory=dict)
 
     @property
     def faults(self) -> tuple[PluginFault, ...]:
@@ -59,7 +62,11 @@ class Catalogue:
             lazy.load_all()
 
     def _lazy(self) -> Iterator[LazyPlugins[Any]]:
-        yield from (found for found in (self.primitives, self.planners, self.drivers) if isinstance(found, LazyPlugins))
+        yield from (
+            found
+            for found in (self.primitives, self.planners, self.drivers, self.behaviours)
+            if isinstance(found, LazyPlugins)
+        )
 
     def planner(self, name: str) -> Planner:
         """Makes a planner; close it.

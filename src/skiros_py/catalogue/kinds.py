@@ -11,6 +11,7 @@ from typing import Any
 
 from skiros_py.errors import SkirosError
 from skiros_py.plugins import Plugin
+from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import params_of
 from skiros_py.skills.primitive import Primitive
@@ -95,6 +96,15 @@ def _wrong_primitive(plugin: Plugin) -> str | None:
     return f"it does not define {', '.join(missing)}" if missing else None
 
 
+def _wrong_behaviour(plugin: Plugin) -> str | None:
+    class_ = plugin.value
+    own = getattr(class_, "kind", None)
+    if own != plugin.name:
+        return f"its kind is {own!r}: documents find it as '{plugin.name}', so both must be the same"
+    missing = sorted(class_.__abstractmethods__) if inspect.isabstract(class_) else []
+    return f"it does not define {', '.join(missing)}" if missing else None
+
+
 def _is_path(value: Any) -> bool:
     return isinstance(value, Path | Traversable)
 
@@ -108,6 +118,12 @@ KINDS: Mapping[str, Kind] = {
             "a subclass of Primitive",
             lambda value: isinstance(value, type) and issubclass(value, Primitive),
             _wrong_primitive,
+        ),
+        Kind(
+            "skiros.behaviours",
+            "a subclass of Behaviour",
+            lambda value: isinstance(value, type) and issubclass(value, Behaviour),
+            _wrong_behaviour,
         ),
         Kind(
             "skiros.conditions",

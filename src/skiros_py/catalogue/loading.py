@@ -28,15 +28,15 @@ __all__ = ["load_catalogue"]
 
 
 def load_catalogue() -> Catalogue:
-    """Finds all plug-ins of the groups ``skiros.skills``, ``primitives``, ``conditions``, ``planners``, ``drivers``.
+    """Finds the skills, primitives, behaviours, conditions, planners and drivers that distributions bring.
 
-    Skills and conditions are loaded, for planning needs their descriptions; a primitive, planner or driver is loaded
-    when it is first asked for. The reasoners are those that worlds are opened with; the faults of the plug-ins of
+    Skills and conditions are loaded, because planning needs their descriptions; everything else is loaded when it is
+    first asked for. The reasoners are those that worlds are opened with; the faults of the plug-ins of
     ``skiros.reasoners`` and ``skiros.ontologies`` are among the faults.
     """
     found = _Found()
     planners, drivers = found.entries("planners"), found.entries("drivers")
-    primitives = found.entries("primitives")
+    primitives, behaviours = found.entries("primitives"), found.entries("behaviours")
     skills = found.skills()
     conditions = found.conditions()
     of_skills, of_primitives = clashes_of_modules(skills, primitives)
@@ -51,6 +51,7 @@ def load_catalogue() -> Catalogue:
         early=(*installation().faults, *found.faults, *unusable, *misfits),
         reasoners=reasoners,
         drivers=_lazy(drivers),
+        behaviours=_lazy(behaviours),
     )
 
 

@@ -170,7 +170,7 @@ def _given(params: Sequence[str]) -> dict[str, str]:
 def _body(name: str) -> list[str]:
     """Returns what each implementation does, also those for other drivers."""
     from skiros_py.catalogue import load_catalogue
-    from skiros_py.skills.composition import lines
+    from skiros_py.skills.behaviour import lines
 
     found = []
     for skill in load_catalogue().skills.values():

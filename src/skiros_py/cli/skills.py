@@ -58,7 +58,7 @@ def _as_json(catalogue: Catalogue) -> dict[str, object]:
 
 
 def _print(catalogue: Catalogue) -> None:
-    from skiros_py.skills.composition import lines
+    from skiros_py.skills.behaviour import lines
 
     for name, skill in catalogue.skills.items():
         description = skill.description

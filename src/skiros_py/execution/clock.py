@@ -37,6 +37,11 @@ class RunClock:
         """True when it stands still and shall stay so."""
         return self.rate == self._wanted == 0.0
 
+    @property
+    def slowing(self) -> bool:
+        """True when it stands still, or is on its way there."""
+        return self._wanted == 0.0
+
     def slow_down(self) -> None:
         """Lets it come to a standstill."""
         self._wanted = 0.0

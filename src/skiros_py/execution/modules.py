@@ -14,7 +14,7 @@ from skiros_py.execution.primitive_run import run_primitive
 from skiros_py.execution.scope import Scope
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.ports.devices import DeviceBoard
-from skiros_py.skills.composition import Do, walk
+from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind, Param, params_of
@@ -121,23 +121,29 @@ class Modules:
         ways = self.skills.get(skill)
         return ways[0].description.agent if ways else None
 
-    def run(self, module: str, arguments: Mapping[str, Any], scope: Scope) -> Execution[Outcome]:
+    def run(self, module: str, arguments: Mapping[str, Any], scope: Scope, run: str = "") -> Execution[Outcome]:
         """Returns the run of a module within a scope; ticked to its end, or closed.
 
         A skill that another subsystem does runs as by the skill manager of that one.
+
+        Args:
+            module: Its name.
+            arguments: Its parameters.
+            scope: What it runs in.
+            run: Id of this run; a new one where left out.
 
         Raises:
             UnknownName: There is no such module.
         """
         able = self._directory.who_runs(module, arguments, self)
         if able is not self:
-            return able.run(module, arguments, replace(scope, agent=able.agent, modules=able))
+            return able.run(module, arguments, replace(scope, agent=able.agent, modules=able), run)
         if self.kind(module) == "skill":
-            return self.skill_run(module, arguments, scope).execute()
+            return self.skill_run(module, arguments, scope, run).execute()
         loaded = self._loader.get(module, scope.context)
         if isinstance(loaded, Failure):
             return _failed(loaded)
-        return run_primitive(loaded, arguments, scope, self.take)
+        return run_primitive(loaded, arguments, scope, self.take, run)
 
     def prepare(self, module: str, context: RunContext) -> None:
         """Loads the primitives that a module is made of, as far as its composition names them.
@@ -146,9 +152,9 @@ class Modules:
         """
         self._prepare(module, {}, context, set())
 
-    def skill_run(self, skill: str, arguments: Mapping[str, Any], scope: Scope) -> SkillRun:
+    def skill_run(self, skill: str, arguments: Mapping[str, Any], scope: Scope, run: str = "") -> SkillRun:
         """Makes a run of a skill."""
-        return SkillRun(self.skills[skill], arguments, scope, self.take)
+        return SkillRun(self.skills[skill], arguments, scope, self.take, run)
 
     def take(self, owner: str, devices: set[str], within: Claim | None) -> Claim:
         """Asks for devices, out of those of the module around it."""
@@ -176,7 +182,7 @@ class Modules:
         if module not in able.skills and module in able.primitives:
             able._loader.prepare(module, context)  # noqa: SLF001 - one of the same class
         for skill in able.skills.get(module, ()):
-            for call in (node for root in skill.nodes for node in walk(root) if isinstance(node, Do)):
+            for call in calls_of(*skill.nodes):
                 able._prepare(call.module, call.arguments, context, seen)  # noqa: SLF001 - one of the same class
 
 

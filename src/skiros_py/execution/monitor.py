@@ -6,10 +6,13 @@ import enum
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
+from typing import Any
 
 from skiros_py.execution.pulse import CycleOverrun
+from skiros_py.skills.outcome import BROKEN_OFF, Outcome, Success
 
-__all__ = ["ModuleEvent", "Monitor", "Status"]
+__all__ = ["ModuleEvent", "Monitor", "Status", "end_of"]
 
 _log = logging.getLogger(__name__)
 
@@ -27,6 +30,8 @@ class Status(enum.Enum):
     """It ended well."""
     ERROR = "error"
     """It ended without success; the text says why."""
+    EVENT = "event"
+    """It announced a named event, maybe with a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +40,8 @@ class ModuleEvent:
 
     Attributes:
         time: Run time [s].
-        kind: "skill" or "primitive".
-        module: Its name.
+        kind: "skill", "primitive", or "node" for what is said of a node in a skill's body.
+        module: Its name; of a node, the module that it is part of.
         status: Its state.
         code: Progress code; negative for an error.
         text: Words for a person.
@@ -46,6 +51,11 @@ class ModuleEvent:
         task: Name of the task that it is done for; empty for none.
         implementation: Label of the way in which a skill is done, may be empty; None for a primitive, and where that
             is not known.
+        id: Id of the run that this is about; unique in this process.
+        parent: Id of the run that it is part of; empty for one that nothing called.
+        path: Path of its node from the module that was started (``pick/body/0/2``): the same in each run.
+        event: Name of the event that it announced; empty for none.
+        value: Value of that event, as plain data.
     """
 
     time: float
@@ -59,25 +69,65 @@ class ModuleEvent:
     caller: str = ""
     task: str = ""
     implementation: str | None = None
+    id: str = ""
+    parent: str = ""
+    path: str = ""
+    event: str = ""
+    value: Any = None
 
 
 class Monitor:
-    """Hands module events to whoever listens, in order."""
+    """Passes module events to listeners, in order, and numbers runs.
+
+    Attributes:
+        wants_nodes: True while a listener wants to hear of nodes; where none does, they cost nothing.
+    """
 
     def __init__(self) -> None:
         self._listeners: list[Callable[[ModuleEvent], None]] = []
+        self._of_nodes: list[Callable[[ModuleEvent], None]] = []
+        self._ids = count(1)
+        self.wants_nodes = False
 
-    def subscribe(self, listener: Callable[[ModuleEvent], None]) -> Callable[[], None]:
-        """Calls the listener with each event; it must be quick. Returns how to end that."""
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+    def new_id(self) -> str:
+        """Returns the id of a further run."""
+        return f"r{next(self._ids)}"
+
+    def subscribe(self, listener: Callable[[ModuleEvent], None], *, nodes: bool = False) -> Callable[[], None]:
+        """Calls the listener with each event; it must be quick. Returns how to end that.
+
+        Args:
+            listener: Takes the events.
+            nodes: Whether it wants the start and end of nodes in skills' bodies, too.
+        """
+        listeners = [self._listeners, *([self._of_nodes] if nodes else [])]
+        for some in listeners:
+            some.append(listener)
+        self.wants_nodes = bool(self._of_nodes)
+
+        def leave() -> None:
+            for some in listeners:
+                some.remove(listener)
+            self.wants_nodes = bool(self._of_nodes)
+
+        return leave
 
     def publish(self, event: ModuleEvent) -> None:
-        """Hands an event to all listeners."""
-        for listener in tuple(self._listeners):
+        """Passes an event to all listeners that want it."""
+        of_node = event.kind == "node" and event.status is not Status.EVENT
+        for listener in tuple(self._of_nodes if of_node else self._listeners):
             try:
                 listener(event)
             except (KeyboardInterrupt, CycleOverrun):
                 raise
             except BaseException:  # noqa: BLE001 - whoever only looks on must not break what is going on
                 _log.exception("a listener of module events broke")
+
+
+def end_of(outcome: Outcome) -> tuple[Status, int, str]:
+    """Returns the state, progress code and text by which the end of a run is reported."""
+    if isinstance(outcome, Success):
+        return Status.TERMINATED, 1, outcome.message
+    if outcome.code == BROKEN_OFF:
+        return Status.PREEMPTED, 0, outcome.reason
+    return Status.ERROR, outcome.code, outcome.reason

@@ -14,7 +14,7 @@ from skiros_py.execution.hardware import complete, devices_of, standstill
 from skiros_py.execution.loader import Loaded
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.pulse import CycleOverrun
-from skiros_py.execution.scope import Scope, Unfinished, make_up
+from skiros_py.execution.scope import Scope, Unfinished, run_recovery
 from skiros_py.execution.telling import Tell, teller, to_its_end
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
@@ -27,7 +27,9 @@ Take = Callable[[str, set[str], Claim | None], Claim]
 """Asks for devices: who asks, which, and out of whose."""
 
 
-def run_primitive(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take) -> Execution[Outcome]:
+def run_primitive(
+    loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take, run: str = ""
+) -> Execution[Outcome]:
     """Runs one primitive within a scope.
 
     Args:
@@ -35,15 +37,17 @@ def run_primitive(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: 
         given: Its parameters; devices that are left out are those of the subsystem, where there is only one.
         scope: What it runs in.
         take: Asks for its devices.
+        run: Id of this run; a new one where left out.
     """
     name = loaded.cls.name
-    tell = teller("primitive", name, scope)
+    id_ = run or scope.monitor.new_id()
+    tell = teller("primitive", name, scope, id_)
     specified = contained(name, lambda: _specify(loaded, given, scope, take))
     if isinstance(specified, Failure):
         tell(Status.ERROR, specified.code, specified.reason)
         return specified
     values, claim = specified
-    return (yield from to_its_end(_Run(loaded, values, scope, claim, tell), scope, tell))
+    return (yield from to_its_end(_Run(loaded, values, scope, claim, tell, id_), scope, tell))
 
 
 def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take) -> tuple[dict[str, Any], Claim]:
@@ -66,20 +70,22 @@ def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take)
 class _Run:
     """One run of a primitive that is specified and has asked for its devices.
 
-    What it calls runs in a scope of its own: what of that its author breaks off makes up for it beside whatever the
-    author goes on with, but before the next call begins, and before the run ends.
+    What it calls runs in a scope of its own. A cancelled call recovers while the primitive goes on, but before the
+    next call begins and before the run ends.
     """
 
-    def __init__(self, loaded: Loaded, values: Mapping[str, Any], scope: Scope, claim: Claim, tell: Tell) -> None:
+    def __init__(
+        self, loaded: Loaded, values: Mapping[str, Any], scope: Scope, claim: Claim, tell: Tell, id_: str
+    ) -> None:
         self._loaded = loaded
         self._values = values
         self._scope = scope
         self._board = scope.context.board
-        self._calls = replace(scope, claim=claim, unfinished=[], callers=(*scope.callers, loaded.cls.name))
+        self._calls = replace(scope, claim=claim, unfinished=[], callers=(*scope.callers, loaded.cls.name), id=id_)
         self._open: dict[int, Execution[Outcome]] = {}
         self._numbers = count()
-        self._making_up: Execution[None] | None = None
-        self._made_up_in = -1
+        self._recovering: Execution[None] | None = None
+        self._recovered_in = -1
         self._claim = claim
         self._tell = tell
         self._made: Primitive[Any] | None = None
@@ -98,23 +104,23 @@ class _Run:
             outcome = self._tick()
             if outcome is not None:
                 break
-            self._make_up()
+            self._recover_calls()
             yield
         self._end_calls()
-        while self._make_up():
+        while self._recover_calls():
             yield
         if self._broken:
             yield from standstill(self._board, self._claim.devices)
         return outcome
 
     def leave(self) -> bool:
-        """Ends it at once; returns whether it keeps its devices to make up for that."""
+        """Ends it at once; returns whether it keeps its devices to recover."""
         made = self._made
         if not self.started:
             return False
         self._close()
-        if self._making_up is not None:
-            self._making_up.close()
+        if self._recovering is not None:
+            self._recovering.close()
         self._scope.unfinished.extend(self._calls.unfinished)
         if made is not None:
             self._tidy("when it was stopped", made.stop)
@@ -165,6 +171,7 @@ class _Run:
             self._scope.context,
             report=lambda _module, code, text: self._tell(Status.RUNNING, code, text),
             call=self._call,
+            emit=self._calls.emit,
         )
 
     # ------------------------------------------------------------------ what it calls
@@ -176,26 +183,27 @@ class _Run:
 
     def _called(self, number: int, module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:
         try:
-            while self._make_up():
+            while self._recover_calls():
                 yield
-            return (yield from self._calls.modules.run(module, arguments, self._calls))
+            calls = replace(self._calls, path=f"{self._calls.path}/{module}")
+            return (yield from calls.modules.run(module, arguments, calls))
         finally:
             self._open.pop(number, None)
 
-    def _make_up(self) -> bool:
-        """Goes on, once in a cycle, making up for calls that were broken off; returns whether there is more to do."""
-        if self._making_up is None and not self._calls.unfinished:
+    def _recover_calls(self) -> bool:
+        """Ticks, once in a cycle, the recovery of cancelled calls; returns whether there is more to do."""
+        if self._recovering is None and not self._calls.unfinished:
             return False
         cycle = self._board.snapshot.cycle
-        if cycle != self._made_up_in:
-            self._made_up_in = cycle
-            self._making_up = self._making_up or make_up(self._calls)
-            if next(self._making_up, _ENDED) is _ENDED:
-                self._making_up = None
-        return self._making_up is not None or bool(self._calls.unfinished)
+        if cycle != self._recovered_in:
+            self._recovered_in = cycle
+            self._recovering = self._recovering or run_recovery(self._calls)
+            if next(self._recovering, _ENDED) is _ENDED:
+                self._recovering = None
+        return self._recovering is not None or bool(self._calls.unfinished)
 
     def _end_calls(self) -> None:
-        """Breaks off what was called, is kept somewhere and was not ticked to its end; nobody else will."""
+        """Cancels calls that were not ticked to their end."""
         for call in reversed(list(self._open.values())):
             self._tidy("when a call was ended", call.close)
         self._open.clear()

@@ -1,4 +1,4 @@
-"""A module that was started: what whoever started it holds in their hands."""
+"""A module that was started: its handle."""
 
 from __future__ import annotations
 
@@ -16,6 +16,11 @@ __all__ = ["Running", "RunningModule"]
 
 class Running(Protocol):
     """A module that was started, wherever it runs."""
+
+    @property
+    def id(self) -> str:
+        """Id of this run."""
+        ...
 
     @property
     def done(self) -> bool:
@@ -63,6 +68,7 @@ class RunningModule:
 
     Args:
         name: The module.
+        id: Id of this run.
         task: Its task.
         scope: Its outermost scope; its devices are kept until all stands.
         break_off: Ends it so that what must follow is still done; None for what can only be stopped.
@@ -76,6 +82,7 @@ class RunningModule:
     def __init__(
         self,
         name: str,
+        id: str,  # noqa: A002 - as in module events
         task: Task[Outcome],
         scope: Scope,
         break_off: Callable[[str], None] | None = None,
@@ -84,6 +91,7 @@ class RunningModule:
         account: Callable[[], Mapping[str, Any]] | None = None,
     ) -> None:
         self.name = name
+        self.id = id
         self.task = task
         self.scope = scope
         self.arguments = arguments

@@ -1,31 +1,38 @@
-"""What a part of a running skill runs in, and what was broken off in it and has to be made up for."""
+"""What a node of a running skill runs in, and the recovery of what was cancelled in it."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections import ChainMap
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any, Protocol
 
 from skiros_py.errors import UsageError
 from skiros_py.execution.claims import Claim
 from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import standstill
-from skiros_py.execution.monitor import Monitor
-from skiros_py.skills.conditions.watch import Watches
+from skiros_py.execution.monitor import ModuleEvent, Monitor, Status, end_of
+from skiros_py.execution.task import Task
+from skiros_py.skills.behaviour import Behaviour, Call, P
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions.watch import Watch, Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import Failure, Outcome
+from skiros_py.skills.inference import applying
+from skiros_py.skills.outcome import Failure, Outcome, Success
 
-__all__ = ["ModuleRunner", "Scope", "Unfinished", "make_up"]
+__all__ = ["ModuleRunner", "Scope", "Unfinished", "run_recovery"]
 
 _log = logging.getLogger(__name__)
 
 _DEEPEST = 20
 """Modules within modules: more than these are taken for a circle."""
 _RECOVERY_LIMIT = 20.0
-"""Longest time for motion after something was broken off [s]."""
+"""Longest time for the recovery of what was cancelled [s]."""
+_NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class ModuleRunner(Protocol):
@@ -38,11 +45,11 @@ class ModuleRunner(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Unfinished:
-    """A module that was broken off and may have motion to make up for; until then it keeps its devices.
+    """A module that was cancelled and still has to recover; until then it keeps its devices.
 
     Attributes:
         name: The module.
-        recover: Starts that motion.
+        recover: Starts its recovery.
         claim: Its devices.
     """
 
@@ -53,7 +60,7 @@ class Unfinished:
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What a part of a running skill runs in.
+    """What a node of a running skill runs in; implements :class:`skiros_py.skills.behaviour.Scope`.
 
     Attributes:
         context: World, devices, libraries, the run's clock.
@@ -61,11 +68,15 @@ class Scope:
         watches: Conditions that are looked at again when something they read has changed.
         monitor: Takes module events.
         agent: Id of the subsystem.
-        claim: The devices that whatever runs here may share out; None at the top.
-        arguments: The skill's parameters.
-        unfinished: What was broken off here.
+        claim: The devices that what runs here may share; None at the top.
+        arguments: The skill's parameters, elements of loops, and values that were written.
+        unfinished: What was cancelled here.
         callers: The modules around this, outermost first.
         task: Name of the task that it is done for; empty for none.
+        id: Id of the run that this is the scope of; parent of the runs that begin in it.
+        path: Path of that run's node, from the module that was started: ``pick/body/0/2``.
+        values: What was written by nodes of this skill.
+        breakpoints: Paths of nodes before which the task is paused; people may change them while it runs.
     """
 
     context: RunContext
@@ -78,6 +89,67 @@ class Scope:
     unfinished: list[Unfinished] = field(default_factory=list)
     callers: tuple[str, ...] = ()
     task: str = ""
+    id: str = ""
+    path: str = ""
+    values: dict[str, Any] = field(default_factory=dict)
+    breakpoints: set[str] = field(default_factory=set)
+
+    @property
+    def author(self) -> str:
+        """Name of the innermost module around."""
+        return self.callers[-1] if self.callers else ""
+
+    def run(self, child: Behaviour, key: str, elements: Mapping[str, Any] = _NONE) -> Execution[Outcome]:
+        """Returns the run of a child node; its path ends with the key."""
+        arguments = ChainMap(dict(elements), self.arguments) if elements else self.arguments  # type: ignore[arg-type]
+        inner = replace(self, id=self.monitor.new_id(), path=f"{self.path}/{key}", arguments=arguments)
+        return _run_node(child, inner, self.id)
+
+    def call(self, call: Call) -> Execution[Outcome]:
+        """Returns the run of a module; values of its outcome are written when it has succeeded."""
+        values = self._inputs(call)
+        if isinstance(values, Failure):
+            return _failed(values)
+        run = contained(call.module, lambda: self.modules.run(call.module, values, self))
+        if isinstance(run, Failure):
+            return _failed(run)
+        return _with_outputs(run, call, self) if call.outputs else run
+
+    def write(self, name: str, value: Any) -> None:
+        """Writes a value that later nodes of the same skill read."""
+        self.values[name] = value
+
+    def emit(self, event: str, value: Any = None) -> None:
+        """Announces a named event of this node."""
+        self._publish("node", Status.EVENT, 0, event, event=event, value=value)
+
+    def watch(self, conditions: Sequence[Condition]) -> Watch:
+        """Watches those conditions whose parameters are specified; close it."""
+        return self.watches.add(applying(conditions, self.arguments), self.arguments)
+
+    def recover(self) -> Execution[None]:
+        """Runs the recovery of what was cancelled in this scope."""
+        return run_recovery(self)
+
+    def _inputs(self, call: Call) -> dict[str, Any] | Failure:
+        """Fills in parameters; those that are unspecified stay so in what is called."""
+        values = {}
+        for key, value in call.inputs.items():
+            if isinstance(value, P):
+                if value.key not in self.arguments:
+                    return Failure(f"{call.module}: no node has written '{value.key}' yet")
+                value = self.arguments[value.key]
+            if value is not None:
+                values[key] = value
+        return values
+
+    def _publish(self, kind: str, status: Status, code: int, text: str, parent: str = "", **more: Any) -> None:
+        time = self.context.board.snapshot.time
+        event = ModuleEvent(
+            time, kind, self.author, status, code, text, "", self.agent, self.author, self.task,
+            id=self.id, parent=parent, path=self.path, **more,
+        )  # fmt: skip
+        self.monitor.publish(event)
 
     def check_depth(self, module: str) -> None:
         """Looks whether modules seem to call each other without end, where one more is about to run.
@@ -88,13 +160,9 @@ class Scope:
         if len(self.callers) >= _DEEPEST:
             raise UsageError(f"modules call each other without end: {' > '.join((*self.callers, module)[-4:])}")
 
-    def with_arguments(self, more: Mapping[str, Any]) -> Scope:
-        """Returns the same scope with further arguments."""
-        return replace(self, arguments={**self.arguments, **more})
-
     @contextmanager
     def apart(self) -> Iterator[Scope]:
-        """Gives a scope of its own to what may be broken off alone; what it has not made up for at the end stays."""
+        """Gives a scope of its own to what may be cancelled alone; what has not recovered in it stays for this one."""
         inner = replace(self, unfinished=[])
         try:
             yield inner
@@ -102,8 +170,53 @@ class Scope:
             self.unfinished.extend(inner.unfinished)
 
 
-def make_up(scope: Scope) -> Execution[None]:
-    """Ticks what the modules broken off in a scope want to make up for, under a time limit for all together."""
+def _run_node(node: Behaviour, scope: Scope, parent: str) -> Execution[Outcome]:
+    """Runs one node: obeys breakpoints, reports its start and end where anybody wants to know."""
+    if scope.path in scope.breakpoints:
+        yield from _hold(scope)
+    told = scope.monitor.wants_nodes
+    if told:
+        scope._publish("node", Status.STARTED, 0, node.title, parent)  # noqa: SLF001 - one module
+    try:
+        outcome = yield from node.run(scope)
+    except GeneratorExit:
+        if told:
+            scope._publish("node", Status.PREEMPTED, 0, "cancelled", parent)  # noqa: SLF001 - one module
+        raise
+    if not isinstance(outcome, Success | Failure):
+        raise TypeError(f"node {scope.path} returned {outcome!r:.100}: a run returns Success or Failure")
+    if told:
+        scope._publish("node", *end_of(outcome), parent)  # noqa: SLF001 - one module
+    return outcome
+
+
+def _hold(scope: Scope) -> Execution[None]:
+    """Pauses the task before a node; it goes on when the task is resumed or stepped."""
+    task = scope.context.board.owner
+    if isinstance(task, Task):
+        task.pause()
+        while task.pausing:
+            yield
+
+
+def _failed(failure: Failure) -> Execution[Outcome]:
+    yield from ()
+    return failure
+
+
+def _with_outputs(run: Execution[Outcome], call: Call, scope: Scope) -> Execution[Outcome]:
+    outcome = yield from run
+    if isinstance(outcome, Success):
+        for key, name in call.outputs.items():
+            if key not in outcome.values:
+                there = f"its outcome has {', '.join(outcome.values)}" if outcome.values else "its outcome has none"
+                return Failure(f"{call.module} gave no value '{key}': {there}")
+            scope.write(name, outcome.values[key])
+    return outcome
+
+
+def run_recovery(scope: Scope) -> Execution[None]:
+    """Ticks the recoveries of the modules that were cancelled in a scope, under a time limit for all together."""
     context = scope.context
     deadline = context.now + _RECOVERY_LIMIT
     while scope.unfinished:
@@ -112,7 +225,7 @@ def make_up(scope: Scope) -> Execution[None]:
             yield from _recovery(entry, context, deadline)
             yield from standstill(context.board, entry.claim.devices)
         except GeneratorExit:
-            scope.unfinished.insert(0, entry)  # broken off itself: it keeps its devices, and begins again if it may
+            scope.unfinished.insert(0, entry)  # cancelled itself: it keeps its devices, and begins again if it may
             raise
         entry.claim.release()
 

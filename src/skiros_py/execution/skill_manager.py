@@ -66,13 +66,14 @@ class Transport(Protocol):
         """What runs now, by name."""
         ...
 
-    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "") -> Running:
+    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "", parent: str = "") -> Running:
         """Starts a module.
 
         Args:
             module: Its name.
             arguments: Its parameters.
             task: Name of the task that it is done for; empty for none.
+            parent: Id of what it is part of, such as a step of a plan; empty for none.
 
         Raises:
             UsageError: It cannot be started now.
@@ -243,7 +244,7 @@ class SkillManager:
         """Tells whether a task is of one of its modules, or of what it runs in the background."""
         return task in self._watchers or any(running.task is task for running in self.running.values())
 
-    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "") -> RunningModule:
+    def start(self, module: str, arguments: Mapping[str, Any], *, task: str = "", parent: str = "") -> RunningModule:
         """Starts a module.
 
         Parameters that are left out are inferred in the first cycle; what is wrong with them is the run's failure.
@@ -252,6 +253,7 @@ class SkillManager:
             module: Its name.
             arguments: Its parameters.
             task: Name of the task that it is done for; empty for none.
+            parent: Id of what it is part of, such as a step of a plan; empty for none.
 
         Raises:
             UnknownName: It does not offer that module.
@@ -264,15 +266,18 @@ class SkillManager:
         kind = self._modules.kind(module)
         self._modules.prepare(module, self._context)
         clock = RunClock(self._cycle.board.snapshot.time)
-        scope = replace(self._scope(module), context=replace(self._context, clock=clock), task=task)
+        scope = replace(self._scope(module), context=replace(self._context, clock=clock), task=task, id=parent)
+        run_id = self._monitor.new_id()
         name = f"{module} of {self.agent}"
         if kind == "skill":
-            run = self._modules.skill_run(module, arguments, scope)
+            run = self._modules.skill_run(module, arguments, scope, run_id)
             ticked = self._cycle.start(run.execute(), name=name, clock=clock)
-            started = RunningModule(module, ticked, scope, run.break_off, arguments=run.arguments, account=run.account)
+            started = RunningModule(
+                module, run_id, ticked, scope, run.break_off, arguments=run.arguments, account=run.account
+            )
         else:
-            ticked = self._cycle.start(self._modules.run(module, arguments, scope), name=name, clock=clock)
-            started = RunningModule(module, ticked, scope, arguments=arguments)
+            ticked = self._cycle.start(self._modules.run(module, arguments, scope, run_id), name=name, clock=clock)
+            started = RunningModule(module, run_id, ticked, scope, arguments=arguments)
         self._running[module] = started
         return started
 
@@ -310,7 +315,7 @@ class SkillManager:
 
     def _scope(self, name: str) -> Scope:
         context = replace(self._context, report=self._reporter(name))
-        return Scope(context, self._modules, self._watches, self._monitor, self.agent)
+        return Scope(context, self._modules, self._watches, self._monitor, self.agent, path=name)
 
     def _attend(self) -> None:
         """Looks after what it runs, at the end of each cycle: what stands is told to have stopped."""
@@ -341,8 +346,12 @@ class SkillManager:
         result = running.result
         text = result.reason if isinstance(result, Failure) else result.message
         time = self._context.board.snapshot.time
-        name, agent, task = running.name, self.agent, running.scope.task
-        self._monitor.publish(ModuleEvent(time, kind, name, status, code, text, agent=agent, task=task))
+        name, agent, scope = running.name, self.agent, running.scope
+        event = ModuleEvent(
+            time, kind, name, status, code, text, agent=agent, task=scope.task,
+            id=running.id, parent=scope.id, path=scope.path,
+        )  # fmt: skip
+        self._monitor.publish(event)
 
     def _reporter(self, name: str) -> Callable[[str, int, str], None]:
         def report(_module: str, code: int, text: str) -> None:

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from skiros_py.behaviours.until import lost, run_until
 from skiros_py.execution.claims import Claim
-from skiros_py.execution.composing import lost, run_until
 from skiros_py.execution.contained import contained
 from skiros_py.execution.hardware import complete, devices_of
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.panel import ConditionRow
 from skiros_py.execution.primitive_run import Take
-from skiros_py.execution.scope import Scope, Unfinished, make_up
+from skiros_py.execution.scope import Scope, Unfinished
 from skiros_py.execution.telling import teller, to_its_end
-from skiros_py.skills.composition import Node
+from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.effects import Effects
 from skiros_py.skills.execution import Execution, tick
@@ -37,14 +38,18 @@ class SkillRun:
         given: Parameters; those left out are inferred when the run starts.
         scope: What it runs in.
         take: Asks for its devices.
+        run: Id of this run; a new one where left out.
 
     Attributes:
         description: What is promised.
         arguments: The parameters, as far as they are known.
+        id: Id of this run.
         started: True when the monitor has heard of it.
     """
 
-    def __init__(self, implementations: Sequence[Skill], given: Mapping[str, Any], scope: Scope, take: Take) -> None:
+    def __init__(
+        self, implementations: Sequence[Skill], given: Mapping[str, Any], scope: Scope, take: Take, run: str = ""
+    ) -> None:
         self.description: SkillDescription = implementations[0].description
         self.arguments: dict[str, Any] = {p.key: p.default for p in self.description.params} | dict(given)
         self._implementations = implementations
@@ -54,15 +59,19 @@ class SkillRun:
         self._broken_off = ""
         self.started = False
         self._claim: Claim | None = None
-        self._finish: Node | None = None
+        self._finish: Behaviour | None = None
         self._found: dict[tuple[str, str], ConditionRow] = {}
         self._way: Skill | None = None
-        self._tell = teller("skill", self.description.name, scope, self._target, self._implementation)
+        self.id = run or scope.monitor.new_id()
+        self._tell = teller("skill", self.description.name, scope, self.id, self._target, self._implementation)
         effects = Effects(scope.context.world, self.description.post, self.arguments)
+        values: dict[str, Any] = {}
         self._scope = replace(
             scope,
             context=replace(scope.context, effects=effects),
-            arguments=self.arguments,
+            arguments=ChainMap(self.arguments, values),
+            values=values,
+            id=self.id,
             unfinished=[],
             callers=(*scope.callers, self.description.name),
         )
@@ -81,10 +90,10 @@ class SkillRun:
         }
 
     def recover(self) -> Execution[None]:
-        """What must follow where the run was broken off by what it is part of."""
-        yield from make_up(self._scope)
+        """What must follow where the run was cancelled by what it is part of."""
+        yield from self._scope.recover()
         if self._finish is not None:
-            yield from self._part(self._finish, at_any_rate=True)
+            yield from self._part("finish", self._finish, at_any_rate=True)
 
     def execute(self) -> Execution[Outcome]:
         """Runs it; also reports to the monitor."""
@@ -101,7 +110,7 @@ class SkillRun:
         return found if isinstance(found, Failure) else (yield from self._attempts())
 
     def leave(self) -> bool:
-        """Ends it at once; returns whether it keeps its devices to make up for that."""
+        """Ends it at once; returns whether it keeps its devices to recover."""
         if self._claim is None or not self._claim.granted:
             return False
         self._outer.unfinished.append(Unfinished(self.description.name, self.recover, self._claim))
@@ -168,7 +177,7 @@ class SkillRun:
 
     def _attempt(self, skill: Skill) -> Execution[Outcome]:
         if skill.pre_sense is not None:
-            sensed = yield from self._part(skill.pre_sense)
+            sensed = yield from self._part("pre_sense", skill.pre_sense)
             if isinstance(sensed, Failure):
                 return sensed
             yield
@@ -176,22 +185,24 @@ class SkillRun:
         if refusal is not None:
             return refusal
         self._finish = skill.finish
-        outcome = yield from self._part(skill.body, self.description.hold)
+        outcome = yield from self._part("body", skill.body, self.description.hold)
         if skill.finish is not None:
             yield
-            finished = yield from self._part(skill.finish, at_any_rate=True)
+            finished = yield from self._part("finish", skill.finish, at_any_rate=True)
             self._finish = None
             outcome = finished if isinstance(finished, Failure) and isinstance(outcome, Success) else outcome
         if isinstance(outcome, Success) and skill.post_sense is not None:
             yield
-            sensed = yield from self._part(skill.post_sense)
+            sensed = yield from self._part("post_sense", skill.post_sense)
             outcome = sensed if isinstance(sensed, Failure) else outcome
         if isinstance(outcome, Failure):
             return outcome
         return self._check("postcondition", self.description.post) or outcome
 
-    def _part(self, node: Node, hold: Sequence[Condition] = (), *, at_any_rate: bool = False) -> Execution[Outcome]:
-        """Runs a part while conditions hold and nobody breaks the skill off; then makes up for what is open."""
+    def _part(
+        self, key: str, node: Behaviour, hold: Sequence[Condition] = (), *, at_any_rate: bool = False
+    ) -> Execution[Outcome]:
+        """Runs a part while conditions hold and the skill is not cancelled; then runs the recovery of what was."""
         name = self.description.name
         watch = self._scope.watches.add(applying(hold, self.arguments), self.arguments)
 
@@ -200,7 +211,7 @@ class SkillRun:
             return interruption or contained(name, lambda: lost(watch, "hold condition") or tick(run))
 
         with closing(watch):
-            outcome = yield from run_until(node, self._scope, end)
+            outcome = yield from run_until(node, key, self._scope, end)
         for condition, verdict in watch.found:
             self._note("hold", condition, verdict)
         return outcome

@@ -114,6 +114,11 @@ class Task(Generic[T]):
         return self.clock.stands
 
     @property
+    def pausing(self) -> bool:
+        """True from a pause until it is resumed, or until the tick of a single step."""
+        return self.clock.slowing and not self._stepping
+
+    @property
     def rate(self) -> float:
         """How fast its time goes: 1 with the run and in a single step, 0 standing still."""
         return 1.0 if self._stepping else self.clock.rate

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.execution.monitor import ModuleEvent, Status, end_of
 from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.execution.scope import Scope
 from skiros_py.skills.execution import Execution
-from skiros_py.skills.outcome import BROKEN, BROKEN_OFF, Failure, Outcome
+from skiros_py.skills.outcome import BROKEN, Outcome
 
 __all__ = ["ModuleRun", "Tell", "teller", "to_its_end"]
 
@@ -31,7 +31,7 @@ class ModuleRun(Protocol):
         ...
 
     def leave(self) -> bool:
-        """Ends it at once where it is; returns whether it keeps its devices to make up for that."""
+        """Ends it at once where it is; returns whether it keeps its devices to recover."""
         ...
 
     def release(self) -> None:
@@ -43,6 +43,7 @@ def teller(
     kind: str,
     name: str,
     scope: Scope,
+    run: str,
     target: Callable[[], str] = lambda: "",
     implementation: Callable[[], str | None] = lambda: None,
 ) -> Tell:
@@ -52,6 +53,7 @@ def teller(
         kind: "skill" or "primitive".
         name: The module.
         scope: What it runs in.
+        run: Id of the run.
         target: Gives the id of the element that it is done to, as far as that is known.
         implementation: Gives the label of the way in which it is done, as far as that is known.
     """
@@ -59,7 +61,10 @@ def teller(
 
     def tell(status: Status, code: int, text: str) -> None:
         time, way = scope.context.board.snapshot.time, implementation()
-        event = ModuleEvent(time, kind, name, status, code, text, target(), scope.agent, caller, scope.task, way)
+        event = ModuleEvent(
+            time, kind, name, status, code, text, target(), scope.agent, caller, scope.task, way,
+            id=run, parent=scope.id, path=scope.path,
+        )  # fmt: skip
         scope.monitor.publish(event)
 
     return tell
@@ -85,13 +90,5 @@ def to_its_end(module: ModuleRun, scope: Scope, tell: Tell) -> Execution[Outcome
     finally:
         if not kept:
             module.release()
-    tell(*_end(outcome))
+    tell(*end_of(outcome))
     return outcome
-
-
-def _end(outcome: Outcome) -> tuple[Status, int, str]:
-    if not isinstance(outcome, Failure):
-        return Status.TERMINATED, 1, outcome.message
-    if outcome.code == BROKEN_OFF:
-        return Status.PREEMPTED, 0, outcome.reason
-    return Status.ERROR, outcome.code, outcome.reason

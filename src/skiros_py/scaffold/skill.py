@@ -76,7 +76,7 @@ def _module(values: dict[str, Any], known: Knowledge, skill: Described) -> str:
     own = [(o.module, o.name) for o in origins.values() if o.module.partition(".")[0] == known.project.package]
     foreign = [(o.module, o.name) for o in origins.values() if (o.module, o.name) not in own]
     names = ["AssertEffects", *(("Do", "P", "Sequence") if values["calls"] else ())]
-    needed = [("skiros_py.skills.composition", name) for name in names]
+    needed = [("skiros_py.behaviours", name) for name in names]
     needed += [("skiros_py.skills.parameters", "Param"), *foreign]
     if any(param.kind is not Kind.ONLINE for param in skill.params):
         needed.append(("skiros_py.skills.parameters", "Kind"))

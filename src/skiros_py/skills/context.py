@@ -71,6 +71,7 @@ class RunContext:
         clock: The time of this module's run.
         questions: Where a person is asked.
         call: Runs another module.
+        emit: Takes (name of an event, value as plain data).
         effects: The effects of the skill that this module is part of; None for a module that runs on its own.
         floor: Who may drive where.
         waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
@@ -86,6 +87,7 @@ class RunContext:
     clock: Clock
     questions: Questions = field(default_factory=Questions)
     call: Caller = _nobody
+    emit: Callable[[str, Any], None] = lambda _event, _value: None
     effects: Effects | None = None
     floor: Floor = field(default_factory=OpenFloor)
     waiting: Callable[[], AbstractContextManager[None]] = nullcontext

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
 
 __all__ = ["BROKEN", "BROKEN_OFF", "Failure", "Outcome", "Success"]
+
+_NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
 BROKEN = -3
 """Code of a failure that is a mistake in somebody's code: the log has the traceback."""
@@ -18,9 +23,11 @@ class Success:
 
     Attributes:
         message: One line for a person.
+        values: What it found out, by name: a call writes them with :class:`skiros_py.behaviours.Out`.
     """
 
     message: str = ""
+    values: Mapping[str, Any] = field(default_factory=lambda: _NO_VALUES, hash=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

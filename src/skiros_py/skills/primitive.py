@@ -98,6 +98,10 @@ class Primitive(ABC, Generic[P]):
         """Reports how far it is: a growing positive code, and words for a person; a negative code is an error."""
         self.context.report(self.name, code, text)
 
+    def emit(self, event: str, value: Any = None) -> None:
+        """Announces a named event ("slipped"), with a value as plain data; who records or watches the run hears it."""
+        self.context.emit(event, value)
+
     def wait(self, pending: Pending[T]) -> Execution[T]:
         """Ticks until an answer may be used, and returns it.
 

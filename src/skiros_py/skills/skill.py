@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.composition import Node, check_node
+from skiros_py.skills.behaviour import Behaviour, check_behaviour, walk
 from skiros_py.skills.conditions import Condition, ConditionType, Pattern, Role, all_of, any_of, is_sensed
 from skiros_py.skills.parameters import IT, Param, check_params
 from skiros_py.skills.references import check_references
@@ -146,12 +146,12 @@ class Skill:
     """
 
     description: SkillDescription
-    body: Node
-    pre_sense: Node | None = None
-    finish: Node | None = None
+    body: Behaviour
+    pre_sense: Behaviour | None = None
+    finish: Behaviour | None = None
     driver: str | None = None
     version: str = "1.0.0"
-    post_sense: Node | None = None
+    post_sense: Behaviour | None = None
     label: str = ""
     requires: tuple[str, ...] = ()
     when: tuple[Condition, ...] = ()
@@ -164,12 +164,27 @@ class Skill:
         for key in (*self.takes, *(argument for condition in self.when for argument in condition.arguments)):
             if key not in keys:
                 raise UnknownName("parameter", key, keys, where=named)
-        check_node(f"the body {named}", self.body)
-        for node in self.nodes:
-            check_node(f"a part {named}", node)
-            check_references(node, keys, named)
+        check_behaviour(f"the body {named}", self.body)
+        for part in self.nodes:
+            check_behaviour(f"a part {named}", part)
+        written = {name for part in self.nodes for node in walk(part) for name in node.uses().writes}
+        for name in sorted(written.intersection(keys)):
+            raise DescriptionError(f"Out('{name}') {named}: a parameter is called so; choose another name")
+        for part in self.nodes:
+            check_references(part, {*keys, *written}, named)
 
     @property
-    def nodes(self) -> tuple[Node, ...]:
-        """The trees it is made of, in the order in which they run."""
-        return tuple(n for n in (self.pre_sense, self.body, self.finish, self.post_sense) if n is not None)
+    def nodes(self) -> tuple[Behaviour, ...]:
+        """The behaviours it is made of, in the order in which they run."""
+        return tuple(self.parts.values())
+
+    @property
+    def parts(self) -> Mapping[str, Behaviour]:
+        """The behaviours it is made of by the name of the part, in the order in which they run."""
+        named = {
+            "pre_sense": self.pre_sense,
+            "body": self.body,
+            "finish": self.finish,
+            "post_sense": self.post_sense,
+        }
+        return {name: part for name, part in named.items() if part is not None}

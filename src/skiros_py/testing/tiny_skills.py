@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from skiros_py.skills.composition import AssertEffects, Node
+from skiros_py.behaviours import AssertEffects, Behaviour
 from skiros_py.skills.conditions import Computed, ConditionType, Has, Nothing, Related, Role, Verdict
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
@@ -129,7 +129,7 @@ PLACE = SkillDescription(
 _PRETENDING = AssertEffects(seconds=0.02)
 
 
-def pretend(description: SkillDescription, body: Node = _PRETENDING) -> Skill:
+def pretend(description: SkillDescription, body: Behaviour = _PRETENDING) -> Skill:
     """Returns an implementation for the fake driver: by default one that only pretends."""
     return Skill(description, body, driver="fake")
 

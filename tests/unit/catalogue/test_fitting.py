@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Do, Fallback
 from skiros_py.catalogue import Catalogue, fitting
-from skiros_py.skills.composition import AssertEffects, Do, Fallback
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import CONDITIONS, tiny_ontology
 from skiros_py.testing.tiny_skills import DRIVE, pretend

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import Do
 from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.checking.contract import Contract
 from skiros_py.checking.simulated import check_simulated, is_simulable
-from skiros_py.skills.composition import Do
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from skiros_py.behaviours import Do, P
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.running import RunningModule
-from skiros_py.skills.composition import Do, P
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -9,11 +9,11 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Behaviour, Do, Fallback, P, Parallel, Sequence, Wait
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
 from skiros_py.ports.devices import Base, Gripper
 from skiros_py.ports.values import BaseTwist, GripperTarget
-from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Parallel, Sequence, Wait
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.execution import tick
 from skiros_py.skills.outcome import Failure, Outcome, Success
@@ -163,7 +163,7 @@ def test_a_primitive_in_a_skill_commands_only_what_it_has_taken_itself() -> None
 # ------------------------------------------------------------------ devices per attempt
 
 
-def _ways(first: Node, second: Node, **more: Any) -> tuple[Skill, Skill]:
+def _ways(first: Behaviour, second: Behaviour, **more: Any) -> tuple[Skill, Skill]:
     return (
         Skill(AT_ONCE, first, driver="fake", label="first", order=1, **more),
         Skill(AT_ONCE, second, driver="fake", label="second", order=2),

@@ -13,13 +13,13 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
+from skiros_py.behaviours import Do, Fallback, P, Parallel, Policy, Timeout
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunningModule
 from skiros_py.ports.devices import Base
 from skiros_py.ports.values import BaseTwist, Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
-from skiros_py.skills.composition import Do, Fallback, P, Parallel, Policy, Timeout
 from skiros_py.skills.execution import tick
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param

@@ -10,13 +10,13 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Do, Sequence
 from skiros_py.catalogue import Catalogue
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.execution import watchdog
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import Plan
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.skills.composition import AssertEffects, Do, Sequence
 from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param

@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import Do, P
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.ports.devices import Base
 from skiros_py.ports.values import BaseTwist, Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
-from skiros_py.skills.composition import Do, P
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from skiros_py.skills.composition import AssertEffects
+from skiros_py.behaviours import AssertEffects
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill

@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import Behaviour, Do, Fallback, P, Timeout
 from skiros_py.errors import ModuleError, UnknownName, UsageError
 from skiros_py.execution.monitor import Status
 from skiros_py.ports.devices import Base, Gripper
 from skiros_py.ports.values import BaseTwist, GripperTarget
-from skiros_py.skills.composition import Do, Fallback, Node, P, Timeout
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -73,7 +73,7 @@ class Roll(Primitive["Roll.Params"]):
 
 
 def bench_of(
-    *primitives: type[Primitive[Any]], body: Node | None = None, config: dict[str, Any] | None = None
+    *primitives: type[Primitive[Any]], body: Behaviour | None = None, config: dict[str, Any] | None = None
 ) -> Bench:
     skills = () if body is None else (Skill(AFTER, body, driver="fake"),)
     return Bench(tiny_world(), skills, primitives, config=config)

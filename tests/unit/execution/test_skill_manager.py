@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import Do
 from skiros_py.errors import UnknownName
-from skiros_py.skills.composition import Do
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -7,10 +7,10 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Behaviour, Check, Do, Fallback, Guard, P, Sequence
 from skiros_py.execution.monitor import Status
 from skiros_py.ports.devices import Gripper
 from skiros_py.ports.values import GripperTarget
-from skiros_py.skills.composition import AssertEffects, Check, Do, Fallback, Guard, Node, P, Sequence
 from skiros_py.skills.conditions import Computed, ConditionType, Related, Role, Sensor, Verdict
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
@@ -63,7 +63,7 @@ def note(text: str, **more: Any) -> Do:
     return Do.of("note", text=text, **more)
 
 
-def way(body: Node, description: SkillDescription = AFTER, **more: Any) -> Skill:
+def way(body: Behaviour, description: SkillDescription = AFTER, **more: Any) -> Skill:
     return Skill(description, body, driver="fake", **more)
 
 

@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Behaviour, Do, Fallback, P, Retry, Sequence
 from skiros_py.execution.monitor import Status
-from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Retry, Sequence
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -63,12 +63,12 @@ def note(text: str, **more: Any) -> Do:
     return Do.of("note", text=text, **more)
 
 
-def bench_with(body: Node, world: World | None = None, **skill: Any) -> Bench:
+def bench_with(body: Behaviour, world: World | None = None, **skill: Any) -> Bench:
     description = skill.pop("description", AFTER)
     return Bench(world or tiny_world(), (Skill(description, body, driver="fake", **skill),), (Note,))
 
 
-def run(body: Node, arguments: Mapping[str, str] = TO_A, **skill: Any) -> Outcome:
+def run(body: Behaviour, arguments: Mapping[str, str] = TO_A, **skill: Any) -> Outcome:
     with bench_with(body, **skill) as bench:
         return bench.run("drive", **arguments)
 

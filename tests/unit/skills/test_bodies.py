@@ -11,8 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.composition import (
+from skiros_py.behaviours import (
     AssertEffects,
     Check,
     Do,
@@ -27,6 +26,7 @@ from skiros_py.skills.composition import (
     Timeout,
     Wait,
 )
+from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.conditions import AllOf, Not, Nothing, Related
 from skiros_py.skills.skill import Skill
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE

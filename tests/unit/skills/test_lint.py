@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.skills.composition import AssertEffects, Do, Fallback, Node, P, Retry, Sequence
+from skiros_py.behaviours import AssertEffects, Behaviour, Do, Fallback, P, Retry, Sequence
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,
@@ -52,7 +52,7 @@ def problems(skill: Skill) -> tuple[str, ...]:
     return problems_of(skill, tiny_ontology(), PRIMITIVES)
 
 
-def problems_of_body(body: Node) -> tuple[str, ...]:
+def problems_of_body(body: Behaviour) -> tuple[str, ...]:
     return problems(pretend(DRIVE, body))
 
 
@@ -156,7 +156,7 @@ def test_a_call_that_nobody_answers_is_named(call: Do, problem: str) -> None:
         Sequence.of(Retry(Fallback.of(Do.of("lok")), 2)),
     ],
 )
-def test_calls_are_found_wherever_they_stand_in_the_body(body: Node) -> None:
+def test_calls_are_found_wherever_they_stand_in_the_body(body: Behaviour) -> None:
     assert len(problems_of_body(body)) == 1
 
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Do, Fallback, P, Retry, Sequence, lines
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.composition import AssertEffects, Do, Fallback, P, Retry, Sequence, lines
 from skiros_py.skills.parameters import Kind, Param, param, params_of
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, FREE, PICK
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skiros_py.skills.composition import Wait
+from skiros_py.behaviours import Wait
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport, Outcome

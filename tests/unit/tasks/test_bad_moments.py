@@ -6,11 +6,11 @@ import gc
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.ports.pending import Pending
-from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence

@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.planning.service import PlanningService
 from skiros_py.ports.pending import Pending
-from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.task_manager import TaskManager

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.planning.plan import Plan, Step
-from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.skills.conditions import Computed, ConditionType, Role, Verdict
 from skiros_py.skills.outcome import Success
 from skiros_py.tasks.history import History

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skiros_py.skills.composition import AssertEffects, Sequence, Wait
+from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome, StepReport
 from skiros_py.tasks.trace import Happening

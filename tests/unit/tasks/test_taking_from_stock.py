@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
+from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import FileError, UsageError
 from skiros_py.planning.planners.planner import Solved
-from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.tasks.control import Mode
 from skiros_py.tasks.handle import StepRun, TaskHandle

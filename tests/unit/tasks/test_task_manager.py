@@ -5,9 +5,9 @@ from typing import Any, ClassVar
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.errors import PlanningError
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from skiros_py.skills.composition import AssertEffects, Do, P, Sequence, Wait
+from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import pytest
 
+from skiros_py.behaviours import Do, P, Retry, Sequence
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.execution.monitor import Status
 from skiros_py.ports.devices import Base
 from skiros_py.ports.values import BaseTwist
-from skiros_py.skills.composition import Do, P, Retry, Sequence
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from skiros_py.skills.composition import Check, ForEach, Guard, Node, children_of
+from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, ConditionType, Exists, Not, Pattern
 from skiros_py.skills.lint.subject import Subject
 from skiros_py.skills.parameters import IT
@@ -70,22 +70,19 @@ def _of_conditions(conditions: tuple[Condition, ...], classes: Classes) -> Itera
     yield from (Use(f"condition {c}", c.pattern, classes, c) for c in conditions)
 
 
-def _of_body(node: Node, classes: Classes) -> Iterator[Use]:
+def _of_body(node: Behaviour, classes: Classes) -> Iterator[Use]:
     for below, scope in walk_scoped(node, classes):
-        match below:
-            case Guard(_, conditions) | Check(conditions):
-                yield from _of_conditions(conditions, scope)
-            case ForEach(key, class_, _, pattern) if pattern is not None:
-                yield Use(f"for each {key}", pattern, {**scope, key: class_})
-            case _:
-                pass
+        uses = below.uses()
+        yield from _of_conditions(uses.conditions, scope)
+        for where, pattern in uses.patterns:
+            yield Use(where, pattern, {**scope, **uses.binds})
 
 
-def walk_scoped(node: Node, classes: Classes = _NONE) -> Iterator[tuple[Node, Classes]]:
+def walk_scoped(node: Behaviour, classes: Classes = _NONE) -> Iterator[tuple[Behaviour, Classes]]:
     """Yields a node and all below it, each with the classes of the elements that it can refer to."""
     yield node, classes
-    inner = {**classes, node.key: node.class_} if isinstance(node, ForEach) else classes
-    for child in children_of(node):
+    inner = {**classes, **node.uses().binds}
+    for child in node.named_children().values():
         yield from walk_scoped(child, inner)
 
 

@@ -24,7 +24,7 @@ from skiros_py.api.modules import (
 from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.composition import lines
+from skiros_py.skills.behaviour import lines
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Kind, Param, as_json, as_shown, schema

@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_py.skills.composition import (
+from skiros_py.behaviours import (
     AssertEffects,
+    Behaviour,
     Do,
     Fallback,
     ForEach,
-    Node,
     P,
     Parallel,
     Policy,
@@ -97,7 +97,7 @@ def word(pattern: Pattern, a: str = "sk:Robot", b: str = "sk:Location") -> Condi
     return ConditionType("Word", (Role("a", a), Role("b", b)), pattern, "A word.")
 
 
-def of_body(body: Node) -> set[str]:
+def of_body(body: Behaviour) -> set[str]:
     skill = Skill(DRIVE, body)
     return broken(skill, skills=[skill])
 
@@ -212,7 +212,7 @@ def test_an_argument_that_can_never_fill_its_role_is_named() -> None:
         (ForEach("ball", "tiny:Ball", Do.of("pick", Box=P("ball"))), "'pick' takes a tiny:Box as Box, and ball is"),
     ],
 )
-def test_a_parameter_passed_as_what_it_can_never_be_is_named(body: Node, said: str) -> None:
+def test_a_parameter_passed_as_what_it_can_never_be_is_named(body: Behaviour, said: str) -> None:
     fast = replace(DRIVE, params=(*DRIVE.params, Param("Speed", "number", "How fast.", unit="m/s")))
 
     found = [f for f in findings(Skill(fast, body)) if f.rule == "wrong-range"]
@@ -362,7 +362,7 @@ def test_values_that_skills_only_ever_take_away_are_found() -> None:
         (Parallel.of(Do.of("drive"), Do.of("wave", arm="x"), policy=Policy.FIRST_SUCCESS), False),
     ],
 )
-def test_only_a_skill_that_cannot_do_without_itself_is_endless(body: Node, is_endless: bool) -> None:
+def test_only_a_skill_that_cannot_do_without_itself_is_endless(body: Behaviour, is_endless: bool) -> None:
     assert ("recursive-skill" in of_body(body)) is is_endless
 
 
@@ -401,7 +401,7 @@ def test_parallel_branches_may_take_different_devices() -> None:
         ((Do.of("wave", arm="arm_1"), Do.of("wave", arm="arm_2")), ""),
     ],
 )
-def test_devices_that_are_left_out_are_the_robots_own(branches: tuple[Node, ...], said: str) -> None:
+def test_devices_that_are_left_out_are_the_robots_own(branches: tuple[Behaviour, ...], said: str) -> None:
     texts = [f.text for f in findings(pretend(replace(DRIVE, name="roam"), Parallel.of(*branches)))]
 
     assert [f"both take {said}:" in text for text in texts] == [True] * bool(said)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.errors import WrongState
-from skiros_py.skills.composition import AssertEffects, Sequence, Wait
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.jobs import JobManager, JobOrder, JobState, JobStore, Outcome
 from skiros_py.tasks.policy import Policy

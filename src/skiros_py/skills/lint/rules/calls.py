@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Iterator
 
-from skiros_py.skills.composition import AssertEffects, Do, walk
+from skiros_py.skills.behaviour import Call, calls_of, walk
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.rule import Rule
@@ -21,9 +21,9 @@ __all__ = ["MISSING_ARGUMENT", "MISSING_PARAMETER", "UNKNOWN_MODULE"]
 def _calls(subject: Subject, known: Known) -> Iterator[Problem]:
     for call in _calls_of(subject):
         if call.module in known.primitives:
-            yield from _unknown(f"primitive '{call.module}'", call.arguments, known.params(call.module) or ())
+            yield from _unknown(f"primitive '{call.module}'", call.inputs, known.params(call.module) or ())
         elif known.implementations(call.module):
-            yield from _unknown(f"skill '{call.module}'", call.arguments, known.params(call.module) or ())
+            yield from _unknown(f"skill '{call.module}'", call.inputs, known.params(call.module) or ())
         else:
             names = sorted({*known.primitives, *(s.description.name for s in known.skills)})
             yield Problem(f"there is no primitive or skill '{call.module}'; there is {', '.join(names) or 'none'}")
@@ -37,9 +37,9 @@ def _gaps(subject: Subject, known: Known) -> Iterator[Problem]:
                 yield Problem(f"{kind} '{call.module}' needs {param.key}")
 
 
-def _calls_of(subject: Subject) -> Iterator[Do]:
+def _calls_of(subject: Subject) -> Iterator[Call]:
     if isinstance(subject, Skill):
-        yield from (node for root in subject.nodes for node in walk(root) if isinstance(node, Do))
+        yield from calls_of(*subject.nodes)
 
 
 def _is_filled_in(param: Param, kind: str) -> bool:
@@ -83,8 +83,8 @@ def _open(type_: ConditionType, roles: list[str]) -> Iterator[str]:
 def _in_body(skill: Skill) -> Iterator[str]:
     """Yields what is asserted in vain; other references were looked at when the skill was made."""
     posts = [condition.key for condition in skill.description.post]
-    asserted = (node for root in skill.nodes for node in walk(root) if isinstance(node, AssertEffects))
-    for key in (key for node in asserted for key in node.only if key not in posts):
+    asserted = (node.uses().pretends or () for root in skill.nodes for node in walk(root))
+    for key in (key for keys in asserted for key in keys if key not in posts):
         yield f"it asserts '{key}', which is no postcondition; there is {', '.join(posts)}"
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-from skiros_py.skills.composition import Do, Node, P, Parallel
+from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.patterns import Classes, classes_of, walk_scoped
 from skiros_py.skills.lint.rule import Rule
@@ -40,8 +40,9 @@ def _shared(subject: Subject, known: Known) -> Iterator[Problem]:
         return
     own = classes_of(subject.description)
     for node, classes in (found for root in subject.nodes for found in walk_scoped(root, own)):
-        if isinstance(node, Parallel):
-            branches = [_devices(child, classes, subject.description, known) for child in node.children]
+        if node.uses().concurrent:
+            children = node.named_children().values()
+            branches = [_devices(child, classes, subject.description, known) for child in children]
             for (i, one), (j, other) in combinations(enumerate(branches, start=1), 2):
                 for device in sorted({str(a if a.name else b) for a in one for b in other if _may_be_one(a, b, known)}):
                     yield Problem(f"parallel branches {i} and {j} both take {device}: one waits for the other")
@@ -54,13 +55,13 @@ def _may_be_one(one: _Device, other: _Device, known: Known) -> bool:
     return overlap(known.ontology, one.class_, other.class_)
 
 
-def _devices(node: Node, classes: Classes, description: SkillDescription, known: Known) -> set[_Device]:
+def _devices(node: Behaviour, classes: Classes, description: SkillDescription, known: Known) -> set[_Device]:
     """Returns what the modules of a branch take."""
-    calls = ((below, scope) for below, scope in walk_scoped(node, classes) if isinstance(below, Do))
+    calls = ((call, scope) for below, scope in walk_scoped(node, classes) for call in below.uses().calls)
     return {device for call, scope in calls for device in _taken(call, scope, description, known)}
 
 
-def _taken(call: Do, classes: Classes, description: SkillDescription, known: Known) -> Iterator[_Device]:
+def _taken(call: Call, classes: Classes, description: SkillDescription, known: Known) -> Iterator[_Device]:
     if call.module in known.primitives and known.primitives[call.module].watches:
         return  # who only looks on takes nothing
     taken = known.takes(call.module)

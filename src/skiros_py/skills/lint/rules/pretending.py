@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from skiros_py.skills.composition import AssertEffects, walk
+from skiros_py.skills.behaviour import walk
 from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Subject
@@ -16,7 +16,7 @@ __all__ = ["PRETENDS"]
 def _pretended(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
     if not isinstance(subject, Skill) or subject.driver == "fake":
         return
-    if any(isinstance(node, AssertEffects) for root in subject.nodes for node in walk(root)):
+    if any(node.uses().pretends is not None for root in subject.nodes for node in walk(root)):
         said = "every driver" if subject.driver is None else f"driver '{subject.driver}'"
         yield Problem(
             f"it is for {said} and asserts effects that nobody sensed: only skills for driver 'fake' may; let the "

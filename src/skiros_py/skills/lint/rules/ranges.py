@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from skiros_py.skills.composition import Do, P
+from skiros_py.skills.behaviour import Call, P
 from skiros_py.skills.conditions import (
     ClassRelated,
     Compare,
@@ -122,11 +122,11 @@ def _passed(skill: Skill, known: Known) -> Iterator[str]:
     """Yields parameters that are passed on as something they can never be."""
     for root in skill.nodes:
         for node, classes in walk_scoped(root, classes_of(skill.description)):
-            if isinstance(node, Do):
-                yield from _in_call(node, classes, skill, known)
+            for call in node.uses().calls:
+                yield from _in_call(call, classes, skill, known)
 
 
-def _in_call(call: Do, classes: Classes, skill: Skill, known: Known) -> Iterator[str]:
+def _in_call(call: Call, classes: Classes, skill: Skill, known: Known) -> Iterator[str]:
     wanted = {param.key: param for param in known.params(call.module) or ()}
     values = {param.key for param in skill.description.params if not param.is_element}
     for key, value in call.arguments.items():

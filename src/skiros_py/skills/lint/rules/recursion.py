@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from skiros_py.skills.composition import (
-    Do,
-    Fallback,
-    ForEach,
-    Node,
-    Parallel,
-    Policy,
-    children_of,
-)
+from skiros_py.skills.behaviour import Behaviour, calls_of
 from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Subject
@@ -29,7 +21,7 @@ def _endless(subject: Subject, known: Known) -> Iterator[Problem]:
     endless = {s.description.name for s in others} - _ending(others)
     if _ends(subject, endless):
         return
-    calls = sorted({n.module for root in subject.nodes for n in _all_calls(root) if n.module in endless})
+    calls = sorted({call.module for call in calls_of(*subject.nodes) if call.module in endless})
     yield Problem(f"whichever way it succeeds, it calls {' and '.join(calls)}, which in the end calls itself again")
 
 
@@ -48,23 +40,18 @@ def _ends(skill: Skill, open_: Collection[str]) -> bool:
     return all(_can_end(node, open_) for node in skill.nodes)
 
 
-def _can_end(node: Node, open_: Collection[str]) -> bool:
-    match node:
-        case Do(module):
-            return module not in open_
-        case Fallback(children) | Parallel(children, Policy.FIRST_SUCCESS):
-            return any(_can_end(child, open_) for child in children)
-        case ForEach():
-            return True  # there may be none
-        case _:
-            return all(_can_end(child, open_) for child in children_of(node))
-
-
-def _all_calls(node: Node) -> Iterator[Do]:
-    if isinstance(node, Do):
-        yield node
-    for child in children_of(node):
-        yield from _all_calls(child)
+def _can_end(node: Behaviour, open_: Collection[str]) -> bool:
+    uses = node.uses()
+    if any(call.module in open_ for call in uses.calls):
+        return False
+    children = (_can_end(child, open_) for child in node.named_children().values())
+    match uses.needs:
+        case "any":
+            return any(children)
+        case "all":
+            return all(children)
+        case "none":
+            return True
 
 
 RECURSIVE_SKILL = Rule("recursive-skill", Severity.ERROR, "A skill that calls itself without end.", _endless)

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Collection, Iterator
 
 from skiros_py.errors import SkirosError
-from skiros_py.skills.composition import ForEach, walk
+from skiros_py.skills.behaviour import walk
 from skiros_py.skills.conditions import (
     ClassRelated,
     Compare,
@@ -49,8 +49,8 @@ def _named_classes(subject: Subject) -> Iterator[tuple[str, str]]:
     match subject:
         case Skill():
             yield from (("requires", class_) for class_ in subject.requires)
-            bodies = (below for node in subject.nodes for below in walk(node))
-            yield from ((f"for each {b.key}", b.class_) for b in bodies if isinstance(b, ForEach))
+            bound = (one for node in subject.nodes for below in walk(node) for one in below.uses().binds.items())
+            yield from ((f"for each {key}", class_) for key, class_ in bound)
         case ConditionType():
             yield from ((f"role {role.name}", role.class_) for role in subject.roles)
         case _:

@@ -8,17 +8,14 @@ from typing import Any, ClassVar
 
 import pytest
 
-from skiros_py.errors import DescriptionError
-from skiros_py.execution.monitor import Status
-from skiros_py.ports.devices import Arm
-from skiros_py.skills.composition import (
+from skiros_py.behaviours import (
     AssertEffects,
+    Behaviour,
     Check,
     Do,
     Fallback,
     ForEach,
     Guard,
-    Node,
     P,
     Parallel,
     Policy,
@@ -30,6 +27,9 @@ from skiros_py.skills.composition import (
     lines,
     walk,
 )
+from skiros_py.errors import DescriptionError
+from skiros_py.execution.monitor import Status
+from skiros_py.ports.devices import Arm
 from skiros_py.skills.conditions import Related
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -114,12 +114,12 @@ def step(text: str, **more: Any) -> Do:
     return Do.of("step", text=text, **more)
 
 
-def bench_for(body: Node, *others: Skill, **skill: Any) -> Bench:
+def bench_for(body: Behaviour, *others: Skill, **skill: Any) -> Bench:
     mine = Skill(skill.pop("description", AFTER), body, driver="fake", **skill)
     return Bench(tiny_world(), (mine, *others), (Step, Hold, Arrive))
 
 
-def outcome_of(body: Node, *others: Skill, **skill: Any) -> Outcome:
+def outcome_of(body: Behaviour, *others: Skill, **skill: Any) -> Outcome:
     with bench_for(body, *others, **skill) as bench:
         return bench.run("drive", **TO_A)
 
@@ -127,7 +127,7 @@ def outcome_of(body: Node, *others: Skill, **skill: Any) -> Outcome:
 ARRIVE = Do.of("arrive", place=P("Location"))
 
 
-def ends_well(*nodes: Node) -> Outcome:
+def ends_well(*nodes: Behaviour) -> Outcome:
     return outcome_of(Sequence.of(*nodes, ARRIVE))
 
 
@@ -262,11 +262,11 @@ def test_for_each_over_nothing_succeeds() -> None:
 # ---------------------------------------------------------------- skills within skills
 
 
-def outer(body: Node) -> Skill:
+def outer(body: Behaviour) -> Skill:
     return Skill(replace(AFTER, name="tour"), body, driver="fake")
 
 
-def run_tour(body: Node, *others: Skill) -> tuple[Outcome, Bench]:
+def run_tour(body: Behaviour, *others: Skill) -> tuple[Outcome, Bench]:
     with Bench(tiny_world(), (outer(body), *others), (Step, Hold, Arrive)) as bench:
         return bench.run("tour", **TO_A), bench
 
@@ -308,7 +308,7 @@ def test_an_effect_that_the_skill_does_not_have_is_refused_by_name() -> None:
 
 # ---------------------------------------------------------------- as data
 
-EVERY_NODE: Node = Fallback.of(
+EVERY_NODE: Behaviour = Fallback.of(
     Sequence.of(step("a"), Wait(1.0), AssertEffects(1.0, only=("x",))),
     Parallel.of(Retry(step("b"), 2), Repeat(step("c"), 3), policy=Policy.ALL),
     Guard.of(Timeout(step("d"), 2.0), AT_LOCATION("Robot", "Location")),

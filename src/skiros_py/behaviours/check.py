@@ -1,0 +1,50 @@
+"""Looks whether conditions hold now."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.behaviours.checks import check_conditions
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.execution import Execution
+from skiros_py.skills.inference import applying
+from skiros_py.skills.outcome import Failure, Outcome, Success
+
+__all__ = ["Check"]
+
+
+@dataclass(frozen=True, slots=True)
+class Check(Behaviour):
+    """Succeeds where the conditions hold, else fails with the reason; takes no time."""
+
+    kind: ClassVar[str] = "check"
+
+    conditions: tuple[Condition, ...]
+
+    def __post_init__(self) -> None:
+        check_conditions("check", self.conditions)
+
+    @classmethod
+    def of(cls, *conditions: Condition) -> Check:
+        """Makes one."""
+        return cls(conditions)
+
+    @property
+    def title(self) -> str:
+        """The conditions."""
+        return f"check {' and '.join(map(str, self.conditions))}"
+
+    def uses(self) -> Uses:
+        """Its conditions."""
+        return Uses(conditions=self.conditions)
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        """Evaluates the conditions."""
+        yield from ()
+        for condition in applying(self.conditions, scope.arguments):
+            verdict = condition.evaluate(scope.context.world, scope.arguments)
+            if not verdict:
+                return Failure(verdict.sentence)
+        return Success()

@@ -1,0 +1,60 @@
+"""A child that runs only while conditions hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.behaviours.checks import check_conditions
+from skiros_py.behaviours.in_turn import numbered
+from skiros_py.behaviours.until import lost, run_until
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.execution import Execution, tick
+from skiros_py.skills.outcome import Outcome
+
+__all__ = ["Guard"]
+
+
+@dataclass(frozen=True, slots=True)
+class Guard(Behaviour):
+    """The child, as long as the conditions hold; cancelled with a failure as soon as one does not.
+
+    Attributes:
+        child: What is guarded.
+        conditions: Over the skill's parameters, like those of its description; sensor conditions are read each cycle.
+    """
+
+    kind: ClassVar[str] = "guard"
+
+    child: Behaviour
+    conditions: tuple[Condition, ...]
+
+    def __post_init__(self) -> None:
+        check_behaviour("guard", self.child)
+        check_conditions("guard", self.conditions)
+
+    @classmethod
+    def of(cls, child: Behaviour, *conditions: Condition) -> Guard:
+        """Makes one."""
+        return cls(child, conditions)
+
+    @property
+    def title(self) -> str:
+        """The conditions."""
+        return f"while {' and '.join(map(str, self.conditions))}"
+
+    def uses(self) -> Uses:
+        """Its conditions."""
+        return Uses(conditions=self.conditions)
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        """Its child."""
+        return numbered((self.child,))
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        """Runs the child while the conditions hold."""
+        with closing(scope.watch(self.conditions)) as watch:
+            return (yield from run_until(self.child, "0", scope, lambda run: lost(watch, "no longer") or tick(run)))

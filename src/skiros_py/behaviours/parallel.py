@@ -1,0 +1,127 @@
+"""Children that run at the same time."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from skiros_py.behaviours.checks import check_children, require
+from skiros_py.behaviours.in_turn import numbered
+from skiros_py.errors import DescriptionError
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses
+from skiros_py.skills.execution import Execution, tick
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.plain import Reader
+
+__all__ = ["Parallel", "Policy"]
+
+
+class Policy(enum.Enum):
+    """When a :class:`Parallel` is over; children that still run then are cancelled and recover."""
+
+    FIRST_FAILURE = "first failure"
+    """With the first failure, or when all have succeeded."""
+    FIRST_SUCCESS = "first success"
+    """With the first success, or when all have failed."""
+    ALL = "all"
+    """When all have ended; a failure among them is its failure."""
+
+
+_UNTIL = {
+    Policy.FIRST_FAILURE: "one fails",
+    Policy.FIRST_SUCCESS: "one succeeds",
+    Policy.ALL: "all have ended",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Parallel(Behaviour):
+    """All at the same time, in this order within each cycle."""
+
+    kind: ClassVar[str] = "parallel"
+
+    children: tuple[Behaviour, ...]
+    policy: Policy = Policy.FIRST_FAILURE
+
+    def __post_init__(self) -> None:
+        check_children("parallel", self.children)
+        require(isinstance(self.policy, Policy), "parallel", "a policy such as Policy.ALL", self.policy)
+
+    @classmethod
+    def of(cls, *children: Behaviour, policy: Policy = Policy.FIRST_FAILURE) -> Parallel:
+        """Makes one."""
+        return cls(children, policy)
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any], reader: Reader) -> Parallel:
+        """Makes one from plain data."""
+        policies = {policy.value: policy for policy in Policy}
+        policy = data.get("policy", Policy.FIRST_FAILURE.value)
+        if policy not in policies:
+            raise DescriptionError(f"parallel: a policy is one of {', '.join(policies)}, not {policy!r:.100}")
+        return cls(reader.field("children", data.get("children")), policies[policy])
+
+    @property
+    def title(self) -> str:
+        """Its kind and policy."""
+        return f"parallel, until {_UNTIL[self.policy]}"
+
+    def uses(self) -> Uses:
+        """Its children share devices in time."""
+        return Uses(concurrent=True, needs="any" if self.policy is Policy.FIRST_SUCCESS else "all")
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        """Its children by number."""
+        return numbered(self.children)
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        """Runs the children until the policy says that it is over."""
+        ended: dict[int, Outcome] = {}
+        with scope.apart() as inner:
+            branches = {number: inner.run(child, str(number)) for number, child in enumerate(self.children)}
+            try:
+                while not _all_over(branches, ended, self.policy):
+                    yield
+            finally:
+                for branch in branches.values():
+                    branch.close()
+            yield from inner.recover()
+        return _together(ended, self.policy)
+
+
+def _all_over(branches: dict[int, Execution[Outcome]], ended: dict[int, Outcome], policy: Policy) -> bool:
+    """Ticks the branches in turn and takes out those that end; returns whether the policy is fulfilled."""
+    for number, branch in tuple(branches.items()):
+        outcome = tick(branch)
+        if outcome is not None:
+            ended[number] = outcome
+            del branches[number]
+            if _decided(outcome, policy):
+                return True
+    return not branches
+
+
+def _decided(outcome: Outcome, policy: Policy) -> bool:
+    """Tells whether one outcome ends all."""
+    match policy:
+        case Policy.FIRST_FAILURE:
+            return isinstance(outcome, Failure)
+        case Policy.FIRST_SUCCESS:
+            return isinstance(outcome, Success)
+        case Policy.ALL:
+            return False
+
+
+def _together(ended: Mapping[int, Outcome], policy: Policy) -> Outcome:
+    in_order = [ended[number] for number in sorted(ended)]
+    good = [outcome for outcome in in_order if isinstance(outcome, Success)]
+    bad = [outcome for outcome in in_order if isinstance(outcome, Failure)]
+    if policy is Policy.FIRST_SUCCESS:
+        return good[0] if good else _all_of(bad)
+    return _all_of(bad) if bad else Success("; ".join(o.message for o in good if o.message))
+
+
+def _all_of(failures: list[Failure]) -> Failure:
+    return Failure("; ".join(failure.reason for failure in failures), failures[0].code)

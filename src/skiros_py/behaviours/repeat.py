@@ -1,0 +1,54 @@
+"""A child that is done again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.behaviours.checks import check_times
+from skiros_py.behaviours.in_turn import numbered
+from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
+from skiros_py.skills.execution import Execution
+from skiros_py.skills.outcome import Failure, Outcome
+
+__all__ = ["Repeat"]
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat(Behaviour):
+    """The child again and again, so many times, until it fails.
+
+    Attributes:
+        child: What is repeated.
+        times: How often; None for until it fails or is cancelled.
+    """
+
+    kind: ClassVar[str] = "repeat"
+
+    child: Behaviour
+    times: int | None = None
+
+    def __post_init__(self) -> None:
+        check_behaviour("repeat", self.child)
+        if self.times is not None:
+            check_times("repeat", self.times)
+
+    @property
+    def title(self) -> str:
+        """Its kind, and how often."""
+        return "repeat until it fails" if self.times is None else f"repeat {self.times} times"
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        """Its child."""
+        return numbered((self.child,))
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        """Runs the child until it fails, or so many times."""
+        done = 0
+        while True:
+            outcome = yield from scope.run(self.child, "0")
+            done += 1
+            if isinstance(outcome, Failure) or done == self.times:
+                return outcome
+            yield

@@ -1,0 +1,42 @@
+"""A child that is tried again when it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.behaviours.checks import check_times
+from skiros_py.behaviours.in_turn import in_turn, numbered
+from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
+from skiros_py.skills.execution import Execution
+from skiros_py.skills.outcome import Outcome, Success
+
+__all__ = ["Retry"]
+
+
+@dataclass(frozen=True, slots=True)
+class Retry(Behaviour):
+    """The child again, until it succeeds or was tried so many times."""
+
+    kind: ClassVar[str] = "retry"
+
+    child: Behaviour
+    times: int
+
+    def __post_init__(self) -> None:
+        check_behaviour("retry", self.child)
+        check_times("retry", self.times)
+
+    @property
+    def title(self) -> str:
+        """Its kind, and how often."""
+        return f"retry, at most {self.times} times"
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        """Its child."""
+        return numbered((self.child,))
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        """Runs the child until it succeeds."""
+        return in_turn((self.child,) * self.times, scope, ends_with=Success, same=True)

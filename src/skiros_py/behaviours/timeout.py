@@ -1,0 +1,49 @@
+"""A child with a time limit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.behaviours.checks import check_seconds, require
+from skiros_py.behaviours.in_turn import numbered
+from skiros_py.behaviours.until import run_until
+from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
+from skiros_py.skills.execution import Execution, tick
+from skiros_py.skills.outcome import Failure, Outcome
+
+__all__ = ["Timeout"]
+
+
+@dataclass(frozen=True, slots=True)
+class Timeout(Behaviour):
+    """The child, cancelled with a failure when it takes longer than so many seconds of run time."""
+
+    kind: ClassVar[str] = "timeout"
+
+    child: Behaviour
+    seconds: float
+
+    def __post_init__(self) -> None:
+        check_behaviour("timeout", self.child)
+        check_seconds("timeout", self.seconds)
+        require(self.seconds > 0.0, "timeout", "a time above 0 s", self.seconds)
+
+    @property
+    def title(self) -> str:
+        """The limit."""
+        return f"within {self.seconds:g} s"
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        """Its child."""
+        return numbered((self.child,))
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        """Runs the child until the time is over."""
+        context, end = scope.context, scope.context.now + self.seconds
+
+        def late() -> Failure | None:
+            return Failure(f"took longer than {self.seconds:g} s") if context.now >= end - 1e-9 else None
+
+        return run_until(self.child, "0", scope, lambda run: tick(run) or late())

@@ -1,0 +1,42 @@
+"""Lets time pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from skiros_py.behaviours.checks import check_seconds
+from skiros_py.skills.behaviour import Behaviour, Scope
+from skiros_py.skills.execution import Execution
+from skiros_py.skills.outcome import Outcome, Success
+
+__all__ = ["Wait", "pause_for"]
+
+
+@dataclass(frozen=True, slots=True)
+class Wait(Behaviour):
+    """Lets so many seconds of run time pass."""
+
+    kind: ClassVar[str] = "wait"
+
+    seconds: float
+
+    def __post_init__(self) -> None:
+        check_seconds("wait", self.seconds)
+
+    @property
+    def title(self) -> str:
+        """How long."""
+        return f"wait {self.seconds:g} s"
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        """Waits."""
+        yield from pause_for(self.seconds, scope)
+        return Success()
+
+
+def pause_for(seconds: float, scope: Scope) -> Execution[None]:
+    """Ticks until so much run time has passed [s]."""
+    end = scope.context.now + seconds
+    while scope.context.now < end - 1e-9:
+        yield

@@ -1,0 +1,225 @@
+"""Behaviours as plain data, and back: what documents are stored as."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from types import MappingProxyType
+from typing import Any, TypeVar
+
+from skiros_py.errors import DescriptionError, SkirosError, UnknownName
+from skiros_py.skills import conditions as patterns
+from skiros_py.skills.behaviour import Behaviour, Out, P
+from skiros_py.skills.conditions import (
+    Condition,
+    ConditionType,
+    Junction,
+    Quantified,
+    all_of,
+    any_of,
+    exists,
+    for_all,
+)
+
+__all__ = ["Reader", "as_data", "fields_as_data"]
+
+B = TypeVar("B")
+
+_PATTERNS: Mapping[str, type[Any]] = {
+    name: getattr(patterns, name)
+    for name in (
+        "AllOf", "AnyOf", "ClassRelated", "Compare", "Computed", "Exists", "Has", "IsA", "Not", "Nothing", "Related",
+        "Sensor",
+    )
+}  # fmt: skip
+
+
+def fields_as_data(thing: Any) -> dict[str, Any]:
+    """Returns the fields of a dataclass as plain data, without those that have their defaults.
+
+    Raises:
+        DescriptionError: It is no dataclass, or a value cannot be written down.
+    """
+    if not is_dataclass(thing):
+        raise DescriptionError(f"{type(thing).__name__}: define to_data() and from_data(), or make it a dataclass")
+    values = {one.name: getattr(thing, one.name) for one in fields(thing) if one.init}
+    return {key: as_data(value) for key, value in values.items() if not _is_default(thing, key, value)}
+
+
+def _is_default(thing: Any, key: str, value: Any) -> bool:
+    one = next(f for f in fields(thing) if f.name == key)
+    default = one.default_factory() if one.default_factory is not MISSING else one.default
+    return default is not MISSING and type(value) is type(default) and bool(value == default)
+
+
+def as_data(value: Any) -> Any:
+    """Returns a value of a behaviour as plain data that JSON can carry.
+
+    Raises:
+        DescriptionError: It cannot be written down.
+    """
+    match value:
+        case None | bool() | int() | float() | str():
+            return value.value if isinstance(value, enum.Enum) else value
+        case enum.Enum():
+            return value.value
+        case Behaviour():
+            return value.to_data()
+        case P():
+            return {"P": value.key}
+        case Out():
+            return {"Out": value.name}
+        case Condition():
+            return _condition(value)
+        case Mapping():
+            return {str(key): as_data(one) for key, one in value.items()}
+        case list() | tuple():
+            return [as_data(one) for one in value]
+        case _ if type(value).__name__ in _PATTERNS and isinstance(value, _PATTERNS[type(value).__name__]):
+            return {"$pattern": type(value).__name__, **fields_as_data(value)}
+        case _:
+            raise DescriptionError(f"{value!r:.100} cannot be written down as data")
+
+
+def _condition(condition: Condition) -> dict[str, Any]:
+    said: dict[str, Any] = {"not": True} if condition.negated else {}
+    if condition.name is not None:
+        said["name"] = condition.name
+    match condition:
+        case Junction():
+            return {**said, condition.word: [as_data(part) for part in condition.parts]}
+        case Quantified():
+            ranges = {"variable": condition.variable, "class": condition.class_}
+            return {**said, condition.quantifier: as_data(condition.part), **ranges}
+        case _:
+            return {**said, "condition": condition.type.name, "arguments": list(condition.arguments)}
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Reads behaviours from plain data; messages name the place of a fault ("children[1].module").
+
+    Attributes:
+        kinds: Kinds of behaviour by name.
+        words: Conditions by word.
+    """
+
+    kinds: Mapping[str, type[Behaviour]]
+    words: Mapping[str, ConditionType] = field(default_factory=dict)
+    _place: list[str] = field(default_factory=list)
+
+    @property
+    def place(self) -> str:
+        """Where in the data it reads now."""
+        return "".join(self._place).lstrip(".")
+
+    @contextmanager
+    def at(self, step: str | int) -> Iterator[None]:
+        """Goes one step into the data, for messages."""
+        self._place.append(f"[{step}]" if isinstance(step, int) else f".{step}")
+        yield
+        self._place.pop()  # not after an error: the place of the innermost one is told
+
+    def behaviour(self, data: Any) -> Behaviour:
+        """Reads a behaviour.
+
+        Raises:
+            DescriptionError: Something in it is wrong; the text names the place.
+        """
+        del self._place[:]
+        try:
+            value = self.value(data)
+            if not isinstance(value, Behaviour):
+                raise DescriptionError("a node with a type, such as {'type': 'wait', 'seconds': 1}")
+        except SkirosError as error:
+            raise DescriptionError(f"{self.place or 'the root'}: {error}") from error
+        except (TypeError, ValueError, RecursionError) as error:
+            raise DescriptionError(f"{self.place or 'the root'}: {type(error).__name__}: {error}") from error
+        return value
+
+    def dataclass(self, cls: type[B], data: Mapping[str, Any]) -> B:
+        """Makes a dataclass of its fields as plain data.
+
+        Raises:
+            DescriptionError: A field is missing, not known, or wrong.
+        """
+        if not is_dataclass(cls):
+            raise DescriptionError(f"{cls.__name__}: define to_data() and from_data(), or make it a dataclass")
+        known = {one.name: one for one in fields(cls) if one.init}
+        given = {key: value for key, value in data.items() if key not in ("type", "$pattern")}
+        for key in given:
+            if key not in known:
+                raise UnknownName("field", key, known)
+        open_ = [k for k, f in known.items() if k not in given and f.default is f.default_factory is MISSING]
+        if open_:
+            raise DescriptionError(f"it has no {' and no '.join(open_)}")
+        return cls(**{key: self.field(key, value) for key, value in given.items()})
+
+    def field(self, key: str, data: Any) -> Any:
+        """Reads the value of a field."""
+        with self.at(key):
+            return self.value(data)
+
+    def value(self, data: Any) -> Any:
+        """Reads a value: a constant, a behaviour, a condition, a pattern, or several of them."""
+        if isinstance(data, Mapping):
+            return self._tagged(data)
+        if isinstance(data, Sequence) and not isinstance(data, str):
+            found = []
+            for index, one in enumerate(data):
+                with self.at(index):
+                    found.append(self.value(one))
+            return tuple(found)
+        return data
+
+    def _tagged(self, data: Mapping[str, Any]) -> Any:
+        match data:
+            case {"type": str(kind)}:
+                return self.kind(kind).from_data(data, self)
+            case {"P": str(key)} if len(data) == 1:
+                return P(key)
+            case {"Out": str(name)} if len(data) == 1:
+                return Out(name)
+            case {"$pattern": str(name)}:
+                if name not in _PATTERNS:
+                    raise UnknownName("pattern", name, _PATTERNS)
+                return self.dataclass(_PATTERNS[name], data)
+            case {"condition": _} | {"and": _} | {"or": _} | {"for all": _} | {"exists": _}:
+                return self._read_condition(data)
+            case _:
+                return MappingProxyType({key: self.field(key, value) for key, value in data.items()})
+
+    def kind(self, name: str) -> type[Behaviour]:
+        """Returns a kind of behaviour.
+
+        Raises:
+            UnknownName: There is none of that name.
+        """
+        if name not in self.kinds:
+            raise UnknownName("kind of behaviour", name, self.kinds)
+        return self.kinds[name]
+
+    def _read_condition(self, data: Mapping[str, Any]) -> Condition:
+        found = self._positive(data)
+        if data.get("not"):
+            found = ~found
+        return found.named(str(data["name"])) if data.get("name") else found
+
+    def _positive(self, data: Mapping[str, Any]) -> Condition:
+        match data:
+            case {"condition": str(word), "arguments": arguments}:
+                if word not in self.words:
+                    raise UnknownName("condition", word, self.words)
+                return self.words[word](*arguments)
+            case {"and": parts}:
+                return all_of(*self.field("and", parts))
+            case {"or": parts}:
+                return any_of(*self.field("or", parts))
+            case {"for all": part, "variable": variable, "class": class_}:
+                return for_all(variable, class_, self.field("for all", part))
+            case {"exists": part, "variable": variable, "class": class_}:
+                return exists(variable, class_, self.field("exists", part))
+            case _:
+                raise DescriptionError("no condition, such as {'condition': 'InKit', 'arguments': ['Part', 'Kit']}")

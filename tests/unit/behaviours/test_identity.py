@@ -1,0 +1,258 @@
+"""Every run has an id, a parent and a path: loops and twin branches can be told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import pytest
+
+from skiros_py.behaviours import (
+    Behaviour,
+    Do,
+    ForEach,
+    Guard,
+    Out,
+    P,
+    Parallel,
+    Policy,
+    Repeat,
+    Scope,
+    Sequence,
+    Wait,
+)
+from skiros_py.errors import DescriptionError, UnknownName
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.parameters import param
+from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.skill import Skill, SkillDescription
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, pretend
+
+TO_A = {"Base": "base_1", "Robot": "robot_1", "Location": "box_a"}
+NOTED: list[Any] = []
+
+
+class Note(Primitive[Any]):
+    """Keeps what it is given, and gives it back."""
+
+    name: ClassVar[str] = "note"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        text: str = param("text", "What to keep.", default="")
+
+    def execute(self) -> Execution[Outcome]:
+        NOTED.append(self.params.text)
+        self.emit("noted", {"text": self.params.text})
+        yield
+        return Success(values={"text": self.params.text + "!"})
+
+
+class CallsTwice(Primitive[Any]):
+    """Calls a module twice at the same time."""
+
+    name: ClassVar[str] = "calls_twice"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        """It takes none."""
+
+    def execute(self) -> Execution[Outcome]:
+        yield from self.join(self.call("note", text="a"), self.call("note", text="b"))
+        return Success()
+
+
+def skill(body: Behaviour, **more: Any) -> Skill:
+    return Skill(DRIVE, body, driver="fake", **more)
+
+
+def run(body: Behaviour, *others: Skill, nodes: bool = False) -> tuple[Outcome, list[ModuleEvent]]:
+    NOTED.clear()
+    with Bench(tiny_world(), (skill(body), *others), (Note, CallsTwice)) as bench:
+        heard: list[ModuleEvent] = []
+        bench.monitor.subscribe(heard.append, nodes=nodes)
+        outcome = bench.run("drive", **TO_A)
+    return outcome, heard
+
+
+def started(events: list[ModuleEvent], module: str = "note") -> list[ModuleEvent]:
+    return [event for event in events if event.module == module and event.status is Status.STARTED]
+
+
+def test_two_branches_of_one_module_and_its_rounds_in_a_loop_have_paths_and_ids_of_their_own() -> None:
+    body = Parallel.of(Repeat(Do.of("note", text="left"), 3), Do.of("note", text="right"), policy=Policy.ALL)
+
+    _, events = run(body)
+    notes = started(events)
+
+    left, right = "drive/body/0/0", "drive/body/1"
+    assert [event.path for event in notes] == [left, right, left, left]
+    assert len({event.id for event in notes}) == 4
+    ends = {event.id: event.status for event in events if event.module == "note"}
+    assert set(ends) == {event.id for event in notes}
+    assert set(ends.values()) == {Status.TERMINATED}
+
+
+def test_a_parent_is_the_run_that_something_is_part_of() -> None:
+    _, events = run(Sequence.of(Do.of("calls_twice"), Wait(0.01)), nodes=True)
+    by_id = {event.id: event for event in events if event.status is Status.STARTED}
+    note = started(events)[0]
+
+    line = [note]
+    while line[-1].parent in by_id:
+        line.append(by_id[line[-1].parent])
+
+    assert [(one.kind, one.path) for one in line] == [
+        ("primitive", "drive/body/0/note"),
+        ("primitive", "drive/body/0"),
+        ("node", "drive/body/0"),
+        ("node", "drive/body"),
+        ("skill", "drive"),
+    ]
+    assert line[-1].parent == ""
+
+
+def test_a_called_skill_continues_the_path_of_the_node_that_calls_it() -> None:
+    inner = Skill(
+        SkillDescription("inner", "Notes.", "Base", "Location", DRIVE.params, post=(AT_LOCATION("Robot", "Location"),)),
+        Do.of("note", text="deep"),
+        driver="fake",
+    )
+    _, events = run(Sequence.of(Do.of("inner", Location=P("Location"))), inner)
+
+    assert [event.path for event in started(events)] == ["drive/body/0/body"]
+
+
+def test_nodes_are_reported_to_those_who_ask_for_them_only() -> None:
+    body = Sequence.of(Do.of("note"), Wait(0.01))
+
+    told, untold = run(body, nodes=True)[1], run(body)[1]
+
+    paths = [(event.path, event.status) for event in told if event.kind == "node" and event.event == ""]
+    assert paths == [
+        ("drive/body", Status.STARTED),
+        ("drive/body/0", Status.STARTED),
+        ("drive/body/0", Status.TERMINATED),
+        ("drive/body/1", Status.STARTED),
+        ("drive/body/1", Status.TERMINATED),
+        ("drive/body", Status.TERMINATED),
+    ]
+    assert all(event.kind != "node" or event.event for event in untold)
+
+
+def test_an_event_carries_its_name_value_and_run() -> None:
+    _, events = run(Do.of("note", text="x"))
+
+    (event,) = (event for event in events if event.event == "noted")
+    assert (event.status, event.value, event.path) == (Status.EVENT, {"text": "x"}, "drive/body")
+    assert event.id == started(events)[0].id
+
+
+# ---------------------------------------------------------------------- values
+
+
+def test_a_value_of_an_outcome_is_read_by_later_nodes() -> None:
+    run(Sequence.of(Do.of("note", text=Out("seen")), Do.of("note", text=P("seen"))))
+
+    assert NOTED == ["", "!"]
+
+
+def test_a_value_that_nothing_has_written_yet_is_a_failure_with_its_name() -> None:
+    outcome, _ = run(Sequence.of(Do.of("note", text=P("seen")), Do.of("note", text=Out("seen"))))
+
+    assert outcome == Failure("note: no node has written 'seen' yet")
+
+
+def test_a_value_that_the_outcome_lacks_is_a_failure_with_those_it_has() -> None:
+    outcome, _ = run(Do.of("note", pose=Out("seen")))
+
+    assert outcome == Failure("note gave no value 'pose': its outcome has text")
+
+
+def test_a_name_that_no_node_writes_is_refused_where_it_is_written() -> None:
+    with pytest.raises(UnknownName, match="seen"):
+        skill(Do.of("note", text=P("seen")))
+
+
+def test_a_value_is_not_written_over_a_parameter() -> None:
+    with pytest.raises(DescriptionError, match=r"Out\('Robot'\)"):
+        skill(Do.of("note", text=Out("Robot")))
+
+
+# ---------------------------------------------------------------------- a behaviour from outside
+
+
+@dataclass(frozen=True, slots=True)
+class Nonsense(Behaviour):
+    """Returns what is no outcome."""
+
+    kind: ClassVar[str] = "nonsense"
+
+    @property
+    def title(self) -> str:
+        return "nonsense"
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        yield
+        return scope.path  # type: ignore[return-value]
+
+
+def test_a_node_that_returns_no_outcome_is_a_failure_that_names_its_path() -> None:
+    outcome, _ = run(Sequence.of(Nonsense()))
+
+    assert isinstance(outcome, Failure)
+    assert "node drive/body/0 returned 'drive/body/0'" in outcome.reason
+
+
+@dataclass(frozen=True, slots=True)
+class Either(Behaviour):
+    """Runs one of two named children, by turns."""
+
+    kind: ClassVar[str] = "either"
+
+    left: Behaviour
+    right: Behaviour
+
+    @property
+    def title(self) -> str:
+        return "either"
+
+    def named_children(self) -> Mapping[str, Behaviour]:
+        return {"left": self.left, "right": self.right}
+
+    def run(self, scope: Scope) -> Execution[Outcome]:
+        yield from scope.run(self.left, "left")
+        return (yield from scope.run(self.right, "right"))
+
+
+def test_a_behaviour_from_outside_is_run_and_watched_like_any_other() -> None:
+    body = Guard.of(Either(Do.of("note", text="1"), ForEach("box", "tiny:Box", Do.of("note", text=P("box")))),
+                    ~AT_LOCATION("Robot", "Location"))  # fmt: skip
+
+    _, events = run(body)
+
+    assert NOTED == ["1", "box_a", "box_b"]
+    assert {event.path for event in started(events)} == {"drive/body/0/left", "drive/body/0/right/0"}
+
+
+# ---------------------------------------------------------------------- a breakpoint
+
+
+def test_a_task_pauses_before_a_node_with_a_breakpoint_and_goes_on_when_it_is_resumed() -> None:
+    NOTED.clear()
+    body = Sequence.of(Do.of("note", text="before"), Do.of("note", text="behind"))
+    with Bench(tiny_world(), (skill(body), pretend(DRIVE)), (Note, CallsTwice)) as bench:
+        running = bench.managers["base_1"].start("drive", TO_A)
+        running.scope.breakpoints.add("drive/body/1")
+        for _ in range(200):
+            bench.cycle.step()
+        held = list(NOTED), running.status
+        running.resume()
+        for _ in range(200):
+            bench.cycle.step()
+
+    assert held == (["before"], "paused")
+    assert NOTED == ["before", "behind"]
