@@ -22,7 +22,7 @@ from skiros_py.tasks.history import History
 from skiros_py.tasks.reservations import robot_of
 from skiros_py.tasks.share import Share
 from skiros_py.tasks.telling import Telling
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import Happening, step_id
 from skiros_py.world.stock import take
 
 __all__ = ["Dispatcher"]
@@ -243,7 +243,8 @@ class Dispatcher:
         managers = self._context.managers
         if run.agent not in managers:
             raise UsageError(f"the skill manager of {run.agent} is gone")
-        return managers[run.agent].start(run.step.skill, run.step.arguments, task=self._task.name)
+        task, parent = self._task.name, step_id(self._task.name, run.number)
+        return managers[run.agent].start(run.step.skill, run.step.arguments, task=task, parent=parent)
 
     def _end(self, one: Active) -> Outcome:
         outcome = one.running.result

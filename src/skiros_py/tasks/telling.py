@@ -10,7 +10,7 @@ from skiros_py.planning.plan import Step
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import StepRun
-from skiros_py.tasks.trace import Happening, Trace, TraceEntry
+from skiros_py.tasks.trace import Happening, Trace, TraceEntry, step_id
 from skiros_py.tasks.wording import short_step
 
 __all__ = ["Telling"]
@@ -35,13 +35,15 @@ class Telling:
 
     def tell(self, what: Happening, text: str, data: Mapping[str, Any] | None = None) -> None:
         """Tells what is about no single step."""
-        self._trace.add(TraceEntry(self._context.now, what, text, data=data or {}))
+        self._trace.add(TraceEntry(self._context.now, what, text, data=data or {}, id=self._task))
 
     def tell_of(self, what: Happening, text: str, run: StepRun, data: Mapping[str, Any] | None = None) -> None:
         """Tells what is about one step."""
         step, arguments = run.step, dict(run.step.arguments)
         now, number = self._context.now, run.number or None
-        self._trace.add(TraceEntry(now, what, text, number, step.skill, arguments, run.agent, data or {}))
+        own, parent = (step_id(self._task, run.number), self._task) if run.number else (self._task, "")
+        entry = TraceEntry(now, what, text, number, step.skill, arguments, run.agent, data or {}, own, parent)
+        self._trace.add(entry)
 
     def waits(self, step: Step, why: str) -> None:
         """Tells that a step has to wait; once for each reason."""
@@ -54,7 +56,9 @@ class Telling:
         if self._context.monitor is not None:
             text = f"waits: {why}"
             status, agent = Status.RUNNING, run.agent
-            event = ModuleEvent(run.start, "skill", step.skill, status, 0, text, agent=agent, task=self._task)
+            event = ModuleEvent(
+                run.start, "skill", step.skill, status, 0, text, agent=agent, task=self._task, id=self._task
+            )
             self._context.monitor.publish(event)
 
     def forget_waits(self) -> None:

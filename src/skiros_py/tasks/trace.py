@@ -11,7 +11,7 @@ from typing import Any
 
 from skiros_py.execution.pulse import CycleOverrun
 
-__all__ = ["Happening", "Trace", "TraceEntry"]
+__all__ = ["Happening", "Trace", "TraceEntry", "step_id"]
 
 _log = logging.getLogger(__name__)
 
@@ -71,6 +71,8 @@ class TraceEntry:
         arguments: Its arguments by parameter key.
         agent: Id of the subsystem that does it.
         data: What a machine may want besides, as plain data.
+        id: Id of what this is about: the step, whose runs of modules have it as their parent, or the task.
+        parent: Id of what that is part of: the task of a step; empty for a task.
     """
 
     time: float
@@ -81,6 +83,8 @@ class TraceEntry:
     arguments: Mapping[str, str] = field(default_factory=dict)
     agent: str = ""
     data: Mapping[str, Any] = field(default_factory=dict)
+    id: str = ""
+    parent: str = ""
 
     def __str__(self) -> str:
         return f"{self.time:7.2f} s  {self.text}"
@@ -134,3 +138,13 @@ class Trace:
 
     def __str__(self) -> str:
         return "\n".join(str(entry) for entry in tuple(self._entries))
+
+
+def step_id(task: str, number: int) -> str:
+    """Returns the id of a step: parent of the run that does it.
+
+    Args:
+        task: Name of its task.
+        number: Its number among the steps that the task started, from 1.
+    """
+    return f"{task}#{number}"

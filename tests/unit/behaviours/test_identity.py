@@ -256,3 +256,15 @@ def test_a_task_pauses_before_a_node_with_a_breakpoint_and_goes_on_when_it_is_re
 
     assert held == (["before"], "paused")
     assert NOTED == ["before", "behind"]
+
+
+# ---------------------------------------------------------------------- tasks and steps
+
+
+def test_the_run_of_a_step_has_the_step_as_parent_and_that_the_task() -> None:
+    with Bench(tiny_world()) as bench:
+        report = bench.pursue("In(ball_1, slot_1)")
+        runs = [event for event in bench.events if event.kind == "skill" and event.status is Status.STARTED]
+
+    assert report.reached
+    assert [run.parent for run in runs] == [f"{runs[0].task}#{number}" for number in range(1, len(runs) + 1)]

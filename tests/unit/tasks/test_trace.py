@@ -48,5 +48,7 @@ def test_entries_are_plain_data_and_sentences() -> None:
         "arguments": {"Ball": "b"},
         "agent": "arm_1",
         "data": {},
+        "id": "",
+        "parent": "",
     }
     assert str(trace) == "   0.10 s  step 1 starts"
