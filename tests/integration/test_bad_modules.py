@@ -428,9 +428,9 @@ with bench:
     print("others:", bench.managers["arm_1"].lost or "fine")
     with bench.world.transaction("anna", "by hand") as tx:
         tx.place("ball_1", "sk:in", "box_b")
-    print("world:", bench.world.objects("ball_1", "sk:in"))
+    print("world:", bench.world.objects("ball_1", "sk:in"), flush=True)
     import os
-    os._exit(0)
+    os._exit(0)  # whose call never returns cannot be joined; what is printed has to be flushed before
 """
 
 

@@ -79,11 +79,18 @@ def order_for_later(api: httpx2.Client) -> tuple[Any, Any]:
 
 
 def kill_after_steps(server: ServerProcess, api: httpx2.Client, id_: str, many: int) -> None:
-    """Kills the server when so many steps of a job have ended."""
+    """Kills the server when so many steps of a job have ended; fails when the job is held or over before."""
+    ended = 0
     with api.sse(f"/jobs/{id_}/events") as source:
-        ends = (event for event in source if event.event == "task" and event.json()["type"] == "ended")
-        for _ in range(many):
-            next(ends)
+        job_before = job_of(api, id_)["version"]
+        for event in source:
+            told = event.json() if event.event in ("task", "job") else {}
+            ended += event.event == "task" and told["type"] == "ended"
+            if ended == many:
+                break
+            if event.event == "job" and told["data"]["version"] >= job_before:
+                # A machine that stalls for seconds has everything halted; then no further step ends.
+                assert not (told["data"]["choices"] or told["data"]["outcome"]), f"{told['data']}\n{server.said}"
         server.kill()
 
 

@@ -184,7 +184,9 @@ def test_a_second_package_beside_the_first_begins_with_names_of_its_own_and_work
     assert "passed" in tool(draft.root, "pytest", "-q", "-p", "no:dash", "-p", "no:cacheprovider", "-W", "error")
 
 
-def test_a_package_may_be_called_src(tmp_path: Path) -> None:
+def test_a_package_may_be_called_src(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # ``python -m pytest`` puts the checkout on the path, where ``src`` is a folder.
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if place and Path(place) != ROOT])
     draft = draft_package(tmp_path, NewPackage("src"))
     draft.write_folder()
 
