@@ -59,8 +59,7 @@ def test_what_was_planned_or_done_at_a_kill_waits_for_a_person_and_nothing_is_do
     with started(data, "--planner-command", planner.command) as (server, api):
         assert_held(api, "kit")
         assert steps(api, "kit") == []
-        api.post("/jobs/kit/answer", json={"answer": "retry"}).raise_for_status()
-        kill_after_steps(server, api, "kit", 2)  # it has driven, and picked the part
+        retry_and_kill_after_steps(server, api, "kit", 2)  # it has driven, and picked the part
     with started(data, "--planner-command", planner.command) as (_, api):
         assert_held(api, "kit")
         assert api.put("/jobs/kit", json=STARTER).json()["state"]["substates"] == ["Held"]
@@ -78,19 +77,20 @@ def order_for_later(api: httpx2.Client) -> tuple[Any, Any]:
     return api.put("/jobs/waits", json=order).json(), api.post("/jobs", json=order, headers=key).json()
 
 
-def kill_after_steps(server: ServerProcess, api: httpx2.Client, id_: str, many: int) -> None:
-    """Kills the server when so many steps of a job have ended; fails when the job is held or over before."""
-    ended = 0
+def retry_and_kill_after_steps(server: ServerProcess, api: httpx2.Client, id_: str, many: int) -> None:
+    """Retries a held job and kills the server when so many steps have ended; fails if it is held or over before."""
+    ended, held = 0, job_of(api, id_)["version"]
+    api.post(f"/jobs/{id_}/answer", json={"answer": "retry"}).raise_for_status()
     with api.sse(f"/jobs/{id_}/events") as source:
-        job_before = job_of(api, id_)["version"]
         for event in source:
             told = event.json() if event.event in ("task", "job") else {}
             ended += event.event == "task" and told["type"] == "ended"
             if ended == many:
                 break
-            if event.event == "job" and told["data"]["version"] >= job_before:
-                # A machine that stalls for seconds has everything halted; then no further step ends.
-                assert not (told["data"]["choices"] or told["data"]["outcome"]), f"{told['data']}\n{server.said}"
+            if event.event == "job" and told["data"]["version"] > held:
+                # On a machine that stalls for seconds everything is halted; then no further step ends.
+                waits = told["data"]["choices"] or told["data"]["outcome"]
+                assert not waits, f"{told['data']}\n{server.said}"
         server.kill()
 
 
