@@ -27,7 +27,7 @@ from skiros_py.behaviours import Do, Parallel, Sequence
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.watchdog import Watchdog
-from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions.watch import Watches

@@ -109,8 +109,8 @@ class RunPictures:
 def _picture(session: Session, snapshot: Snapshot, agent: str) -> Pending[Any]:
     """Looks over a robot's shoulder at where it works; over the first one's where nobody knows whose."""
     robots = session.runtime.context.cell.robots
-    own = (robot.base.id for robot in robots if agent in {robot.base.id, *(arm.id for arm in robot.arms)})
-    eye, target = over_the_shoulder(snapshot.bases[next(own, robots[0].base.id)])
+    robot = next((robot for robot in robots if robot.has(agent)), robots[0])
+    eye, target = over_the_shoulder(robot.pose(snapshot))
     return session.simulation.picture(eye, target, width=WIDTH, height=HEIGHT)
 
 

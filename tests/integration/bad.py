@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from skiros_py.ports.devices import Base
-from skiros_py.ports.values import BaseTwist
+from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -83,9 +82,9 @@ def yielding(value: Any) -> Behaviour:
 def halted(bench: Bench) -> bool:
     """Lets a robot brake; true when it stands where it is from then on."""
     bench.advance(0.1)
-    before = bench.cycle.board.snapshot.bases["base_1"].pose
+    before = bench.cycle.board.snapshot.state("base_1", BaseState).pose
     bench.advance(0.5)
-    return bench.cycle.board.still and bench.cycle.board.snapshot.bases["base_1"].pose == before
+    return bench.cycle.board.still and bench.cycle.board.snapshot.state("base_1", BaseState).pose == before
 
 
 def assert_others_go_on(bench: Bench) -> None:

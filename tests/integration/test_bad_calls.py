@@ -9,10 +9,9 @@ from typing import Any
 import pytest
 
 from skiros_py.behaviours import Do, P
+from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.devices import Base
-from skiros_py.ports.values import BaseTwist
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.skills.conditions import Computed, ConditionType, Role
 from skiros_py.skills.outcome import Failure, Outcome, Success
@@ -76,13 +75,13 @@ def test_a_condition_that_breaks_while_it_is_planned_is_told_by_its_name() -> No
 
 
 def commands_nobody(bad: Bad) -> Execution[Outcome]:
-    bad.context.board.bases["nobody"] = BaseTwist(0.0, 0.0)
+    bad.context.board.send("nobody", BaseTwist(0.0, 0.0))
     yield
     return Success("as if nothing were")
 
 
 def commands_nonsense(bad: Bad) -> Execution[Outcome]:
-    bad.context.board.bases["base_1"] = "fast"  # type: ignore[assignment]  # the nonsense that is tried
+    bad.context.board.send("base_1", "fast")
     yield
     return Success("as if nothing were")
 
@@ -109,12 +108,12 @@ def commands_others(bad: Bad) -> Execution[Outcome]:
 
 def test_a_module_does_not_move_a_device_that_it_has_not_taken() -> None:
     with Bench(tiny_world(robots=2), (), [bad(commands_others), Moving]) as bench:
-        before = bench.cycle.board.snapshot.bases["base_2"].pose
+        before = bench.cycle.board.snapshot.state("base_2", BaseState).pose
         outcome = bench.run("bad", base="base_1")
 
         assert isinstance(outcome, Failure)
         assert "base_2" in outcome.reason
-        assert bench.cycle.board.snapshot.bases["base_2"].pose == before
+        assert bench.cycle.board.snapshot.state("base_2", BaseState).pose == before
 
 
 def keeps_a_transaction_open(bad: Bad) -> Execution[Outcome]:

@@ -11,10 +11,9 @@ from typing import Any
 import pytest
 
 from skiros_py.behaviours import Do, P, Parallel, Timeout
+from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import Status
-from skiros_py.ports.devices import Base
-from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import Skill

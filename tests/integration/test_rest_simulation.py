@@ -15,6 +15,7 @@ from support.serving import Served, serving
 from skiros_py.api.alarms import AlarmKind
 from skiros_py.client.calls import simulation as calls
 from skiros_py.client.client import Client
+from skiros_py.devices.base import BaseState
 from skiros_py.errors import WrongState
 from skiros_py.geometry import Pose
 from skiros_py.station.alarms.alarms import Alarm
@@ -77,7 +78,7 @@ def test_a_robot_that_was_changed_is_said_to_need_a_reset(pretending: Served) ->
     services.simulation.reset(force=False)
     assert services.simulation.state().stale == []
     assert stale_alarms(pretending) == []
-    assert services.control.call(lambda s: s.cycle.board.snapshot.bases["base_1"].pose.position[0]) == 0.5
+    assert services.control.call(lambda s: s.cycle.board.snapshot.state("base_1", BaseState).pose.position[0]) == 0.5
 
 
 # ---------------------------------------------------------------- with physics

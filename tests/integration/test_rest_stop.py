@@ -11,6 +11,7 @@ import httpx2
 import pytest
 from support.serving import serving
 
+from skiros_py.devices.base import BaseState
 from skiros_py.errors import WrongState
 from skiros_py.skills.questions import QuestionKind
 from skiros_py.station.session import Options
@@ -352,8 +353,8 @@ def test_arms_and_base_that_move_stand_after_a_stop_and_stay_where_they_are(tmp_
         before = board.snapshot
         until(lambda: board.snapshot.cycle > max(cycle, before.cycle) + 200)
         assert board.still
-        assert board.snapshot.bases["base_1"].pose.position == pytest.approx(
-            before.bases["base_1"].pose.position, abs=0.02
+        assert board.snapshot.state("base_1", BaseState).pose.position == pytest.approx(
+            before.state("base_1", BaseState).pose.position, abs=0.02
         )
         assert http.post("/reset").status_code == 200
         assert session.jobs.job("kit").state is JobState.INTERRUPTED  # nothing goes on by itself

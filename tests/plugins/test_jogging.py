@@ -13,6 +13,8 @@ from skiros_primitives.jog_joints import JogJoints
 from skiros_primitives.jog_tool import JogTool
 from skiros_primitives.jogging import even
 from skiros_primitives.move_arm import MoveArm
+from skiros_py.devices.arm import ArmState
+from skiros_py.devices.base import BaseState
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.testing import Bench, tiny_world
 
@@ -30,7 +32,7 @@ def bench() -> Iterator[Bench]:
 
 
 def joints(bench: Bench) -> tuple[float, ...]:
-    return bench.context.board.snapshot.arms["arm_1"].positions
+    return bench.context.board.snapshot.state("arm_1", ArmState).positions
 
 
 def test_joints_turn_by_what_is_said_and_the_arm_goes_home_again(bench: Bench) -> None:
@@ -78,12 +80,12 @@ def test_a_step_of_the_tool_is_small(bench: Bench) -> None:
 
 @pytest.mark.parametrize("step", [(0.1, 0.0, 0.0), (-0.2, 0.0, 0.0), (0.0, 0.0, 0.3), (0.05, -0.1, 0.1)])
 def test_the_base_comes_where_it_is_sent(bench: Bench, step: tuple[float, float, float]) -> None:
-    before = bench.context.board.snapshot.bases["base_1"].pose
+    before = bench.context.board.snapshot.state("base_1", BaseState).pose
 
     outcome = bench.run("jog_base", dx=step[0], dy=step[1], dyaw=step[2])
 
     assert isinstance(outcome, Success), outcome
-    came = before.inverse() @ bench.context.board.snapshot.bases["base_1"].pose
+    came = before.inverse() @ bench.context.board.snapshot.state("base_1", BaseState).pose
     assert came.position[:2] == pytest.approx(step[:2], abs=0.005)
     assert came.yaw == pytest.approx(step[2], abs=0.01)
 
@@ -109,17 +111,17 @@ def test_a_step_of_the_base_is_small(bench: Bench, too_far: dict[str, float]) ->
 
 def test_the_base_stands_still_while_an_arm_is_stretched_out(bench: Bench) -> None:
     bench.run("jog_joints", deltas=[0.1, *[0.0] * (len(joints(bench)) - 1)])
-    before = bench.context.board.snapshot.bases["base_1"].pose
+    before = bench.context.board.snapshot.state("base_1", BaseState).pose
 
     outcome = bench.run("jog_base", dx=0.1)
 
     assert outcome == Failure("arm_1 is stretched out: bring it home before the base moves")
-    assert bench.context.board.snapshot.bases["base_1"].pose == before
+    assert bench.context.board.snapshot.state("base_1", BaseState).pose == before
 
 
 def test_the_base_does_not_drive_into_what_stands_there_but_away_from_it() -> None:
     with Bench(tiny_world(), primitives=(JogBase,)) as plain:
-        front = max(x for x, _ in plain.context.cell.robots[0].base.footprint)
+        front = max(x for x, _ in plain.context.cell.robots[0].outline)
     wall = f'{AHEAD} sk:pose "{front + 0.13} 0 0 0 0 0"{POSE} .'  # its near side is 8 cm ahead
     with Bench(tiny_world(wall), primitives=(JogBase,)) as near:
         blocked = near.run("jog_base", dx=0.1)

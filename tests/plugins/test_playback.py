@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_primitives.playback import Playback
+from skiros_py.devices.arm import ArmTarget
 from skiros_py.execution.clock import RunClock
 from skiros_py.ports.motion import Trajectory
-from skiros_py.ports.values import ArmTarget
 
 PERIOD = 0.005
 TIMES = np.linspace(0.0, 1.0, 201)

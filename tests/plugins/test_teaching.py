@@ -7,10 +7,9 @@ import pytest
 from skiros_primitives.teach_driving_pose import TeachDrivingPose
 from skiros_primitives.teach_grasp import TeachGrasp
 from skiros_primitives.teach_placing_pose import TeachPlacingPose
+from skiros_py.devices.gripper import Gripper, GripperTarget
 from skiros_py.geometry import Pose
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.ports.devices import Gripper
-from skiros_py.ports.values import GripperTarget
 from skiros_py.skills.outcome import Failure, Success
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.world import World

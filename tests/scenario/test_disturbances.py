@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.base import BaseState
+from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.ports.cell import BodySpec
 from skiros_py.simulation.truth import Truth
@@ -83,7 +86,7 @@ def test_another_part_of_the_same_type_is_taken_when_the_first_is_gone(open_sess
 
 def test_a_stop_leaves_arm_and_base_standing_still(open_session, when):
     session = open_session("kitting", seed=1)
-    moving = lambda: abs(session.cycle.board.snapshot.bases["base_1"].linear) > 0.3  # noqa: E731
+    moving = lambda: abs(session.cycle.board.snapshot.state("base_1", BaseState).linear) > 0.3  # noqa: E731
     when(session, moving, session.stop)
 
     report = session.run()
@@ -95,7 +98,7 @@ def test_a_stop_leaves_arm_and_base_standing_still(open_session, when):
 
 def test_after_a_stop_the_next_goal_is_reached_and_a_lost_part_is_still_noticed(open_session, when):
     session = open_session("kitting_carried", seed=1)
-    moving = lambda: abs(session.cycle.board.snapshot.bases["base_1"].linear) > 0.3  # noqa: E731
+    moving = lambda: abs(session.cycle.board.snapshot.state("base_1", BaseState).linear) > 0.3  # noqa: E731
     when(session, moving, session.stop)
     assert session.run().stopped
     lifted = lambda: holds(session, "starter_1")  # noqa: E731
@@ -120,8 +123,12 @@ def hood(over: tuple[float, float, float]) -> BodySpec:
 
 def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base_drives(open_session, when):
     session = open_session("kitting_carried", seed=6)
-    home = session.spec.robots[0].arms[0].home
-    away = lambda: max(map(abs, map(float.__sub__, session.cycle.board.snapshot.arms["arm_1"].positions, home)))  # noqa: E731
+    home = session.spec.robots[0].of(ArmSpec)[0].home
+
+    def away():
+        now = session.cycle.board.snapshot.state("arm_1", ArmState).positions
+        return max(abs(is_ - wanted) for is_, wanted in zip(now, home, strict=True))
+
     events: list[str] = []
     session.monitor.subscribe(lambda e: events.append(f"{e.module} {e.text}"))
     when(session, lambda: "grasp approaching" in events and away() > 0.5, session.stop)
@@ -129,7 +136,11 @@ def test_after_a_stop_in_the_middle_of_a_grasp_the_arm_is_stowed_before_the_base
     assert away() > 0.5
     driven_with: list[float] = []
     session.cycle.observe(
-        lambda: driven_with.append(away()) if abs(session.cycle.board.snapshot.bases["base_1"].linear) > 0.05 else None
+        lambda: (
+            driven_with.append(away())
+            if abs(session.cycle.board.snapshot.state("base_1", BaseState).linear) > 0.05
+            else None
+        )
     )
 
     report = session.run(["RobotAtLocation(robot_1, pallet_b)"])
@@ -156,4 +167,4 @@ def test_a_pick_broken_off_while_lifting_puts_the_part_back_instead_of_dropping_
     assert max(heights) > 0.51
     assert max(falls) < 0.5
     assert truth.placements()["starter_1"] == "pallet_a"
-    assert session.cycle.board.snapshot.grippers["gripper_1"].gap > 0.075
+    assert session.cycle.board.snapshot.state("gripper_1", GripperState).gap > 0.075

@@ -17,6 +17,8 @@ from skiros_primitives.home import Home
 from skiros_primitives.teach_driving_pose import TeachDrivingPose
 from skiros_primitives.teach_grasp import TeachGrasp
 from skiros_py.catalogue import load_catalogue
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Array, Pose
 from skiros_py.planning.plan import NoPlan
 from skiros_py.ports.motion import JointMove, LineMove, PoseMove
@@ -97,12 +99,12 @@ def run(session: Session, module: str, *, agent: str = "arm_1", **arguments: Any
 
 
 def joints(session: Session) -> Array:
-    return np.array(session.cycle.board.snapshot.arms["arm_1"].positions)
+    return np.array(session.cycle.board.snapshot.state("arm_1", ArmState).positions)
 
 
 def swing(session: Session, *, pause: int | None = None) -> list[Array]:
     """Leads the arm far away and notes its joints in each cycle; it may be paused in one, for three seconds."""
-    home = session.spec.robots[0].arms[0].home
+    home = session.spec.robots[0].of(ArmSpec)[0].home
     away = tuple(angle + by for angle, by in zip(home, (1.2, 0.3, 0.2, 0.4, 0.2, 0.3, 0.5), strict=True))
     running = session.managers["arm_1"].start("guide", {"joints": away})
     seen = []
@@ -140,13 +142,13 @@ def test_home_brings_the_arm_home_and_opens_empty_fingers(open_guided):
     session = open_guided("kitting", seed=1)
     swing(session)
     run(session, "gripper_control", gap=0.0)
-    assert session.cycle.board.snapshot.grippers["gripper_1"].gap < 0.01
+    assert session.cycle.board.snapshot.state("gripper_1", GripperState).gap < 0.01
 
     outcome = run(session, "home")
 
     assert outcome == Success("home")
-    assert np.abs(joints(session) - session.spec.robots[0].arms[0].home).max() < 0.02
-    assert session.cycle.board.snapshot.grippers["gripper_1"].gap > 0.075
+    assert np.abs(joints(session) - session.spec.robots[0].of(ArmSpec)[0].home).max() < 0.02
+    assert session.cycle.board.snapshot.state("gripper_1", GripperState).gap > 0.075
 
 
 def test_where_to_stand_at_a_kit_is_taught_once_and_the_goal_is_planned_and_done(open_guided, tmp_path):

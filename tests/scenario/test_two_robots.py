@@ -10,6 +10,7 @@ import pytest
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_py.catalogue import load_catalogue
+from skiros_py.devices.arm import ArmState
 from skiros_py.geometry import Pose
 from skiros_py.ports.motion import BaseLeg, BasePath, PoseMove
 from skiros_py.simulation.truth import Truth
@@ -123,20 +124,20 @@ def test_an_arm_waits_for_a_robot_that_drives_where_it_reaches_and_is_in_the_way
     session = reaching
     floor, board = session.runtime.context.floor, session.cycle.board
     past = BasePath((BaseLeg(2.0, 0.0),), 0.0)
-    arm = [board.snapshot.arms["arm_2"].positions]
+    arm = [board.snapshot.state("arm_2", ArmState).positions]
 
     with floor.ask("robot_1", OUTLINE, Pose((-4.0, -0.4, 0.0)), past) as way:
         assert way.free
         running = session.start_module("reach", {"tip": ASIDE}, "arm_2")
         for _ in range(400):
             session.cycle.step()
-        arm.append(board.snapshot.arms["arm_2"].positions)
+        arm.append(board.snapshot.state("arm_2", ArmState).positions)
     while not running.done:
         session.cycle.step()
 
     assert running.result == Success()
     assert arm[1] == pytest.approx(arm[0], abs=0.01)
-    assert board.snapshot.arms["arm_2"].positions != pytest.approx(arm[0], abs=0.2)
+    assert board.snapshot.state("arm_2", ArmState).positions != pytest.approx(arm[0], abs=0.2)
     with floor.ask("robot_1", OUTLINE, Pose((-4.0, -0.4, 0.0)), past) as way:
         assert (way.free, way.blocked, way.waits_for()) == (False, True, ("robot_2",))
 

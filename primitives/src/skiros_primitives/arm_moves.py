@@ -11,12 +11,12 @@ import numpy as np
 from skiros_primitives.fingers import firm_force, move_fingers
 from skiros_primitives.other_robots import bodies, others
 from skiros_primitives.playback import Playback
+from skiros_py.devices.arm import Arm, ArmSpec, ArmTarget
+from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import ArmSpec, GripperSpec, RobotSpec
-from skiros_py.ports.devices import Arm, Gripper
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
-from skiros_py.ports.values import ArmTarget, GripperState
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
@@ -42,17 +42,17 @@ class ArmPrimitive(Primitive[Any]):
     @property
     def robot(self) -> RobotSpec:
         """The robot that the arm belongs to."""
-        return next(r for r in self.context.cell.robots if any(a.id == self.params.arm for a in r.arms))
+        return self.context.cell.group_of(self.params.arm)
 
     @property
     def arm_spec(self) -> ArmSpec:
         """The arm's description."""
-        return next(a for a in self.robot.arms if a.id == self.params.arm)
+        return self.arm.spec
 
     @property
     def base_pose(self) -> Pose:
         """Where the robot's base is in the map, as localised."""
-        return self.context.board.snapshot.bases[self.robot.base.id].pose
+        return self.robot.pose(self.context.board.snapshot)
 
     @property
     def gripper_id(self) -> str:
@@ -63,7 +63,7 @@ class ArmPrimitive(Primitive[Any]):
     @property
     def gripper_spec(self) -> GripperSpec:
         """The description of the gripper on the arm."""
-        return next(g for g in self.robot.grippers if g.arm == self.params.arm)
+        return next(g for g in self.robot.of(GripperSpec) if g.arm == self.params.arm)
 
     def held(self) -> Held | None:
         """What the arm's gripper is believed to hold."""
@@ -119,7 +119,7 @@ class ArmPrimitive(Primitive[Any]):
         planner = self.context.libraries.arm_planner
         if planner is None:
             raise DeviceError(f"{self.name} needs an arm planner")
-        gripper = self.context.board.snapshot.grippers.get(self.gripper_id)
+        gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
         request = MotionRequest(
             arm=self.params.arm,
             start=self.arm.state.positions,

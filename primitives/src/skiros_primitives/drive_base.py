@@ -9,12 +9,10 @@ from typing import ClassVar
 
 from skiros_primitives import other_robots
 from skiros_primitives.other_robots import reach
+from skiros_py.devices.base import Base, BaseSpec, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.ports.cell import BaseSpec
-from skiros_py.ports.devices import Base
 from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
-from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.floor import Outline, Way
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -121,7 +119,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
         """What the robot covers while it drives; alone in its cell it need not know."""
         if len(self.context.cell.robots) == 1:
             return self._spec().footprint
-        robot = next(r for r in self.context.cell.robots if r.base.id == self.params.base)
+        robot = self.context.cell.group_of(self.params.base)
         return (yield from other_robots.outline(self, robot))
 
     def _is_free(self, way: Way, deadline: float) -> Execution[bool]:
@@ -155,7 +153,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
         return any(f == self.params.base or self._rides(f) for f in frames)
 
     def _spec(self) -> BaseSpec:
-        return next(r.base for r in self.context.cell.robots if r.base.id == self.params.base)
+        return self.context.cell.device(self.params.base, BaseSpec)
 
     def _leave(self) -> None:
         """Between places a robot is on the floor."""

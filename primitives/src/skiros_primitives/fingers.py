@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.ports.cell import GripperSpec
-from skiros_py.ports.devices import Gripper
-from skiros_py.ports.values import GripperState, GripperTarget
+from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState, GripperTarget
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Execution
 

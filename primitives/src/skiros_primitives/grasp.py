@@ -10,11 +10,10 @@ from skiros_primitives.fingers import firm_force, move_fingers
 from skiros_primitives.part_models import Grasp as GraspData
 from skiros_primitives.part_models import grasp_of
 from skiros_primitives.poses import level
+from skiros_py.devices.gripper import Gripper, GripperState
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
-from skiros_py.ports.devices import Gripper
 from skiros_py.ports.motion import LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
-from skiros_py.ports.values import GripperState
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

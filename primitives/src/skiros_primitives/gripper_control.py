@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.fingers import firm_force, move_fingers
-from skiros_py.ports.devices import Gripper
+from skiros_py.devices.gripper import Gripper
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -39,8 +39,7 @@ class GripperControl(Primitive["GripperControl.Params"]):
     def execute(self) -> Execution[Outcome]:
         """Moves the fingers."""
         gripper = Gripper(self.context.board, self.params.gripper)
-        grippers = (g for robot in self.context.cell.robots for g in robot.grippers)
-        spec = next(g for g in grippers if g.id == self.params.gripper)
+        spec = gripper.spec
         gap = spec.max_gap if self.params.gap is None else self.params.gap
         force = firm_force(spec) if self.params.force is None else self.params.force
         state = yield from move_fingers(self.context, gripper, gap, force)

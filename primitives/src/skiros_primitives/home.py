@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.ports.cell import GripperSpec, RobotSpec
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.gripper import GripperSpec, GripperState
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -32,7 +34,7 @@ class Home(Primitive["Home.Params"]):
 
     def start(self) -> Failure | None:
         """Looks whether the arm is one of the robot's."""
-        if self.params.arm not in (None, *(arm.id for arm in self._robot.arms)):
+        if self.params.arm not in (None, *(arm.id for arm in self._robot.of(ArmSpec))):
             return Failure(f"{self.params.arm} is no arm of {self.params.robot}")
         return None
 
@@ -42,7 +44,7 @@ class Home(Primitive["Home.Params"]):
         moved = yield from self.call("move_arm", arm=arm) if arm else self.call("stow_arms", robot=robot)
         if isinstance(moved, Failure):
             return moved
-        grippers = [gripper for gripper in self._robot.grippers if arm in (None, gripper.arm)]
+        grippers = [gripper for gripper in self._robot.of(GripperSpec) if arm in (None, gripper.arm)]
         holding = [gripper.id for gripper in grippers if self._holds(gripper)]
         for gripper in grippers:
             if gripper.id not in holding:
@@ -57,5 +59,5 @@ class Home(Primitive["Home.Params"]):
 
     def _holds(self, gripper: GripperSpec) -> bool:
         """Believed or felt: a part that nobody knows of must not be dropped, either."""
-        felt = self.context.board.snapshot.grippers[gripper.id].force >= _FELT
+        felt = self.context.board.snapshot.state(gripper.id, GripperState).force >= _FELT
         return felt or bool(self.world.subjects(HELD_BY, gripper.id))

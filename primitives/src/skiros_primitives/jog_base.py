@@ -12,11 +12,11 @@ from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import other_robots
 from skiros_primitives.floor_outlines import covered, placed
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.devices import Base
 from skiros_py.ports.motion import BaseLeg, BasePath, Obstacle
-from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -71,7 +71,7 @@ class JogBase(Primitive["JogBase.Params"]):
         if way > _FARTHEST or abs(self.params.dyaw) > _TURN:
             said = f"{way:.3g} m and {abs(self.params.dyaw):.3g} rad"
             return Failure(f"one step is at most {_FARTHEST:g} m and {_TURN:g} rad long, not {said}")
-        stretched = [arm.id for arm in self._robot.arms if not self._is_stowed(arm.id, arm.home)]
+        stretched = [arm.id for arm in self._robot.of(ArmSpec) if not self._is_stowed(arm.id, arm.home)]
         if stretched:
             return Failure(f"{', '.join(stretched)} is stretched out: bring it home before the base moves")
         return None
@@ -85,7 +85,7 @@ class JogBase(Primitive["JogBase.Params"]):
         touched = yield from self._touched(before, path)
         if touched:
             return Failure(f"{self.params.base} would touch {touched}")
-        with self.context.floor.ask(self.params.robot, self._robot.base.footprint, before, path) as way:
+        with self.context.floor.ask(self.params.robot, self._robot.outline, before, path) as way:
             if not way.free:
                 return Failure(f"{' and '.join(way.waits_for())} is in the way")
             self._leave()
@@ -94,10 +94,10 @@ class JogBase(Primitive["JogBase.Params"]):
 
     @property
     def _robot(self) -> RobotSpec:
-        return next(r for r in self.context.cell.robots if r.base.id == self.params.base)
+        return self.context.cell.group_of(self.params.base)
 
     def _is_stowed(self, arm: str, home: tuple[float, ...]) -> bool:
-        now = self.context.board.snapshot.arms[arm].positions
+        now = self.context.board.snapshot.state(arm, ArmState).positions
         return max(abs(is_ - wanted) for is_, wanted in zip(now, home, strict=True)) <= _STOWED
 
     # ------------------------------------------------------------------ what is in the way
@@ -110,7 +110,7 @@ class JogBase(Primitive["JogBase.Params"]):
         things = [o for o in obstacles(self.context, parts=False) if not self._rides(o.id)]
         robots = yield from other_robots.standing(self, self.params.robot, margin=0.0)
         outline = yield from other_robots.outline(self, self._robot)
-        near = _nearing(things, self._robot.base.footprint, start, path) + _nearing(robots, outline, start, path)
+        near = _nearing(things, self._robot.outline, start, path) + _nearing(robots, outline, start, path)
         return " and ".join(near)
 
     def _rides(self, element: str) -> bool:
@@ -138,7 +138,7 @@ class JogBase(Primitive["JogBase.Params"]):
         return arrived
 
     def _turn(self, base: Base, heading: float) -> Execution[bool]:
-        limit, deadline = self._robot.base.max_angular_acceleration, self.context.now + _PATIENCE
+        limit, deadline = base.spec.max_angular_acceleration, self.context.now + _PATIENCE
         while self.context.now < deadline:
             error = wrap_angle(heading - base.state.pose.yaw)
             if abs(error) < math.radians(0.3):
@@ -150,7 +150,7 @@ class JogBase(Primitive["JogBase.Params"]):
 
     def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
         """Goes along its heading until it is beside the leg's end."""
-        limit, deadline = self._robot.base.max_linear_acceleration, self.context.now + _PATIENCE
+        limit, deadline = base.spec.max_linear_acceleration, self.context.now + _PATIENCE
         while self.context.now < deadline:
             left = _ahead(base.state.pose, leg)
             if abs(left) < _SHORT:

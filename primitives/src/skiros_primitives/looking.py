@@ -7,10 +7,10 @@ import math
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import part_models
 from skiros_primitives.poses import downward
+from skiros_py.devices.arm import ArmState
+from skiros_py.devices.camera import Camera, CameraSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import CameraSpec
-from skiros_py.ports.devices import Camera
 from skiros_py.ports.motion import NoMotion, PoseMove
 from skiros_py.ports.perception import LookRequest, LookResult, Region
 from skiros_py.ports.values import DepthImage
@@ -62,12 +62,13 @@ class LookingPrimitive(ArmPrimitive):
 
     def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Execution[Pose]:
         """Returns where in the map the camera was when it took a picture, as known from joints and localisation."""
-        frame = yield from self.frame_pose(image.arms[self.params.arm], camera.frame)
-        return image.bases[self.robot.base.id] @ frame
+        arm = image.snapshot.state(self.params.arm, ArmState)
+        frame = yield from self.frame_pose(arm.positions, camera.frame)
+        return self.robot.pose(image.snapshot) @ frame
 
     def camera_spec(self, camera: str) -> CameraSpec:
         """Returns the description of one of the robot's cameras."""
-        return next(c for c in self.robot.cameras if c.id == camera)
+        return self.context.cell.device(camera, CameraSpec)
 
     def _yaws(self) -> list[float]:
         return [self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4)]

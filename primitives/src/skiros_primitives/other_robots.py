@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Obstacle
@@ -39,7 +40,7 @@ def bodies(context: RunContext, robot: str, *, margin: float = 0.0) -> tuple[Obs
 
 
 def _body(context: RunContext, robot: RobotSpec, margin: float) -> Obstacle:
-    return _block(context, robot, robot.base.footprint, margin)
+    return _block(context, robot, robot.outline, margin)
 
 
 def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: float) -> Obstacle:
@@ -47,7 +48,7 @@ def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: floa
     xs, ys = zip(*outline, strict=True)
     middle = Pose(((min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0, 0.0))
     size = max(xs) - min(xs) + 2.0 * margin, max(ys) - min(ys) + 2.0 * margin
-    return Obstacle(robot.id, Solid.box(*size, _HEIGHT), context.board.snapshot.bases[robot.base.id].pose @ middle)
+    return Obstacle(robot.id, Solid.box(*size, _HEIGHT), robot.pose(context.board.snapshot) @ middle)
 
 
 def standing(primitive: Primitive[Any], robot: str, *, margin: float) -> Execution[tuple[Obstacle, ...]]:
@@ -62,9 +63,9 @@ def standing(primitive: Primitive[Any], robot: str, *, margin: float) -> Executi
     there = [other for other in others(context, robot) if not context.floor.is_driving(other.id)]
     found = [_body(context, other, margin) for other in there]
     for other in there:
-        taken = {arm.id: context.floor.stretched(arm.id) for arm in other.arms}
+        taken = {arm.id: context.floor.stretched(arm.id) for arm in other.of(ArmSpec)}
         found += [_block(context, other, outline, margin) for outline in taken.values() if outline]
-        resting = replace(other, arms=tuple(arm for arm in other.arms if not taken[arm.id]))
+        resting = replace(other, devices=tuple(arm for arm in other.of(ArmSpec) if not taken[arm.id]))
         tips = yield from _tips(primitive, resting, now=True)
         found += [_arm(context, other, tip, margin) for tip in tips]
     return tuple(found)
@@ -75,13 +76,13 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
     x, y, _ = tip.position
     along = Pose.of(x / 2.0, y / 2.0, 0.0, yaw=math.atan2(y, x))
     length, width = math.hypot(x, y) + 2.0 * (_HAND + margin), 2.0 * (_HAND + margin)
-    base = context.board.snapshot.bases[robot.base.id].pose
+    base = robot.pose(context.board.snapshot)
     return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
 
 
 def outline(primitive: Primitive[Any], robot: RobotSpec) -> Execution[Outline]:
     """Returns what a robot covers of the floor while it drives: its base, and its hands in their travelling posture."""
-    points = list(robot.base.footprint)
+    points = list(robot.outline)
     for tip in (yield from _tips(primitive, robot, now=False)):
         turns = (2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS))
         points += [(tip.position[0] + _HAND * math.cos(t), tip.position[1] + _HAND * math.sin(t)) for t in turns]
@@ -95,11 +96,11 @@ def reach(points: Outline) -> float:
 
 def _tips(primitive: Primitive[Any], robot: RobotSpec, *, now: bool) -> Execution[list[Pose]]:
     """Returns where the tips of a robot's arms are in the frame of its base, now or at home."""
-    planner, states = primitive.context.libraries.arm_planner, primitive.context.board.snapshot.arms
+    planner, states = primitive.context.libraries.arm_planner, primitive.context.board.snapshot.of(ArmState)
     tips: list[Pose] = []
     if planner is None:
         return tips
-    for arm in robot.arms:
+    for arm in robot.of(ArmSpec):
         positions = states[arm.id].positions if now else arm.home
         tips.append((yield from primitive.wait(planner.frame_pose(arm.id, positions, arm.tip))))
     return tips

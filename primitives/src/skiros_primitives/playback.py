@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from skiros_py.devices.arm import ArmTarget
 from skiros_py.ports.motion import Trajectory
-from skiros_py.ports.values import ArmTarget
 
 __all__ = ["Playback"]
 

@@ -10,8 +10,8 @@ from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.fingers import firm_force, move_fingers
 from skiros_primitives.poses import level
 from skiros_primitives.regions import inner_region
+from skiros_py.devices.gripper import Gripper
 from skiros_py.geometry import Pose
-from skiros_py.ports.devices import Gripper
 from skiros_py.ports.motion import Held, LineMove, MotionPlan, NoMotion, PoseMove, Route, Trajectory
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param

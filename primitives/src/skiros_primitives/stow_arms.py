@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.ports.cell import ArmSpec
+from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -35,7 +35,7 @@ class StowArms(Primitive["StowArms.Params"]):
     def execute(self) -> Execution[Outcome]:
         """Moves the arms one after the other."""
         robot = next(r for r in self.context.cell.robots if r.id == self.params.robot)
-        for arm in robot.arms:
+        for arm in robot.of(ArmSpec):
             if self._is_stowed(arm):
                 continue
             outcome = yield from self.call("move_arm", arm=arm.id)
@@ -44,5 +44,5 @@ class StowArms(Primitive["StowArms.Params"]):
         return Success("stowed")
 
     def _is_stowed(self, arm: ArmSpec) -> bool:
-        now = self.context.board.snapshot.arms[arm.id].positions
+        now = self.context.board.snapshot.state(arm.id, ArmState).positions
         return max(abs(is_ - home) for is_, home in zip(now, arm.home, strict=True)) <= _STOWED

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives.teaching import keep, other_class
-from skiros_py.ports.devices import Base
+from skiros_py.devices.base import Base
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

@@ -8,8 +8,8 @@ from typing import ClassVar
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.poses import level
 from skiros_primitives.teaching import keep, other_class
+from skiros_py.devices.gripper import Gripper
 from skiros_py.geometry import Pose
-from skiros_py.ports.devices import Gripper
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution

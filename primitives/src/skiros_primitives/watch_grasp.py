@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.ports.devices import Gripper
+from skiros_py.devices.gripper import Gripper
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive

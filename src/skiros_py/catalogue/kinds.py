@@ -11,6 +11,8 @@ from typing import Any
 
 from skiros_py.errors import SkirosError
 from skiros_py.plugins import Plugin
+from skiros_py.ports.device import DeviceSpec
+from skiros_py.ports.kinds import device_problem
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import params_of
@@ -137,6 +139,12 @@ KINDS: Mapping[str, Kind] = {
             lambda value: isinstance(value, type) and issubclass(value, Reasoner),
         ),
         Kind("skiros.planners", "what makes a Planner when it is called", callable),
+        Kind(
+            "skiros.devices",
+            "a subclass of DeviceSpec",
+            lambda value: isinstance(value, type) and issubclass(value, DeviceSpec),
+            device_problem,
+        ),
         Kind("skiros.drivers", "what makes a CellDriver when it is called", callable),
         Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),
         Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_path),

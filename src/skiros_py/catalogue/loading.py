@@ -21,6 +21,7 @@ from skiros_py.plugins import (
     load,
     unambiguous,
 )
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 
@@ -32,7 +33,7 @@ def load_catalogue() -> Catalogue:
 
     Skills and conditions are loaded, because planning needs their descriptions; everything else is loaded when it is
     first asked for. The reasoners are those that worlds are opened with; the faults of the plug-ins of
-    ``skiros.reasoners`` and ``skiros.ontologies`` are among the faults.
+    ``skiros.devices``, ``skiros.reasoners`` and ``skiros.ontologies`` are among the faults.
     """
     found = _Found()
     planners, drivers = found.entries("planners"), found.entries("drivers")
@@ -48,7 +49,7 @@ def load_catalogue() -> Catalogue:
         conditions=found.usable(conditions, clashes_of_conditions(conditions)),
         planners=_lazy(planners),
         sources=found.sources,
-        early=(*installation().faults, *found.faults, *unusable, *misfits),
+        early=(*installation().faults, *found.faults, *unusable, *load_device_kinds()[1], *misfits),
         reasoners=reasoners,
         drivers=_lazy(drivers),
         behaviours=_lazy(behaviours),

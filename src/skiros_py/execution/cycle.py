@@ -17,7 +17,7 @@ from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse
 from skiros_py.execution.task import Task
-from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]
 

@@ -23,8 +23,8 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_py.geometry import Pose, wrap_angle
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.devices import DeviceBoard
 from skiros_py.ports.motion import BasePath
 from skiros_py.skills.floor import Outline
 
@@ -42,15 +42,15 @@ class FloorAreas:
     """The areas of all robots of a cell; a :class:`skiros_py.skills.floor.Floor`. For the control thread only.
 
     Args:
-        board: Says where the bases are.
+        board: Says where the robots are.
         robots: The robots of the cell.
     """
 
     def __init__(self, board: DeviceBoard, robots: Sequence[RobotSpec]) -> None:
         self._board = board
-        self._bases = {robot.id: robot.base.id for robot in robots}
-        self._outlines: dict[str, Outline] = {robot.id: robot.base.footprint for robot in robots}
-        self._owners = {arm.id: robot.id for robot in robots for arm in robot.arms}
+        self._robots = {robot.id: robot for robot in robots}
+        self._outlines: dict[str, Outline] = {robot.id: robot.outline for robot in robots}
+        self._owners = {device.id: robot.id for robot in robots for device in robot.devices}
         self._stretched: dict[str, Outline] = {}
         self._ways: list[FloorWay] = []
 
@@ -84,7 +84,8 @@ class FloorAreas:
 
     def settle(self, *, changed: bool = False) -> None:
         """Forgets the ways of those who have left them and stand; looks again who may go if anything is new."""
-        left = [way for way in self._ways if way.released and self._board.snapshot.bases[self._bases[way.robot]].still]
+        now = self._board.snapshot
+        left = [way for way in self._ways if way.released and self._robots[way.robot].still(now)]
         for way in left:
             self._ways.remove(way)
         if left or changed:
@@ -99,7 +100,7 @@ class FloorAreas:
         self.settle(changed=True)
 
     def _judge(self, way: FloorWay, before: Sequence[FloorWay]) -> None:
-        others = [robot for robot in self._bases if robot != way.robot]
+        others = [robot for robot in self._robots if robot != way.robot]
         standing = [robot for robot in others if not self.is_driving(robot) and self._stands_in(robot, way.area)]
         taken = [other for other in self._ways if other.granted and other.robot != way.robot]
         moving = [other.robot for other in (*taken, *before) if other.area.intersects(way.area)]
@@ -112,7 +113,7 @@ class FloorAreas:
         return any(self._placed(robot, outline).intersects(area) for outline in (self._outlines[robot], *arms))
 
     def _placed(self, robot: str, outline: Outline) -> BaseGeometry:
-        return _hull(outline, self._board.snapshot.bases[self._bases[robot]].pose)
+        return _hull(outline, self._robots[robot].pose(self._board.snapshot))
 
 
 class FloorWay:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import owner

@@ -13,7 +13,7 @@ from skiros_py.execution.loader import Loader
 from skiros_py.execution.primitive_run import run_primitive
 from skiros_py.execution.scope import Scope
 from skiros_py.execution.skill_run import SkillRun
-from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome

@@ -18,8 +18,8 @@ from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.watchdog import Watchdog
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.devices import DeviceBoard
 from skiros_py.ports.driver import CellDriver
 from skiros_py.skills.context import Libraries, RunContext
 from skiros_py.skills.primitive import Primitive

@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.pulse import CycleOverrun, Pulse
-from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["Task"]
 

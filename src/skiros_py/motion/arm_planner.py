@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
@@ -61,7 +62,7 @@ class ArmPlanners:
     def __init__(self, robots: Sequence[RobotSpec]) -> None:
         self._planners = [WorkerArmPlanner(robot) for robot in robots]
         self._of_arm = {
-            arm.id: planner for robot, planner in zip(robots, self._planners, strict=True) for arm in robot.arms
+            arm.id: planner for robot, planner in zip(robots, self._planners, strict=True) for arm in robot.of(ArmSpec)
         }
 
     def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:

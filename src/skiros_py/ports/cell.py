@@ -5,11 +5,17 @@ It is read from the world model once, before anything moves; adapters see this a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
+from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.values import Snapshot
 
-__all__ = ["ArmSpec", "BaseSpec", "BodySpec", "CameraSpec", "CellSpec", "GripperSpec", "RobotSpec"]
+__all__ = ["BodySpec", "CellSpec", "RobotSpec"]
+
+SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,103 +51,106 @@ class BodySpec:
 
 
 @dataclass(frozen=True, slots=True)
-class ArmSpec:
-    """One arm.
-
-    Attributes:
-        id: Its element id.
-        joints: Joint names in the robot's URDF, in the order of every vector about this arm.
-        tip: URDF link that motions are planned for (the tool centre point).
-        home: Joint angles [rad] in which it starts and travels.
-    """
-
-    id: str
-    joints: tuple[str, ...]
-    tip: str
-    home: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class GripperSpec:
-    """A parallel gripper: finger joint names, mounted arm's id, greatest gap [m] and greatest force per finger [N]."""
-
-    id: str
-    joints: tuple[str, ...]
-    arm: str
-    max_gap: float
-    max_force: float
-
-
-@dataclass(frozen=True, slots=True)
-class BaseSpec:
-    """A differential-drive base.
-
-    Attributes:
-        id: Its element id.
-        start: Pose in the map where it stands at the start.
-        max_linear, max_angular: Speed limits [m/s, rad/s].
-        max_linear_acceleration, max_angular_acceleration: Acceleration and braking limits [m/s², rad/s²].
-        footprint: Corners of its outline on the floor in the base frame [m], counter-clockwise.
-    """
-
-    id: str
-    start: Pose
-    max_linear: float
-    max_angular: float
-    max_linear_acceleration: float
-    max_angular_acceleration: float
-    footprint: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class CameraSpec:
-    """A depth camera.
-
-    Attributes:
-        id: Its element id.
-        frame: URDF link of its optical frame.
-        width, height: Image size [px].
-        vertical_fov: Vertical field of view [rad].
-        near, far: Range of depth [m].
-        noise: Standard deviation of depth noise [m].
-        latency: Time from request to image [s].
-    """
-
-    id: str
-    frame: str
-    width: int
-    height: int
-    vertical_fov: float
-    near: float
-    far: float
-    noise: float
-    latency: float
-
-
-@dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """One robot: a name for its model and its devices.
+    """One robot: its model and its devices. A device that belongs to no robot is a group of its own, of one device.
 
     Attributes:
         id: Its element id.
-        model: Name of the robot model that the adapters know how to build ("mobile_panda").
-        base, arms, grippers, cameras: Its devices.
+        model: Name of the robot model that the adapters know how to build ("mobile_panda"); empty for none.
+        devices: Its devices.
+        place: Pose in the map where it stands, for a robot that nothing moves.
+        footprint: Corners of its outline on the floor [m], counter-clockwise, for a robot that nothing moves.
     """
 
     id: str
     model: str
-    base: BaseSpec
-    arms: tuple[ArmSpec, ...]
-    grippers: tuple[GripperSpec, ...]
-    cameras: tuple[CameraSpec, ...]
+    devices: tuple[DeviceSpec[Any, Any], ...] = ()
+    place: Pose = field(default_factory=Pose)
+    footprint: tuple[tuple[float, float], ...] = ()
+
+    def of(self, type_: type[SpecT]) -> tuple[SpecT, ...]:
+        """Returns its devices of a kind."""
+        return tuple(device for device in self.devices if isinstance(device, type_))
+
+    def has(self, device: str) -> bool:
+        """Returns True when a device of that id is one of its own."""
+        return any(own.id == device for own in self.devices)
+
+    @property
+    def carrier(self) -> MobileSpec[Any, Any] | None:
+        """The device that moves it through the map; None for a robot that stands where it is."""
+        return next((device for device in self.devices if isinstance(device, MobileSpec)), None)
+
+    @property
+    def start(self) -> Pose:
+        """Pose in the map where it stands at the start."""
+        return self.place if self.carrier is None else self.carrier.start
+
+    @property
+    def outline(self) -> tuple[tuple[float, float], ...]:
+        """Corners of its outline on the floor in its own frame [m]; none where it touches no floor."""
+        return self.footprint if self.carrier is None else self.carrier.footprint
+
+    def pose(self, snapshot: Snapshot) -> Pose:
+        """Returns where it is in the map, as localised."""
+        carrier = self.carrier
+        return self.place if carrier is None else carrier.pose(snapshot.devices[carrier.id])
+
+    def still(self, snapshot: Snapshot) -> bool:
+        """Returns True when nothing moves it through the map."""
+        carrier = self.carrier
+        return carrier is None or carrier.still(snapshot.devices[carrier.id])
 
 
 @dataclass(frozen=True, slots=True)
 class CellSpec:
-    """Everything that stands in the cell at the start: bodies in the order they are built, and robots."""
+    """Everything that stands in the cell at the start.
+
+    Attributes:
+        bodies: In the order in which they are built.
+        robots: The robots.
+        single: Devices that belong to no robot, each as a group of its own.
+    """
 
     bodies: tuple[BodySpec, ...]
     robots: tuple[RobotSpec, ...]
+    single: tuple[RobotSpec, ...] = ()
+
+    @property
+    def groups(self) -> tuple[RobotSpec, ...]:
+        """The robots, and the devices that belong to none."""
+        return (*self.robots, *self.single)
+
+    @property
+    def devices(self) -> dict[str, DeviceSpec[Any, Any]]:
+        """All devices by id."""
+        return {device.id: device for group in self.groups for device in group.devices}
+
+    def of(self, type_: type[SpecT]) -> tuple[SpecT, ...]:
+        """Returns all devices of a kind."""
+        return tuple(device for group in self.groups for device in group.of(type_))
+
+    def device(self, id_: str, type_: type[SpecT]) -> SpecT:
+        """Returns a device of a kind.
+
+        Raises:
+            UnknownName: The cell has no such device.
+        """
+        found = {device.id: device for device in self.of(type_)}
+        if id_ not in found:
+            raise UnknownName(getattr(type_, "kind", "device"), id_, found, where="in this cell")
+        return found[id_]
+
+    def group_of(self, device: str) -> RobotSpec:
+        """Returns the robot that a device belongs to, or the group of a device that stands by itself.
+
+        Raises:
+            UnknownName: The cell has no such device.
+        """
+        for group in self.groups:
+            if group.has(device):
+                return group
+        raise UnknownName("device", device, self.devices, where="in this cell")
 
     def body(self, body_id: str) -> BodySpec:
         """Returns the body with that id.

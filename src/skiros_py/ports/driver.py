@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Collection, Mapping
+from typing import Any, Protocol
 
+from skiros_py.errors import DeviceError
+from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
 
-__all__ = ["CellDriver"]
+__all__ = ["CellDriver", "require_known"]
 
 
 class CellDriver(Protocol):
@@ -16,6 +19,11 @@ class CellDriver(Protocol):
     @property
     def period(self) -> float:
         """Length of one control cycle [s]."""
+        ...
+
+    @property
+    def devices(self) -> Mapping[str, DeviceSpec[Any, Any]]:
+        """The devices that it drives, by id."""
         ...
 
     @property
@@ -68,3 +76,14 @@ class CellDriver(Protocol):
     def close(self) -> None:
         """Brings everything down; waits for its processes. May be called twice."""
         ...
+
+
+def require_known(commands: Commands, known: Collection[str]) -> None:
+    """Refuses commands for devices that a driver does not have.
+
+    Raises:
+        DeviceError: There is one.
+    """
+    for device in commands:
+        if device not in known:
+            raise DeviceError(f"no device '{device}'; there is {', '.join(sorted(known)) or 'none'}")

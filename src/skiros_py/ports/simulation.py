@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,8 @@ __all__ = [
     "Link",
     "RayHit",
     "Rendering",
-    "SimulatedDevice",
+    "SimulatedCarrier",
+    "SimulatedHolder",
     "SimulatedRobot",
     "Surface",
     "Twist",
@@ -46,8 +47,6 @@ FLOOR = "floor"
 """Name of the floor, the plane z = 0; every engine has it."""
 
 T = TypeVar("T")
-State_co = TypeVar("State_co", covariant=True)
-Target_contra = TypeVar("Target_contra", contravariant=True)
 
 Vector = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
@@ -522,18 +521,21 @@ class EngineFactory(Protocol):
         ...
 
 
-class SimulatedDevice(Protocol[State_co, Target_contra]):
-    """The behaviour of a simulated device: what its controller does in each cycle, in words of the port."""
+@runtime_checkable
+class SimulatedCarrier(Protocol):
+    """A simulated device that carries its robot through the map."""
 
-    @property
-    def braking_time(self) -> float:
-        """Time from full speed to standstill when commands cease [s]; 0 for a sensor."""
+    def true_pose(self) -> Pose:
+        """Returns the real pose of its frame in the map; for the truth only."""
         ...
 
-    def command(self, target: Target_contra | None, /) -> None:
-        """Acts for one period, before the step; None makes the device do what is safe."""
-        ...
 
-    def state(self) -> State_co:
-        """Reads the sensors; called once per cycle, after the step."""
-        ...
+@runtime_checkable
+class SimulatedHolder(Protocol):
+    """A simulated device that holds what all its fingers touch.
+
+    Attributes:
+        fingers: Links of the fingers.
+    """
+
+    fingers: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What devices say and what they are told: frozen values, stamped with the cycle they belong to.
+"""States and targets of all devices of a cell, stamped with the cycle they belong to, and pictures.
 
 A device is known by the id of its individual in the world model ("panda_1"), so nothing here names a robot.
 """
@@ -7,73 +7,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skiros_py.geometry import Array, Pose
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Array
 
-__all__ = [
-    "ArmState",
-    "ArmTarget",
-    "BaseState",
-    "BaseTwist",
-    "CameraIntrinsics",
-    "Commands",
-    "DepthImage",
-    "GripperState",
-    "GripperTarget",
-    "Snapshot",
-]
+__all__ = ["CameraIntrinsics", "Commands", "DepthImage", "Snapshot"]
+
+T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class ArmState:
-    """Joint sensors of one arm.
+Commands = Mapping[str, object]
+"""The target of each device that is commanded in one cycle, by device id.
 
-    Attributes:
-        positions: Joint angles [rad], shape (n,).
-        velocities: Joint speeds [rad/s], shape (n,).
-        still: True when every joint is slower than the arm's standstill threshold.
-    """
-
-    positions: tuple[float, ...]
-    velocities: tuple[float, ...]
-    still: bool
-
-
-@dataclass(frozen=True, slots=True)
-class GripperState:
-    """Sensors of a parallel gripper.
-
-    Attributes:
-        gap: Distance between the finger pads [m].
-        force: Force with which the fingers press on what they hold, per finger [N]; about 0 when nothing is held.
-        still: True when the fingers do not move.
-    """
-
-    gap: float
-    force: float
-    still: bool
-
-
-@dataclass(frozen=True, slots=True)
-class BaseState:
-    """What localisation and wheel odometry say of a mobile base.
-
-    Attributes:
-        pose: *Estimated* pose of the base frame (on the floor) in the map; it carries the localiser's error.
-        linear: Forward speed [m/s].
-        angular: Turning speed, counter-clockwise [rad/s].
-        still: True when the base stands.
-    """
-
-    pose: Pose
-    linear: float
-    angular: float
-    still: bool
+A device without a target does its default safe task: an arm and a base brake within their limits and hold, a gripper
+keeps its last target (so that it never lets go by omission).
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,51 +35,28 @@ class Snapshot:
     Attributes:
         cycle: Number of the control cycle, from 0.
         time: Time since the start of the run [s]; simulated where the robot is.
-        arms, grippers, bases: State by device id.
+        devices: State by device id, of the type that its kind says.
     """
 
     cycle: int
     time: float
-    arms: Mapping[str, ArmState] = field(default_factory=dict)
-    grippers: Mapping[str, GripperState] = field(default_factory=dict)
-    bases: Mapping[str, BaseState] = field(default_factory=dict)
+    devices: Mapping[str, Any] = field(default_factory=dict)
 
+    def of(self, type_: type[T]) -> dict[str, T]:
+        """Returns the states of one type, by device id."""
+        return {device: state for device, state in self.devices.items() if isinstance(state, type_)}
 
-@dataclass(frozen=True, slots=True)
-class ArmTarget:
-    """Joint set-points for one cycle: positions [rad] and feed-forward velocities [rad/s], shape (n,)."""
+    def state(self, device: str, type_: type[T]) -> T:
+        """Returns the state of a device.
 
-    positions: tuple[float, ...]
-    velocities: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class GripperTarget:
-    """Move the fingers to a gap [m] pressing with at most a force per finger [N]; it stays in force until replaced."""
-
-    gap: float
-    force: float
-
-
-@dataclass(frozen=True, slots=True)
-class BaseTwist:
-    """Speeds of a differential-drive base for one cycle: forward [m/s] and counter-clockwise [rad/s]."""
-
-    linear: float
-    angular: float
-
-
-@dataclass(frozen=True, slots=True)
-class Commands:
-    """What is wanted of each device in one cycle, by device id.
-
-    A device without a command does its default safe task: an arm and a base brake within their limits and hold, a
-    gripper keeps its last target (so that it never lets go by omission).
-    """
-
-    arms: Mapping[str, ArmTarget] = field(default_factory=lambda: MappingProxyType({}))
-    grippers: Mapping[str, GripperTarget] = field(default_factory=lambda: MappingProxyType({}))
-    bases: Mapping[str, BaseTwist] = field(default_factory=lambda: MappingProxyType({}))
+        Raises:
+            DeviceError: No device of that id says something of that type.
+        """
+        state = self.devices.get(device)
+        if not isinstance(state, type_):
+            known = ", ".join(self.of(type_)) or "none"
+            raise DeviceError(f"no device '{device}' gives a {type_.__name__}; there is {known}")
+        return state
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,20 +81,16 @@ class DepthImage:
     """One shot of a depth camera. It knows nothing of objects.
 
     Attributes:
-        cycle: The cycle in which it was taken.
+        snapshot: What the devices said in the cycle in which it was taken: from it the camera's pose is worked out.
         depth: Distance along the optical axis [m], float32, shape (height, width); 0 where nothing was measured.
         colour: RGB, uint8, shape (height, width, 3).
         intrinsics: The camera's model.
-        arms: Joint positions [rad] by arm id when it was taken: forward kinematics gives the camera's pose.
-        bases: *Estimated* base poses by base id when it was taken.
     """
 
-    cycle: int
+    snapshot: Snapshot
     depth: NDArray[np.float32]
     colour: NDArray[np.uint8]
     intrinsics: CameraIntrinsics
-    arms: Mapping[str, tuple[float, ...]]
-    bases: Mapping[str, Pose]
 
     def points(self) -> Array:
         """Returns the measured points in the optical frame [m], shape (n, 3)."""
@@ -173,7 +98,3 @@ class DepthImage:
         z = self.depth[v, u].astype(np.float64)
         k = self.intrinsics
         return np.column_stack([(u - k.cx) / k.fx * z, (v - k.cy) / k.fy * z, z])
-
-    def __reduce__(self) -> Any:
-        fields = (self.cycle, self.depth, self.colour, self.intrinsics, dict(self.arms), dict(self.bases))
-        return DepthImage, fields

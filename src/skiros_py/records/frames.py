@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skiros_py.devices.arm import ArmState
+from skiros_py.devices.base import BaseState
+from skiros_py.devices.gripper import GripperState
 from skiros_py.ports.values import Snapshot
 
 __all__ = ["Frame", "Layout", "decode_block", "encode_block", "key_block"]
@@ -57,8 +60,8 @@ class Layout:
     @classmethod
     def of(cls, snapshot: Snapshot) -> Layout:
         """Returns the layout for the devices of a cell."""
-        arms = tuple((name, len(arm.positions)) for name, arm in snapshot.arms.items())
-        return cls(arms, tuple(snapshot.grippers), tuple(snapshot.bases))
+        arms = tuple((name, len(arm.positions)) for name, arm in snapshot.of(ArmState).items())
+        return cls(arms, tuple(snapshot.of(GripperState)), tuple(snapshot.of(BaseState)))
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Layout:
@@ -78,10 +81,10 @@ class Layout:
         """Returns the numbers of a snapshot."""
         row: list[float] = []
         for name, _ in self.arms:
-            row += snapshot.arms[name].positions
-        row += [snapshot.grippers[name].gap for name in self.grippers]
+            row += snapshot.state(name, ArmState).positions
+        row += [snapshot.state(name, GripperState).gap for name in self.grippers]
         for name in self.bases:
-            pose = snapshot.bases[name].pose
+            pose = snapshot.state(name, BaseState).pose
             row += (pose.position[0], pose.position[1], pose.yaw)
         return row
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
+from skiros_py.geometry import Pose
 from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import BaseState, Snapshot
+from skiros_py.ports.values import Snapshot
 
 __all__ = ["Camera", "KeyMoments", "over_the_shoulder"]
 
@@ -50,9 +51,9 @@ class KeyMoments:
             self._tell(" ".join(filter(None, (event.module, event.target, _WORDS[event.status]))), event.agent)
 
 
-def over_the_shoulder(base: BaseState) -> tuple[_Point, _Point]:
+def over_the_shoulder(robot: Pose) -> tuple[_Point, _Point]:
     """Returns where an observer behind a robot is, and where they look [m]: at where it works."""
-    x, y, _ = base.pose.position
-    eye = base.pose.apply(np.array([-0.9, -1.5, 1.7]))
-    yaw = base.pose.yaw
+    x, y, _ = robot.position
+    eye = robot.apply(np.array([-0.9, -1.5, 1.7]))
+    yaw = robot.yaw
     return (float(eye[0]), float(eye[1]), float(eye[2])), (x + 0.5 * math.cos(yaw), y + 0.5 * math.sin(yaw), 0.5)

@@ -174,6 +174,5 @@ def _robots(runtime: Runtime) -> dict[str, list[str]]:
     """Returns the devices of each robot: its subsystems are among them."""
     robots = {}
     for robot in runtime.context.cell.robots:
-        parts = (robot.arms, robot.grippers, robot.cameras)
-        robots[robot.id] = [robot.id, robot.base.id, *(device.id for some in parts for device in some)]
+        robots[robot.id] = [robot.id, *(device.id for device in robot.devices)]
     return robots

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skiros_py.devices.camera import CameraSpec
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import CameraSpec
 from skiros_py.ports.simulation import Rendering, Vector, View
-from skiros_py.ports.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 
 __all__ = ["DepthShot", "colour_of", "outside_view", "view_of"]
 
@@ -24,29 +23,23 @@ class DepthShot:
     """Makes the image of a depth camera from a rendering: adds noise, and keeps what is in range.
 
     Attributes:
-        cycle: The cycle of the shot.
+        snapshot: What the devices said in the cycle of the shot.
         noise: Standard deviation of depth noise [m].
         seed: Seed of this shot's noise.
         intrinsics: The camera's model.
-        arms: Joint positions [rad] by arm id.
-        bases: Estimated base poses by base id.
     """
 
-    cycle: int
+    snapshot: Snapshot
     noise: float
     seed: tuple[int, ...]
     intrinsics: CameraIntrinsics
-    arms: Mapping[str, tuple[float, ...]]
-    bases: Mapping[str, Pose]
 
     def __call__(self, rendering: Rendering) -> DepthImage:
         """Returns the image."""
         rng = np.random.default_rng(self.seed)
         depth = rendering.depth + rng.normal(scale=self.noise, size=rendering.depth.shape)
         depth[(depth > self.intrinsics.far) | (depth < self.intrinsics.near)] = 0.0
-        return DepthImage(
-            self.cycle, depth.astype(np.float32), rendering.colour, self.intrinsics, self.arms, self.bases
-        )
+        return DepthImage(self.snapshot, depth.astype(np.float32), rendering.colour, self.intrinsics)
 
 
 def colour_of(rendering: Rendering) -> NDArray[np.uint8]:

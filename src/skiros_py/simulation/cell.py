@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import tempfile
 from collections import Counter
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.plugins import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec
+from skiros_py.ports.driver import require_known
 from skiros_py.ports.models import write_robot_urdf
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.simulation import Engine, EngineFactory, Vector
@@ -31,7 +32,7 @@ _VIEW_DISTANCE = 6.0
 _PERIOD = 1.0 / 200.0
 _SETTLING = 100  # cycles before cycle 0
 _NOISE_STREAM = 2
-_NO_COMMANDS = Commands()
+_NO_COMMANDS: Commands = {}
 _COMING_TO_REST = 0.25
 """After the last braking command [s]: drives lag behind, and who stands must have been slow for 10 cycles."""
 
@@ -49,6 +50,7 @@ class SimulatedCell:
         gui: Open a window.
 
     Attributes:
+        devices: The devices, by id.
         scene: The simulated world itself; for the truth and for tests, never for what a robot decides.
 
     Raises:
@@ -60,8 +62,9 @@ class SimulatedCell:
 
     def __init__(self, spec: CellSpec, *, seed: int, engine: str | EngineFactory = ENGINE, gui: bool = False) -> None:
         self._engine = _start_engine(engine, gui=gui)
+        self.devices = spec.devices
         self._seed = seed
-        self._cameras = {camera.id: (robot.id, camera) for robot in spec.robots for camera in robot.cameras}
+        self._cameras = {camera.id: (robot.id, camera) for robot in spec.robots for camera in robot.of(CameraSpec)}
         self._shots: Counter[str] = Counter()
         self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
         self._closed = False
@@ -91,8 +94,7 @@ class SimulatedCell:
     @property
     def braking_time(self) -> float:
         """Longest time from full speed to standstill, as its snapshots say it [s]."""
-        drives = [robot.base.braking_time for robot in self.scene.robots]
-        drives += [arm.braking_time for robot in self.scene.robots for arm in robot.arms]
+        drives = (device.braking_time for robot in self.scene.robots for device in robot.devices.values())
         return max(drives, default=0.0) + _COMING_TO_REST
 
     def read(self) -> Snapshot:
@@ -107,10 +109,7 @@ class SimulatedCell:
         Raises:
             DeviceError: A command is malformed or for a device that does not exist, or the engine broke.
         """
-        now = self._snapshot
-        _require(commands.arms, now.arms)
-        _require(commands.grippers, now.grippers)
-        _require(commands.bases, now.bases)
+        require_known(commands, self._snapshot.devices)
         self._step(_NO_COMMANDS if self._halted else commands)
         self._snapshot = self._sense(self._snapshot.cycle + 1)
         return self._snapshot
@@ -138,16 +137,14 @@ class SimulatedCell:
         if camera not in self._cameras:
             raise DeviceError(f"no camera '{camera}'; there is {', '.join(sorted(self._cameras)) or 'none'}")
         robot, spec = self._cameras[camera]
-        view, now = view_of(spec, robot), self._snapshot
+        view = view_of(spec, robot)
         number = self._shots[camera]
         self._shots[camera] += 1
         shot = DepthShot(
-            now.cycle,
+            self._snapshot,
             spec.noise,
             (self._seed, _NOISE_STREAM, list(self._cameras).index(camera), number),
             self._engine.intrinsics(view),
-            {arm: state.positions for arm, state in now.arms.items()},
-            {base: state.pose for base, state in now.bases.items()},
         )
         return self._engine.render(view, shot, latency=spec.latency)
 
@@ -216,14 +213,8 @@ class SimulatedCell:
         self._engine.step()
 
     def _sense(self, cycle: int) -> Snapshot:
-        robots = self.scene.robots
-        return Snapshot(
-            cycle,
-            cycle * _PERIOD,
-            {arm.spec.id: arm.state() for robot in robots for arm in robot.arms},
-            {gripper.spec.id: gripper.state() for robot in robots for gripper in robot.grippers},
-            {robot.base.spec.id: robot.base.state() for robot in robots},
-        )
+        states = {id_: device.state() for robot in self.scene.robots for id_, device in robot.devices.items()}
+        return Snapshot(cycle, cycle * _PERIOD, states)
 
 
 def _start_engine(wanted: str | EngineFactory, *, gui: bool) -> Engine:
@@ -236,12 +227,6 @@ def _start_engine(wanted: str | EngineFactory, *, gui: bool) -> Engine:
         raise DeviceError(f"engine {wanted!r} does not start: {type(error).__name__}: {error}") from error
 
 
-def _require(commanded: Mapping[str, object], known: Mapping[str, object]) -> None:
-    for device in commanded:
-        if device not in known:
-            raise DeviceError(f"no device '{device}'; there is {', '.join(sorted(known)) or 'none'}")
-
-
 def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:
     paths = {model: write_robot_urdf(model, directory) for model in {robot.model for robot in spec.robots}}
     return {robot.id: paths[robot.model] for robot in spec.robots}
@@ -250,6 +235,6 @@ def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:
 def _middle(spec: CellSpec) -> tuple[float, float, float]:
     """Returns the middle of everything that stands somewhere, in the map [m]."""
     poses = [body.pose for body in spec.bodies if body.pose is not None and body.carrier is None]
-    poses += [robot.base.start for robot in spec.robots]
+    poses += [robot.start for robot in spec.robots]
     x, y = (sum(pose.position[axis] for pose in poses) / len(poses) for axis in (0, 1))
     return x, y, 0.5

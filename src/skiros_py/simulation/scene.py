@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,19 +11,17 @@ import numpy as np
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
+from skiros_py.ports.device import DeviceModel
 from skiros_py.ports.models import BASE_LINK
 from skiros_py.ports.simulation import Engine, SimulatedRobot, Surface
 from skiros_py.ports.values import Commands
 from skiros_py.simulation.appearance import Palette
-from skiros_py.simulation.arm import SimulatedArm
-from skiros_py.simulation.base import SimulatedBase
-from skiros_py.simulation.gripper import SimulatedGripper
 from skiros_py.simulation.spawn import free_pose, start_poses
 
 __all__ = ["CellRobot", "Scene"]
 
 _CARRIED_MASS = 2.0  # [kg] of a body without mass that rides on a robot and so cannot be part of the ground
-_LOCALISER_STREAM = 1
+_DEVICE_STREAM = 1
 # With fingers of 1.0 a part of 0.9 kg is held at 30 N per finger; at 0.3 parts begin to slip. The two small ones stop
 # parts from spinning between the finger pads and from rolling away for ever.
 _BODIES = Surface(lateral=0.8, spinning=0.01, rolling=1e-4)
@@ -36,31 +34,31 @@ class CellRobot:
     Attributes:
         spec: The robot.
         model: It in the engine.
-        base: Its base.
-        arms: Its arms.
-        grippers: Its grippers.
+        devices: The controllers of its devices, by id.
     """
 
     spec: RobotSpec
     model: SimulatedRobot
-    base: SimulatedBase
-    arms: tuple[SimulatedArm, ...]
-    grippers: tuple[SimulatedGripper, ...]
+    devices: Mapping[str, DeviceModel]
 
     @classmethod
-    def bring_up(cls, spec: RobotSpec, model: SimulatedRobot, rng: np.random.Generator) -> CellRobot:
-        """Makes the controllers of a robot that is in the engine."""
-        base = SimulatedBase(spec.base, model, rng)
-        arms = tuple(SimulatedArm(arm, model) for arm in spec.arms)
-        return cls(spec, model, base, arms, tuple(SimulatedGripper(gripper, model) for gripper in spec.grippers))
+    def bring_up(cls, spec: RobotSpec, model: SimulatedRobot, seed: Sequence[int]) -> CellRobot:
+        """Makes the controllers of a robot that is in the engine.
+
+        What carries it draws from the seed itself, each other device from a stream of its own.
+        """
+        controllers = {}
+        for device in spec.devices:
+            stream = seed if device is spec.carrier else [*seed, *device.id.encode()]
+            controller = device.simulate(model, np.random.default_rng(stream))
+            if controller is not None:
+                controllers[device.id] = controller
+        return cls(spec, model, controllers)
 
     def command(self, commands: Commands) -> None:
         """Lets every device act for one period."""
-        self.base.command(commands.bases.get(self.base.spec.id))
-        for arm in self.arms:
-            arm.command(commands.arms.get(arm.spec.id))
-        for gripper in self.grippers:
-            gripper.command(commands.grippers.get(gripper.spec.id))
+        for id_, device in self.devices.items():
+            device.command(commands.get(id_))
 
 
 class Scene:
@@ -88,7 +86,7 @@ class Scene:
             CellRobot.bring_up(
                 robot,
                 engine.add_robot(robot.id, urdfs[robot.id]),
-                np.random.default_rng([seed, _LOCALISER_STREAM, number]),
+                (seed, _DEVICE_STREAM, number),
             )
             for number, robot in enumerate(spec.robots)
         ]
@@ -114,7 +112,7 @@ class Scene:
         self.engine.add_body(spec.id, spec.solid, pose, mass=mass, colour=colour, surface=_BODIES)
         self.bodies[spec.id] = spec
         if spec.carrier is not None:
-            robot = next(robot for robot in self.robots if robot.base.spec.id == spec.carrier)
+            robot = next(robot for robot in self.robots if robot.spec.has(spec.carrier))
             self.engine.attach(spec.id, robot.model.name, BASE_LINK)
 
     def remove(self, body_id: str) -> None:

@@ -75,8 +75,8 @@ def _carrier_pose(spec: CellSpec, body: BodySpec) -> Pose:
     if carrier is None:
         return Pose()
     for robot in spec.robots:
-        if robot.base.id == carrier:
-            return robot.base.start
+        if robot.carrier is not None and robot.carrier.id == carrier:
+            return robot.start
     raise DescriptionError(f"'{body.id}' is carried by '{carrier}', which is no robot base of this cell")
 
 

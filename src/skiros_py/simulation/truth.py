@@ -9,10 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
+from skiros_py.errors import UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec
 from skiros_py.ports.models import BASE_LINK
-from skiros_py.ports.simulation import FLOOR
+from skiros_py.ports.simulation import FLOOR, SimulatedCarrier, SimulatedHolder
 from skiros_py.simulation.cell import SimulatedCell
 
 __all__ = ["Glance", "RobotContact", "Truth"]
@@ -130,7 +131,11 @@ class Truth:
 
     def base_pose(self, base_id: str) -> Pose:
         """Returns where a base is in the map, without its localiser's error."""
-        return next(robot.base.true_pose() for robot in self._scene.robots if robot.base.spec.id == base_id)
+        devices = {id_: device for robot in self._scene.robots for id_, device in robot.devices.items()}
+        carriers = {id_: device for id_, device in devices.items() if isinstance(device, SimulatedCarrier)}
+        if base_id not in carriers:
+            raise UnknownName("base", base_id, carriers)
+        return carriers[base_id].true_pose()
 
     def placements(self) -> Mapping[str, str]:
         """Returns the place of every movable body, by body id.
@@ -172,12 +177,13 @@ class Truth:
         scene, holders = self._scene, {}
         for robot in scene.robots:
             name = robot.spec.id
-            for gripper in robot.grippers:
+            holding = {id_: one for id_, one in robot.devices.items() if isinstance(one, SimulatedHolder)}
+            for id_, gripper in holding.items():
                 pads = [{c.other for c in scene.engine.contacts(name, finger)} for finger in gripper.fingers]
                 for held in sorted(set.intersection(*pads) & scene.bodies.keys()):
                     others = {contact.other for contact in scene.engine.contacts(held)}
                     if others == {name} and _is_movable(scene.bodies[held]):
-                        holders[held] = gripper.spec.id
+                        holders[held] = id_
         return holders
 
 

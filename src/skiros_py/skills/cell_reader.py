@@ -7,11 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
-from skiros_py.skills.surroundings import solid_of
+from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
+from skiros_py.ports.device import DeviceSpec, MobileSpec, read_footprint
+from skiros_py.ports.kinds import DeviceKinds, load_device_kinds
+from skiros_py.skills.surroundings import owner, solid_of
 from skiros_py.world import vocabulary as v
 from skiros_py.world.stock import Stocked, stocks
 from skiros_py.world.view import WorldView
@@ -25,9 +29,14 @@ _MOST_STOCKED = 1000
 
 
 def read_cell(
-    view: WorldView, robots: Sequence[str], *, simulated: bool = True, left_out: dict[str, str] | None = None
+    view: WorldView,
+    robots: Sequence[str],
+    *,
+    simulated: bool = True,
+    left_out: dict[str, str] | None = None,
+    kinds: DeviceKinds | None = None,
 ) -> CellSpec:
-    """Reads every body with a shape and the given robots.
+    """Reads every body with a shape, the given robots, and the devices that belong to no robot.
 
     Args:
         view: The world.
@@ -36,6 +45,7 @@ def read_cell(
             and what is in stock has no bodies, however much it is.
         left_out: Gets each body that cannot be read, with the reason, and what lies in one: the cell does without them.
             None to have that raised.
+        kinds: The kinds of device; those that are installed where left out.
 
     Raises:
         DescriptionError: A robot or body lacks something; the message names the element and the property.
@@ -54,7 +64,8 @@ def read_cell(
     if left_out:
         bodies = _without(bodies, left_out)
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
-    return CellSpec(tuple(bodies), tuple(_robot(view, robot) for robot in robots))
+    found = load_device_kinds()[0] if kinds is None else kinds
+    return CellSpec(tuple(bodies), tuple(_robot(view, robot, found) for robot in robots), _single(view, found))
 
 
 def read_body(view: WorldView, element: str) -> BodySpec | None:
@@ -199,20 +210,49 @@ def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:
     return (frame @ pose if frame is not None else None), carrier
 
 
-def _robot(view: WorldView, robot: str) -> RobotSpec:
-    parts = _structure(view, robot)
-    bases = [p for p in parts if view.ontology.is_a(view.element(p).type, v.BASE)]
-    if len(bases) != 1:
-        raise DescriptionError(f"{robot} must have one sk:Base, it has {len(bases)}")
-    of = {c: [p for p in parts if view.ontology.is_a(view.element(p).type, c)] for c in (v.ARM, v.GRIPPER, v.CAMERA)}
-    return RobotSpec(
-        id=robot,
-        model=_text(view, robot, v.MODEL),
-        base=_base(view, bases[0]),
-        arms=tuple(_arm(view, arm) for arm in of[v.ARM]),
-        grippers=tuple(_gripper(view, gripper) for gripper in of[v.GRIPPER]),
-        cameras=tuple(_camera(view, camera) for camera in of[v.CAMERA]),
-    )
+def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
+    """Reads a robot; one that nothing moves stands where its own pose says."""
+    spec = RobotSpec(robot, _text(view, robot, v.MODEL), _devices(view, _structure(view, robot), kinds))
+    carriers = [device for device in spec.devices if isinstance(device, MobileSpec)]
+    if len(carriers) > 1:
+        raise DescriptionError(f"{robot} is moved by {' and '.join(c.id for c in carriers)}: one can carry it")
+    return spec if carriers else _standing(view, spec)
+
+
+def _standing(view: WorldView, spec: RobotSpec) -> RobotSpec:
+    individual = _Individual(view, spec.id)
+    place, _ = _pose(view, spec.id)
+    if place is None:
+        raise DescriptionError(f"{spec.id} has no sk:pose, and no device that moves it: say where it stands")
+    outline = read_footprint(individual) if view.value(spec.id, v.FOOTPRINT) is not None else ()
+    return replace(spec, place=place, footprint=outline)
+
+
+def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:
+    """Reads the devices that belong to no robot: a camera over a table, a turntable."""
+    groups = []
+    for device in view.instances(v.DEVICE):
+        if owner(view, device) is None and not _is_part_of_device(view, device):
+            model = view.value(device, v.MODEL)
+            devices = _devices(view, [device, *_structure(view, device)], kinds)
+            group = RobotSpec(device, model if isinstance(model, str) else "", devices)
+            if devices:
+                groups.append(group if group.carrier is not None else _standing(view, group))
+    return tuple(groups)
+
+
+def _is_part_of_device(view: WorldView, element: str) -> bool:
+    return any(view.ontology.is_a(view.element(o).type, v.DEVICE) for o in view.subjects(v.HAS_A, element))
+
+
+def _devices(view: WorldView, pieces: Sequence[str], kinds: DeviceKinds) -> tuple[DeviceSpec[Any, Any], ...]:
+    """Reads those pieces that are devices of a kind that somebody brings; others are words without hardware."""
+    found = []
+    for piece in pieces:
+        kind = kinds.of_class(partial(view.ontology.is_a, view.element(piece).type), view.ontology.is_a)
+        if kind is not None:
+            found.append(kind.read(_Individual(view, piece)))
+    return tuple(found)
 
 
 def _structure(view: WorldView, whole: str) -> list[str]:
@@ -220,53 +260,36 @@ def _structure(view: WorldView, whole: str) -> list[str]:
     return [p for part in parts for p in (part, *_structure(view, part))]
 
 
-def _base(view: WorldView, base: str) -> BaseSpec:
-    start = view.value(base, v.POSE)
-    if not isinstance(start, Pose):
-        raise DescriptionError(f"{base} has no sk:pose: the scene must say where it starts")
-    corners = _vector(view, base, v.FOOTPRINT)
-    if len(corners) < 6 or len(corners) % 2:
-        raise DescriptionError(f"{base}: sk:footprint takes x and y of at least three corners")
-    return BaseSpec(
-        id=base,
-        start=start,
-        max_linear=_number(view, base, v.MAX_LINEAR),
-        max_angular=_number(view, base, v.MAX_ANGULAR),
-        max_linear_acceleration=_number(view, base, v.MAX_LINEAR_ACCELERATION),
-        max_angular_acceleration=_number(view, base, v.MAX_ANGULAR_ACCELERATION),
-        footprint=tuple(zip(corners[0::2], corners[1::2], strict=True)),
-    )
+class _Individual:
+    """An individual of a world, as a kind of device reads it; a :class:`skiros_py.ports.device.Individual`."""
 
+    def __init__(self, view: WorldView, element: str) -> None:
+        self._view = view
+        self.id = element
 
-def _arm(view: WorldView, arm: str) -> ArmSpec:
-    joints = tuple(_text(view, arm, v.JOINTS).split())
-    home = _vector(view, arm, v.HOME)
-    if len(home) != len(joints):
-        raise DescriptionError(f"{arm}: sk:home has {len(home)} angles for {len(joints)} joints")
-    return ArmSpec(arm, joints, _text(view, arm, v.TIP), home)
+    def number(self, property_: str, default: float | None = None) -> float:
+        """Returns a number."""
+        return _number(self._view, self.id, property_, default)
 
+    def text(self, property_: str, default: str | None = None) -> str:
+        """Returns a text."""
+        if default is not None and self._view.value(self.id, property_) is None:
+            return default
+        return _text(self._view, self.id, property_)
 
-def _gripper(view: WorldView, gripper: str) -> GripperSpec:
-    owners = view.subjects(v.HAS_A, gripper)
-    arms = [o for o in owners if view.ontology.is_a(view.element(o).type, v.ARM)]
-    if not arms:
-        raise DescriptionError(f"{gripper} is on no arm: relate an sk:Arm to it by sk:hasA")
-    joints = tuple(_text(view, gripper, v.JOINTS).split())
-    return GripperSpec(gripper, joints, arms[0], _number(view, gripper, v.MAX_GAP), _number(view, gripper, v.MAX_FORCE))
+    def vector(self, property_: str, length: int | None = None) -> tuple[float, ...]:
+        """Returns numbers."""
+        return _vector(self._view, self.id, property_, length)
 
+    def pose(self, property_: str = v.POSE) -> Pose | None:
+        """Returns a pose."""
+        pose = self._view.value(self.id, property_)
+        return pose if isinstance(pose, Pose) else None
 
-def _camera(view: WorldView, camera: str) -> CameraSpec:
-    return CameraSpec(
-        id=camera,
-        frame=_text(view, camera, v.FRAME),
-        width=int(_number(view, camera, v.WIDTH)),
-        height=int(_number(view, camera, v.HEIGHT)),
-        vertical_fov=_number(view, camera, v.VERTICAL_FOV),
-        near=_number(view, camera, v.MIN_DEPTH),
-        far=_number(view, camera, v.MAX_DEPTH),
-        noise=_number(view, camera, v.DEPTH_NOISE),
-        latency=_number(view, camera, v.LATENCY),
-    )
+    def owner(self, class_: str) -> str | None:
+        """Returns the nearest owner of a class."""
+        owners = self._view.subjects(v.HAS_A, self.id)
+        return next((found for one in owners if (found := owner(self._view, one, class_)) is not None), None)
 
 
 def _number(view: WorldView, element: str, property_: str, default: float | None = None) -> float:

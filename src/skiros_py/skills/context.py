@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.devices import DeviceBoard
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.perception import PartDetector, Registrar
 from skiros_py.skills.effects import Effects

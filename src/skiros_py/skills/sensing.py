@@ -1,38 +1,11 @@
-"""What conditions may ask of devices: the sensors of the present cycle's snapshot, by name of the quantity."""
+"""What conditions may ask of devices: the signals of the present cycle's snapshot, by name."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
-from typing import TypeVar
-
-from skiros_py.ports.devices import DeviceBoard
-from skiros_py.ports.values import ArmState, BaseState, GripperState
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.world.sensors import Reading
 
-__all__ = ["ARM_QUANTITIES", "BASE_QUANTITIES", "GRIPPER_QUANTITIES", "BoardSensors"]
-
-_State = TypeVar("_State")
-
-ARM_QUANTITIES: Mapping[str, Callable[[ArmState], Reading]] = MappingProxyType({"still": lambda arm: arm.still})
-"""What an arm says: ``still``."""
-
-GRIPPER_QUANTITIES: Mapping[str, Callable[[GripperState], Reading]] = MappingProxyType(
-    {"gap": lambda fingers: fingers.gap, "force": lambda fingers: fingers.force, "still": lambda fingers: fingers.still}
-)
-"""What a gripper says: ``gap`` [m], ``force`` per finger [N], ``still``."""
-
-BASE_QUANTITIES: Mapping[str, Callable[[BaseState], Reading]] = MappingProxyType(
-    {
-        "x": lambda base: base.pose.position[0],
-        "y": lambda base: base.pose.position[1],
-        "yaw": lambda base: base.pose.yaw,
-        "linear": lambda base: base.linear,
-        "angular": lambda base: base.angular,
-        "still": lambda base: base.still,
-    }
-)
-"""What a base says: estimated ``x``, ``y`` [m], ``yaw`` [rad], ``linear`` [m/s], ``angular`` [rad/s], ``still``."""
+__all__ = ["BoardSensors"]
 
 
 class BoardSensors:
@@ -42,16 +15,8 @@ class BoardSensors:
         self._board = board
 
     def read(self, device: str, quantity: str) -> Reading | None:
-        """Returns what a device says of a quantity in this cycle; None where it says nothing of it, or is not there."""
-        snapshot = self._board.snapshot
-        if device in snapshot.grippers:
-            return _read(GRIPPER_QUANTITIES, quantity, snapshot.grippers[device])
-        if device in snapshot.bases:
-            return _read(BASE_QUANTITIES, quantity, snapshot.bases[device])
-        if device in snapshot.arms:
-            return _read(ARM_QUANTITIES, quantity, snapshot.arms[device])
-        return None
-
-
-def _read(quantities: Mapping[str, Callable[[_State], Reading]], quantity: str, state: _State) -> Reading | None:
-    return quantities[quantity](state) if quantity in quantities else None
+        """Returns a single value that a device offers in this cycle; None where there is none of that name."""
+        spec, states = self._board.devices.get(device), self._board.snapshot.devices
+        signal = spec.signal(quantity) if spec is not None and device in states else None
+        value = None if signal is None else signal.read(states[device])
+        return None if isinstance(value, tuple) else value

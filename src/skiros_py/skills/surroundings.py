@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.motion import Held, Obstacle
 from skiros_py.skills.context import RunContext
 from skiros_py.world.element import Value
@@ -30,9 +31,9 @@ def map_pose(context: RunContext, element: str) -> Pose | None:
 
     A pose may be given in the frame of another element; a mobile base's own pose comes from localisation.
     """
-    base = context.board.snapshot.bases.get(element)
-    if base is not None:
-        return base.pose
+    carrier = context.board.devices.get(element)
+    if isinstance(carrier, MobileSpec):
+        return carrier.pose(context.board.snapshot.devices[element])
     pose = context.world.value(element, POSE)
     if not isinstance(pose, Pose):
         return None

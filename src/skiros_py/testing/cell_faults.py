@@ -8,17 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
-from skiros_py.geometry import Pose
-from skiros_py.ports.values import ArmState, BaseState, Commands, GripperState, Snapshot
+from skiros_py.ports.device import DeviceSpec
+from skiros_py.ports.values import Commands, Snapshot
 
 __all__ = ["Blind", "CellFault", "Deaf", "Dies", "Frozen", "Late", "Noisy", "Says", "heard", "said"]
-
-DeviceState = ArmState | GripperState | BaseState
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +41,7 @@ class Says:
     """A device reports a given state, whatever it does: a part between the fingers of a fake gripper, say."""
 
     device: str
-    state: DeviceState
+    state: object
     after: float = 0.0
     for_: float = math.inf
 
@@ -102,11 +99,16 @@ def heard(fault: CellFault, commands: Commands) -> Commands:
     """Returns the commands that get past a fault."""
     if not isinstance(fault, Deaf):
         return commands
-    arms, grippers, bases = (_without(m, fault.device) for m in (commands.arms, commands.grippers, commands.bases))
-    return Commands(arms, grippers, bases)  # type: ignore[arg-type]  # each mapping keeps its own kind of values
+    return {device: target for device, target in commands.items() if device != fault.device}
 
 
-def said(fault: CellFault, now: Snapshot, onset: Snapshot, rng: np.random.Generator) -> Snapshot:
+def said(
+    fault: CellFault,
+    now: Snapshot,
+    onset: Snapshot,
+    rng: np.random.Generator,
+    devices: Mapping[str, DeviceSpec[Any, Any]],
+) -> Snapshot:
     """Returns what devices report under a fault.
 
     Args:
@@ -114,49 +116,15 @@ def said(fault: CellFault, now: Snapshot, onset: Snapshot, rng: np.random.Genera
         now: What they say in truth.
         onset: What they said when it began.
         rng: Its random numbers.
+        devices: The devices of the cell.
     """
     match fault:
         case Frozen(device):
-            return _with_state(now, device, _state_of(onset, device))
+            state = onset.devices[device]
         case Says(device, state):
-            return _with_state(now, device, state)
+            pass
         case Noisy(device, sigma):
-            return _with_state(now, device, _blurred(_state_of(now, device), sigma, rng))
+            state = devices[device].noisy(now.devices[device], sigma, rng)
         case _:
             return now
-
-
-def _state_of(snapshot: Snapshot, device: str) -> DeviceState:
-    """Returns what a device said."""
-    for states in (snapshot.arms, snapshot.grippers, snapshot.bases):
-        if device in states:
-            state: DeviceState = states[device]
-            return state
-    raise KeyError(device)
-
-
-def _with_state(snapshot: Snapshot, device: str, state: DeviceState) -> Snapshot:
-    """Returns a snapshot in which a device says something else."""
-    match state:
-        case ArmState():
-            return replace(snapshot, arms={**snapshot.arms, device: state})
-        case GripperState():
-            return replace(snapshot, grippers={**snapshot.grippers, device: state})
-        case BaseState():
-            return replace(snapshot, bases={**snapshot.bases, device: state})
-
-
-def _blurred(state: DeviceState, sigma: float, rng: np.random.Generator) -> DeviceState:
-    match state:
-        case ArmState(positions):
-            blurred = np.asarray(positions) + rng.normal(0.0, sigma, len(positions))
-            return replace(state, positions=tuple(map(float, blurred)))
-        case GripperState(gap):
-            return replace(state, gap=max(0.0, gap + rng.normal(0.0, sigma)))
-        case BaseState(pose):
-            x, y, turn = map(float, rng.normal(0.0, sigma, 3))
-            return replace(state, pose=pose @ Pose.of(x, y, 0.0, yaw=turn))
-
-
-def _without(values: Mapping[str, T], device: str) -> dict[str, T]:
-    return {key: value for key, value in values.items() if key != device}
+    return replace(now, devices={**now.devices, device: state})

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 
 from skiros_py.errors import DeviceError, UnknownName
+from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
@@ -24,18 +26,21 @@ class FaultyCell:
         driver: The cell.
         *faults: What goes wrong, and when; applied in this order.
 
+    Attributes:
+        devices: The devices, by id.
+
     Raises:
         UnknownName: A fault is for a device that the cell does not have.
     """
 
     def __init__(self, driver: CellDriver, *faults: CellFault) -> None:
         self._driver = driver
-        self._faults = [_Fault(fault) for fault in faults]
+        self._faults = [_Fault(fault, driver.devices) for fault in faults]
         start = driver.read()
-        known = [*start.arms, *start.grippers, *start.bases]
+        self.devices = driver.devices
         for fault in faults:
-            if not isinstance(fault, Dies | Blind | Late) and fault.device not in known:
-                raise UnknownName("device", fault.device, known, where=f"in {fault}")
+            if not isinstance(fault, Dies | Blind | Late) and fault.device not in start.devices:
+                raise UnknownName("device", fault.device, start.devices, where=f"in {fault}")
         self._snapshot = self._reported(start)
 
     @property
@@ -107,8 +112,9 @@ class FaultyCell:
 class _Fault:
     """One fault in one cell: what it must remember."""
 
-    def __init__(self, fault: CellFault) -> None:
+    def __init__(self, fault: CellFault, devices: Mapping[str, DeviceSpec[Any, Any]]) -> None:
         self.fault = fault
+        self._devices = devices
         self._onset: Snapshot | None = None
         self._rng = np.random.default_rng(fault.seed if isinstance(fault, Noisy) else 0)
 
@@ -120,7 +126,7 @@ class _Fault:
             self._onset = None
             return snapshot
         self._onset = self._onset or snapshot
-        return said(self.fault, snapshot, self._onset, self._rng)
+        return said(self.fault, snapshot, self._onset, self._rng, self._devices)
 
 
 class _Delayed(Pending[DepthImage]):

@@ -27,9 +27,9 @@ from skiros_py.behaviours import (
     lines,
     walk,
 )
+from skiros_py.devices.arm import Arm
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
-from skiros_py.ports.devices import Arm
 from skiros_py.skills.conditions import Related
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param

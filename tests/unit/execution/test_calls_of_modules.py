@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Behaviour, Do, Fallback, P, Parallel, Sequence, Wait
+from skiros_py.devices.base import Base, BaseTwist
+from skiros_py.devices.gripper import Gripper, GripperTarget
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
-from skiros_py.ports.devices import Base, Gripper
-from skiros_py.ports.values import BaseTwist, GripperTarget
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.execution import tick
 from skiros_py.skills.outcome import Failure, Outcome, Success

@@ -9,10 +9,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
+from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle, Task
-from skiros_py.ports.devices import Base, DeviceBoard
-from skiros_py.ports.values import BaseTwist
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing import tiny_world
@@ -177,9 +177,9 @@ def test_stopping_all_closes_every_task_and_waits_for_standstill() -> None:
 
     assert cycle.stop_all()
     assert log[-1] == "a ends"
-    here = cycle.board.snapshot.bases["base_1"].pose
+    here = cycle.board.snapshot.state("base_1", BaseState).pose
     cycle.step()
-    assert cycle.board.snapshot.bases["base_1"].pose == here
+    assert cycle.board.snapshot.state("base_1", BaseState).pose == here
 
 
 def test_after_everything_was_stopped_nothing_starts_until_reset() -> None:
@@ -273,7 +273,7 @@ def test_a_base_that_nobody_commands_stands_still() -> None:
     for _ in range(5):
         cycle.step()
 
-    assert cycle.board.snapshot.bases["base_1"].pose.position[0] == pytest.approx(1.0 / 200.0)
+    assert cycle.board.snapshot.state("base_1", BaseState).pose.position[0] == pytest.approx(1.0 / 200.0)
 
 
 def test_observers_are_called_at_the_end_of_each_cycle() -> None:

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from skiros_py.behaviours import Do, Fallback, P, Parallel, Policy, Timeout
+from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.errors import UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunningModule
-from skiros_py.ports.devices import Base
-from skiros_py.ports.values import BaseTwist, Commands, Snapshot
+from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.execution import tick
 from skiros_py.skills.outcome import Failure, Outcome, Success
@@ -48,12 +48,12 @@ class Sluggish(FakeCell):
         self.stops = False
 
     def exchange(self, commands: Commands) -> Snapshot:
-        heard = Commands() if self.stops else commands
+        heard = {} if self.stops else commands
         coasting = {
             base: BaseTwist(max(0.0, state.linear - SPEED * self.period / BRAKING), 0.0)
-            for base, state in self.read().bases.items()
+            for base, state in self.read().of(BaseState).items()
         }
-        return super().exchange(replace(heard, bases={**coasting, **heard.bases}))
+        return super().exchange({**coasting, **heard})
 
 
 class Use(Primitive["Use.Params"]):

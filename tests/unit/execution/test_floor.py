@@ -12,10 +12,12 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.execution.floor import FloorAreas, FloorWay
 from skiros_py.geometry import Pose
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec, RobotSpec
-from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.motion import BaseLeg, BasePath
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
@@ -30,10 +32,15 @@ def robots(count: int) -> tuple[RobotSpec, ...]:
     return read_cell(world, world.instances("sk:Robot")).robots
 
 
+def moved(robot: RobotSpec, start: Pose) -> RobotSpec:
+    devices = (replace(d, start=start) if isinstance(d, MobileSpec) else d for d in robot.devices)
+    return replace(robot, devices=tuple(devices))
+
+
 def floor_with(*places: tuple[float, float]) -> FloorAreas:
     """Returns the floor of a cell whose robots stand at these places [m], heading along x."""
     there = zip(robots(len(places)), places, strict=True)
-    specs = tuple(replace(r, base=replace(r.base, start=Pose((x, y, 0.0)))) for r, (x, y) in there)
+    specs = tuple(moved(r, Pose((x, y, 0.0))) for r, (x, y) in there)
     return FloorAreas(DeviceBoard(FakeCell(CellSpec((), specs))), specs)
 
 
@@ -126,7 +133,7 @@ REACHING = ((0.0, -0.1), (0.8, -0.1), (0.8, 0.1), (0.0, 0.1))
 
 
 def arm(number: int) -> str:
-    return robots(number)[-1].arms[0].id
+    return robots(number)[-1].of(ArmSpec)[0].id
 
 
 def test_an_arm_that_is_stretched_over_a_way_blocks_it_and_frees_it_when_it_is_drawn_in() -> None:

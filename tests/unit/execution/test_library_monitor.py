@@ -10,16 +10,14 @@ from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
 from skiros_py.ports.pending import Done
 from skiros_py.ports.perception import LookRequest, LookResult, Region, RegistrationRequest, RegistrationResult
-from skiros_py.ports.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 from skiros_py.skills.context import Libraries
 
 IMAGE = DepthImage(
-    0,
+    Snapshot(0, 0.0),
     np.zeros((2, 2), np.float32),
     np.zeros((2, 2, 3), np.uint8),
     CameraIntrinsics(2, 2, 1.0, 1.0, 1.0, 1.0, 0.1, 2.0),
-    {},
-    {},
 )
 LOOK = LookRequest(IMAGE, Pose(), Region(Pose(), (0.1, 0.1)), ())
 REGISTRATION = RegistrationRequest(IMAGE, Pose(), Solid.box(0.1, 0.1, 0.1), Pose())

@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import Do, P
+from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.monitor import ModuleEvent, Status
-from skiros_py.ports.devices import Base
-from skiros_py.ports.values import BaseTwist, Commands, Snapshot
+from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -48,13 +48,13 @@ class Sluggish(FakeCell):
         self.stops = False
 
     def exchange(self, commands: Commands) -> Snapshot:
-        self.heard.append(bool(commands.bases))
-        told = Commands() if self.stops else commands
+        self.heard.append(bool(commands))
+        told = {} if self.stops else commands
         coasting = {
             base: BaseTwist(max(0.0, state.linear - SPEED * self.period / BRAKING), 0.0)
-            for base, state in self.read().bases.items()
+            for base, state in self.read().of(BaseState).items()
         }
-        return super().exchange(replace(told, bases={**coasting, **told.bases}))
+        return super().exchange({**coasting, **told})
 
 
 class Roll(Primitive["Roll.Params"]):
@@ -267,7 +267,7 @@ def test_different_modules_of_one_manager_and_the_same_of_two_run_at_once() -> N
 
 
 def _x(bench: Bench) -> float:
-    return bench.cycle.board.snapshot.bases["base_1"].pose.position[0]
+    return bench.cycle.board.snapshot.state("base_1", BaseState).pose.position[0]
 
 
 def test_one_is_paused_stepped_and_resumed_while_another_runs() -> None:

@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import Behaviour, Do, Fallback, P, Timeout
+from skiros_py.devices.base import Base, BaseState, BaseTwist
+from skiros_py.devices.gripper import Gripper, GripperState, GripperTarget
 from skiros_py.errors import ModuleError, UnknownName, UsageError
 from skiros_py.execution.monitor import Status
-from skiros_py.ports.devices import Base, Gripper
-from skiros_py.ports.values import BaseTwist, GripperTarget
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -123,7 +123,9 @@ def test_a_configuration_is_fixed_when_it_is_loaded() -> None:
     with bench_of(Roll, config={"roll.speed": 0.4}) as bench:
         bench.run("roll")
 
-        assert bench.cycle.board.snapshot.bases["base_1"].pose.position[0] == pytest.approx(0.4 * 0.05, rel=0.2)
+        assert bench.cycle.board.snapshot.state("base_1", BaseState).pose.position[0] == pytest.approx(
+            0.4 * 0.05, rel=0.2
+        )
 
 
 def test_a_configuration_cannot_be_given_at_a_call() -> None:
@@ -158,7 +160,7 @@ def test_what_refuses_at_its_start_does_nothing_and_gives_its_reason() -> None:
     with bench_of(Wary) as bench:
         assert bench.run("roll") == Failure("the battery is low", -7)
         assert story(bench, "roll") == [Status.STARTED, Status.ERROR]
-        assert bench.cycle.board.snapshot.bases["base_1"].pose.position[0] == 0.0
+        assert bench.cycle.board.snapshot.state("base_1", BaseState).pose.position[0] == 0.0
 
     assert lived == ["load"]
 
@@ -234,7 +236,7 @@ def test_the_last_command_of_a_recovery_is_sent() -> None:
         bench.run("drive", Location="floor", Gripper="gripper_1")
 
         bench.advance(0.05)
-        assert bench.cycle.board.snapshot.grippers["gripper_1"].gap == 0.07
+        assert bench.cycle.board.snapshot.state("gripper_1", GripperState).gap == 0.07
 
 
 def test_a_reset_makes_what_was_loaded_fit_again() -> None:
@@ -473,4 +475,4 @@ def test_nothing_of_what_a_module_commanded_is_sent_after_it_broke() -> None:
     with bench_of(Breaks) as bench:
         assert bench.run("roll") == Failure("roll broke: ValueError: no such gear", BROKEN)
         bench.advance(0.1)
-        assert bench.cycle.board.snapshot.bases["base_1"].pose.position[0] == 0.0
+        assert bench.cycle.board.snapshot.state("base_1", BaseState).pose.position[0] == 0.0

@@ -8,9 +8,8 @@ from typing import Any, ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Behaviour, Check, Do, Fallback, Guard, P, Sequence
+from skiros_py.devices.gripper import Gripper, GripperState, GripperTarget
 from skiros_py.execution.monitor import Status
-from skiros_py.ports.devices import Gripper
-from skiros_py.ports.values import GripperTarget
 from skiros_py.skills.conditions import Computed, ConditionType, Related, Role, Sensor, Verdict
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
@@ -281,7 +280,7 @@ def test_a_hold_condition_on_a_sensor_ends_the_body_in_the_cycle_that_says_so() 
 
         assert isinstance(outcome, Failure)
         assert outcome.reason.startswith("hold condition Open(gripper_1): ")
-        assert bench.cycle.board.snapshot.grippers["gripper_1"].gap == pytest.approx(0.03, abs=0.0015)
+        assert bench.cycle.board.snapshot.state("gripper_1", GripperState).gap == pytest.approx(0.03, abs=0.0015)
 
 
 def test_a_hold_condition_counts_while_the_body_runs_and_not_in_the_other_phases() -> None:

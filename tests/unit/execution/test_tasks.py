@@ -10,11 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from skiros_py.devices.arm import Arm, ArmTarget
+from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.errors import DeviceError, ModuleError
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.cycle import ControlCycle, Task
-from skiros_py.ports.devices import Arm, Base, DeviceBoard
-from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, Snapshot
+from skiros_py.ports.board import DeviceBoard
+from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing import tiny_world
@@ -203,7 +205,7 @@ def test_a_command_given_in_the_cycle_of_the_stop_is_never_sent() -> None:
     driver.stop()
     cycle.step()
 
-    assert cycle.board.snapshot.bases["base_1"].pose == SPEC.robots[0].base.start
+    assert cycle.board.snapshot.state("base_1", BaseState).pose == SPEC.robots[0].start
 
 
 def test_a_command_from_clean_up_is_never_sent() -> None:
@@ -221,7 +223,7 @@ def test_a_command_from_clean_up_is_never_sent() -> None:
     task.stop()
     cycles(cycle, 2)
 
-    assert cycle.board.snapshot.bases["base_1"].pose == SPEC.robots[0].base.start
+    assert cycle.board.snapshot.state("base_1", BaseState).pose == SPEC.robots[0].start
 
 
 def test_a_stop_takes_back_nobody_elses_commands() -> None:
@@ -233,7 +235,7 @@ def test_a_stop_takes_back_nobody_elses_commands() -> None:
     other.stop()
     cycle.step()
 
-    assert cycle.board.snapshot.bases["base_1"].linear == 0.5
+    assert cycle.board.snapshot.state("base_1", BaseState).linear == 0.5
 
 
 def test_a_task_is_stopped_only_when_what_it_commanded_stands() -> None:
@@ -264,7 +266,7 @@ class Runaway(FakeCell):
     """A cell whose base does not brake."""
 
     def exchange(self, commands: Commands) -> Snapshot:
-        return super().exchange(Commands(bases={"base_1": BaseTwist(0.5, 0.0)}))
+        return super().exchange({"base_1": BaseTwist(0.5, 0.0)})
 
 
 def test_what_does_not_come_to_a_standstill_in_the_braking_time_is_a_fault_by_name() -> None:
@@ -362,7 +364,7 @@ def test_what_a_task_commands_slows_down_with_its_clock() -> None:
     speeds = []
     for _ in range(70):
         cycle.step()
-        speeds.append(cycle.board.snapshot.bases["base_1"].linear)
+        speeds.append(cycle.board.snapshot.state("base_1", BaseState).linear)
 
     assert speeds == sorted(speeds, reverse=True)
     assert max(a - b for a, b in itertools.pairwise(speeds)) < 0.02

@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.errors import ModuleError, UsageError
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.pulse import CycleOverrun, Overrun, Pulse, Watched
 from skiros_py.execution.watchdog import Watchdog
-from skiros_py.ports.devices import Base, DeviceBoard
-from skiros_py.ports.values import BaseTwist, Commands, Snapshot
+from skiros_py.ports.board import DeviceBoard
+from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.outcome import Outcome

@@ -9,9 +9,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.base import BaseSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
-from skiros_py.ports.cell import ArmSpec, BaseSpec, GripperSpec, RobotSpec
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import Held, JointMove, LineMove, MotionPlan, MotionRequest, Obstacle, PoseMove, Route
 
 FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
@@ -119,8 +122,8 @@ def random_part(rng: np.random.Generator, height: float) -> Pose:
 def robot() -> RobotSpec:
     arm = ArmSpec("arm", tuple(f"panda_joint{i}" for i in range(1, 8)), "tcp", HOME)
     gripper = GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0)
-    base = BaseSpec("base", Pose(), 0.8, 1.2, 0.6, 1.5, FOOTPRINT)
-    return RobotSpec("robot", "mobile_panda", base, (arm,), (gripper,), ())
+    base = BaseSpec("base", Pose(), FOOTPRINT, 0.8, 1.2, 0.6, 1.5)
+    return RobotSpec("robot", "mobile_panda", (base, arm, gripper))
 
 
 @pytest.fixture(scope="session")

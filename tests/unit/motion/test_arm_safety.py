@@ -10,6 +10,8 @@ import numpy as np
 import pybullet
 import pytest
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
@@ -122,7 +124,7 @@ def test_the_judge_sees_contacts(motion: ArmMotion, bench: SimpleNamespace, judg
 def test_planner_and_physics_engine_agree_on_random_postures(
     motion: ArmMotion, bench: SimpleNamespace, judge: BulletJudge, robot: RobotSpec, tmp_path: Path
 ) -> None:
-    arm = ArmModel(write_robot_urdf(robot.model, tmp_path), robot.arms[0], robot.grippers)
+    arm = ArmModel(write_robot_urdf(robot.model, tmp_path), robot.of(ArmSpec)[0], robot.of(GripperSpec))
     obstacles = (bench.table(0.5), bench.kit(Pose((-0.27, 0.0, 0.35))))
     checker = CollisionScene(arm, (), Pose(), obstacles, None, 0.06).checker(0.0)
     for obstacle in obstacles:
@@ -142,7 +144,7 @@ def test_planner_and_physics_engine_agree_on_random_postures(
 def test_the_same_scene_checks_the_same_pairs_every_time(
     bench: SimpleNamespace, robot: RobotSpec, tmp_path: Path
 ) -> None:
-    arm = ArmModel(write_robot_urdf(robot.model, tmp_path), robot.arms[0], robot.grippers)
+    arm = ArmModel(write_robot_urdf(robot.model, tmp_path), robot.of(ArmSpec)[0], robot.of(GripperSpec))
     pairs = self_collision_pairs(arm)
     obstacles = (bench.table(0.5), bench.kit(Pose((-0.27, 0.0, 0.35))))
     held = Held(Solid.box(0.05, 0.04, 0.05), Pose())

@@ -8,6 +8,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.ik import IkSolver
 from skiros_py.ports.cell import RobotSpec
@@ -17,7 +19,7 @@ from skiros_py.ports.models import write_robot_urdf
 @pytest.fixture(scope="module")
 def arm(robot: RobotSpec, tmp_path_factory: pytest.TempPathFactory) -> ArmModel:
     directory: Path = tmp_path_factory.mktemp("urdf")
-    return ArmModel(write_robot_urdf(robot.model, directory), robot.arms[0], robot.grippers)
+    return ArmModel(write_robot_urdf(robot.model, directory), robot.of(ArmSpec)[0], robot.of(GripperSpec))
 
 
 def test_it_solves_reachable_poses_within_the_limits(arm: ArmModel) -> None:

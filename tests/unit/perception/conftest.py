@@ -16,7 +16,7 @@ import pytest
 
 from skiros_py.geometry import Pose, Primitive, Solid
 from skiros_py.ports.perception import LookRequest, PartModel, Region
-from skiros_py.ports.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 
 Placed = tuple[Solid, Pose]
 
@@ -124,7 +124,7 @@ class Studio:
         depth = scene.cast_rays(o3d.core.Tensor(both), nthreads=1)["t_hit"].numpy()
         hit = np.isfinite(depth) & (depth < INTRINSICS.far)
         noisy = np.where(hit, depth + rng.normal(0.0, self.noise, depth.shape), 0.0).astype(np.float32)
-        return DepthImage(0, noisy, np.zeros((HEIGHT, WIDTH, 3), np.uint8), INTRINSICS, {}, {})
+        return DepthImage(Snapshot(0, 0.0), noisy, np.zeros((HEIGHT, WIDTH, 3), np.uint8), INTRINSICS)
 
 
 def _mesh(block: Primitive, pose: Pose) -> o3d.geometry.TriangleMesh:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skiros_py.devices.arm import ArmState
 from skiros_py.errors import FileError
 from skiros_py.ports.pending import Done
 from skiros_py.records import Record, RunRecorder
@@ -69,7 +70,7 @@ def test_snapshots_are_taken_twenty_times_a_second_and_tell_where_the_devices_we
 
     assert np.allclose(steps, 0.05, atol=0.006)
     assert len(frames) == pytest.approx(20.0 * last.time, abs=2)
-    assert {name: arm.positions for name, arm in last.arms.items()} == {
+    assert {name: arm.positions for name, arm in last.of(ArmState).items()} == {
         name: pytest.approx(positions, abs=1e-5) for name, positions in frames[-1].arms.items()
     }
     assert record.frame(frames[-2].time) == frames[-2]

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skiros_py.devices.arm import ArmState
 from skiros_py.errors import FileError, UsageError
 from skiros_py.ports.pending import Done
-from skiros_py.ports.values import ArmState, Snapshot
+from skiros_py.ports.values import Snapshot
 from skiros_py.records import Record, RecordWriter, find_record
 from skiros_py.records.frames import Layout
 

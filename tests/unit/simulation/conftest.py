@@ -10,8 +10,12 @@ import numpy as np
 import pybullet
 import pytest
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.base import BaseSpec
+from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Array, Pose, Primitive, Solid
-from skiros_py.ports.cell import ArmSpec, BaseSpec, BodySpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
+from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.models import write_robot_urdf
 from skiros_py.simulation.cell import SimulatedCell
 
@@ -106,10 +110,12 @@ def robot(start: Pose = ORIGIN) -> RobotSpec:
     return RobotSpec(
         "robot",
         "mobile_panda",
-        BaseSpec("base", start, 0.8, 1.2, 0.8, 1.6, outline),
-        (ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", HOME),),
-        (GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),),
-        (CameraSpec("camera", "camera_optical", 320, 240, fov, 0.05, 2.0, 0.001, 0.1),),
+        (
+            BaseSpec("base", start, outline, 0.8, 1.2, 0.8, 1.6),
+            ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", HOME),
+            GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),
+            CameraSpec("camera", "camera_optical", 320, 240, fov, 0.05, 2.0, 0.001, 0.1),
+        ),
     )
 
 
@@ -131,7 +137,9 @@ def make_cell() -> Iterator[Callable[..., SimulatedCell]]:
 
     def make(spec: CellSpec, seed: int = 1, *, cameras: bool = False) -> SimulatedCell:
         if not cameras:
-            spec = dataclasses.replace(spec, robots=tuple(dataclasses.replace(r, cameras=()) for r in spec.robots))
+            blind = (tuple(d for d in r.devices if not isinstance(d, CameraSpec)) for r in spec.robots)
+            robots = (dataclasses.replace(r, devices=devices) for r, devices in zip(spec.robots, blind, strict=True))
+            spec = dataclasses.replace(spec, robots=tuple(robots))
         cells.append(SimulatedCell(spec, seed=seed))
         return cells[-1]
 

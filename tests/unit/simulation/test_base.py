@@ -5,20 +5,21 @@ import math
 
 import pytest
 
+from skiros_py.devices.arm import ArmTarget
+from skiros_py.devices.base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import ArmTarget, BaseTwist, Commands
 from skiros_py.simulation.truth import Truth
 
 LIMITS = {"linear": (0.8, 0.8), "angular": (1.2, 1.6)}  # greatest speed, greatest acceleration
 
 
 def _drive(cell, linear, angular, cycles):
-    return [cell.exchange(Commands(bases={"base": BaseTwist(linear, angular)})).bases["base"] for _ in range(cycles)]
+    return [cell.exchange({"base": BaseTwist(linear, angular)}).state("base", BaseState) for _ in range(cycles)]
 
 
 def _coast(cell, cycles):
-    return [cell.exchange(Commands()).bases["base"] for _ in range(cycles)]
+    return [cell.exchange({}).state("base", BaseState) for _ in range(cycles)]
 
 
 @pytest.mark.parametrize("kind", ["linear", "angular"])
@@ -35,7 +36,7 @@ def test_a_base_told_to_move_too_fast_keeps_its_limits_and_stands_after_v_over_a
     assert max(speeds) == pytest.approx(speed_limit, rel=0.01)
     assert max(steps) <= acceleration * cell.period * 1.1
     assert (last_moving - 300) * cell.period <= speed_limit / acceleration + 0.05
-    assert cell.read().bases["base"].still
+    assert cell.read().state("base", BaseState).still
 
 
 def test_a_curve_is_driven_along_the_heading_and_never_sideways(make_cell, kitting):
@@ -61,7 +62,7 @@ def test_a_standing_base_does_not_creep_while_the_arm_swings(make_cell, kitting)
     for cycle in range(600):
         swing = tuple(angle + 0.4 * math.sin(cycle / 60.0) for angle in kitting.HOME)
         speeds = (0.4 * math.cos(cycle / 60.0) * 200.0 / 60.0,) * 7
-        cell.exchange(Commands({"arm": ArmTarget(swing, speeds)}))
+        cell.exchange({"arm": ArmTarget(swing, speeds)})
     after = truth.base_pose("base")
 
     assert before.distance(after) < 5e-5

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skiros_py.devices.base import BaseTwist
 from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import BaseTwist, Commands
 from skiros_py.simulation import spawn
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.truth import Truth
@@ -35,7 +35,7 @@ def test_parts_with_a_pose_rest_exactly_there(make_cell, kitting):
     wanted = Pose.of(0.7, 0.1, kitting.TOP, yaw=1.0)
     cell = make_cell(kitting.cell_spec(kitting.PARTS["Starter"].body(wanted, "table")))
     for _ in range(400):
-        cell.exchange(Commands())
+        cell.exchange({})
     pose = Truth(cell).pose("part")
 
     assert pose.distance(wanted) < 2e-4
@@ -71,9 +71,9 @@ def test_a_kit_on_the_deck_rides_along_with_what_is_in_it(make_cell, kitting):
     truth = Truth(cell)
 
     for twist in [BaseTwist(0.5, 0.0)] * 500 + [BaseTwist(0.0, 0.8)] * 400 + [BaseTwist(-0.5, 0.4)] * 300:
-        cell.exchange(Commands(bases={"base": twist}))
+        cell.exchange({"base": twist})
     for _ in range(200):
-        cell.exchange(Commands())
+        cell.exchange({})
     mounted = truth.base_pose("base").inverse() @ truth.pose("kit")
 
     assert truth.base_pose("base").distance(start) > 1.0
@@ -87,7 +87,7 @@ def test_moving_a_body_tells_nothing_to_the_snapshot(make_cell, kitting):
     touched, left_alone = make_cell(kitting.cell_spec(part)), make_cell(kitting.cell_spec(part))
 
     touched.move_body("part", Pose((0.7, 0.25, kitting.TOP)))
-    after = [cell.exchange(Commands()) for cell in (touched, left_alone)]
+    after = [cell.exchange({}) for cell in (touched, left_alone)]
 
     assert after[0] == after[1]
     assert Truth(touched).pose("part").position[1] == pytest.approx(0.25, abs=1e-3)

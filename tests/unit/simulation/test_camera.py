@@ -5,14 +5,15 @@ import math
 import numpy as np
 import pytest
 
+from skiros_py.devices.arm import ArmState
+from skiros_py.devices.base import BaseState, BaseTwist
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import BaseTwist, Commands
 from skiros_py.simulation.truth import Truth
 
 
 def _points_in_map(cell, ik, image, base):
-    camera = ik.pose(image.arms["arm"], "camera_optical")
+    camera = ik.pose(image.snapshot.state("arm", ArmState).positions, "camera_optical")
     return (base @ camera).apply(image.points())
 
 
@@ -50,19 +51,19 @@ def test_parts_are_seen_where_they_are_and_as_large_as_they_are(make_cell, kitti
 def test_an_image_carries_the_joints_and_the_estimated_base_of_its_own_cycle(make_cell, kitting):
     cell = make_cell(kitting.cell_spec(start=Pose((-1.0, 0.0, 0.0))), cameras=True)
     for _ in range(200):
-        cell.exchange(Commands(bases={"base": BaseTwist(0.4, 0.2)}))
+        cell.exchange({"base": BaseTwist(0.4, 0.2)})
 
     then = cell.read()
     call = cell.capture("camera")
     for _ in range(100):
-        cell.exchange(Commands(bases={"base": BaseTwist(0.4, 0.2)}))
+        cell.exchange({"base": BaseTwist(0.4, 0.2)})
     image = call.result()
 
     assert call.latency == pytest.approx(0.1)
-    assert image.cycle == then.cycle
-    assert image.arms["arm"] == then.arms["arm"].positions
-    assert image.bases["base"] == then.bases["base"].pose
-    assert image.bases["base"] != Truth(cell).base_pose("base")
+    assert image.snapshot.cycle == then.cycle
+    assert image.snapshot.state("arm", ArmState).positions == then.state("arm", ArmState).positions
+    assert image.snapshot.state("base", BaseState).pose == then.state("base", BaseState).pose
+    assert image.snapshot.state("base", BaseState).pose != Truth(cell).base_pose("base")
 
 
 def test_an_image_shows_the_cycle_in_which_it_was_asked_for(make_cell, kitting, ik):
@@ -72,7 +73,7 @@ def test_an_image_shows_the_cycle_in_which_it_was_asked_for(make_cell, kitting, 
 
     first = cell.capture("camera")
     cell.remove_body("part")
-    cell.exchange(Commands())
+    cell.exchange({})
     second = cell.capture("camera")
     cell.add_body(kitting.PARTS["Compressor"].body(Pose((0.70, 0.0, kitting.TOP)), "table", "other"))
     third = cell.capture("camera")
@@ -85,9 +86,9 @@ def test_an_image_shows_the_cycle_in_which_it_was_asked_for(make_cell, kitting, 
 def test_what_is_out_of_range_has_no_depth(make_cell, kitting):
     cell = make_cell(kitting.cell_spec(), cameras=True)
     up = (-1.5708, -0.6, 0.0, -2.4, 0.0, 3.7, 0.7854)  # looks towards the horizon
-    cell.scene.robots[0].arms[0]._reference = np.array(up)
+    cell.scene.robots[0].devices["arm"]._reference = np.array(up)
     for _ in range(300):
-        cell.exchange(Commands())
+        cell.exchange({})
 
     depth = cell.capture("camera").result().depth
 

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from skiros_py.devices.arm import ArmTarget
+from skiros_py.devices.base import BaseTwist
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import ArmTarget, BaseTwist, Commands
 
 
 def _scene(kitting):
@@ -18,7 +19,7 @@ def _two_seconds(cell, home):
     for cycle in range(400):
         target[0] += 0.3 * cell.period
         arm = ArmTarget(tuple(target), (0.3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-        cell.exchange(Commands({"arm": arm}, {}, {"base": BaseTwist(0.3, 0.5)}))
+        cell.exchange({"arm": arm, "base": BaseTwist(0.3, 0.5)})
         if cycle == 200:
             shot = cell.capture("camera")
     return cell.state_bytes(), shot.result().depth
@@ -36,8 +37,8 @@ def test_pictures_change_nothing_in_the_world(make_cell, kitting):
     looking, blind = make_cell(_scene(kitting), 7, cameras=True), make_cell(_scene(kitting), 7)
     calls = []
     for cycle in range(60):
-        looking.exchange(Commands())
-        blind.exchange(Commands())
+        looking.exchange({})
+        blind.exchange({})
         if cycle % 20 == 0:
             calls.append(looking.capture("camera"))
             calls.append(looking.picture((2.0, 2.0, 2.0), (0.0, 0.0, 0.3), width=64, height=48))

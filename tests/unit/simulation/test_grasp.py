@@ -6,8 +6,10 @@ import math
 import numpy as np
 import pytest
 
+from skiros_py.devices.arm import ArmState, ArmTarget
+from skiros_py.devices.base import BaseTwist
+from skiros_py.devices.gripper import GripperState, GripperTarget
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, GripperTarget
 from skiros_py.simulation.truth import Truth
 
 pytestmark = pytest.mark.physics
@@ -22,7 +24,7 @@ def _move(cell, start, goal, duration):
     for cycle in range(1, cycles + 1):
         s = cycle / cycles
         share, rate = 10 * s**3 - 15 * s**4 + 6 * s**5, (30 * s**2 - 60 * s**3 + 30 * s**4) / duration
-        cell.exchange(Commands({"arm": ArmTarget(tuple(start + share * way), tuple(rate * way))}))
+        cell.exchange({"arm": ArmTarget(tuple(start + share * way), tuple(rate * way))})
 
 
 def _line(cell, ik, start, goal_pose):
@@ -38,10 +40,10 @@ def _line(cell, ik, start, goal_pose):
 
 
 def _grip(cell, gap, force=30.0):
-    cell.exchange(Commands(grippers={"gripper": GripperTarget(gap, force)}))
+    cell.exchange({"gripper": GripperTarget(gap, force)})
     for _ in range(120):
-        cell.exchange(Commands())
-    return cell.read().grippers["gripper"]
+        cell.exchange({})
+    return cell.read().state("gripper", GripperState)
 
 
 def _tool(x, y, z, yaw):
@@ -91,16 +93,16 @@ def test_a_held_part_slips_less_than_3_mm_while_the_robot_drives_1_m_and_turns_9
     truth = Truth(cell)
 
     def in_hand():
-        tool = truth.base_pose("base") @ ik.pose(cell.read().arms["arm"].positions)
+        tool = truth.base_pose("base") @ ik.pose(cell.read().state("arm", ArmState).positions)
         return tool.inverse() @ truth.pose("part")
 
     q, _ = _pick(cell, ik, kitting, part, Pose.of(0.66, 0.0, kitting.TOP))
     _move(cell, q, kitting.HOME, 2.0)
     before, start = in_hand(), truth.base_pose("base")
     for twist in [BaseTwist(-0.5, 0.0)] * 420 + [BaseTwist(0.0, 0.0)] * 200 + [BaseTwist(0.0, 0.8)] * 420:
-        cell.exchange(Commands(bases={"base": twist}))
+        cell.exchange({"base": twist})
     for _ in range(200):
-        cell.exchange(Commands())
+        cell.exchange({})
     after, end = in_hand(), truth.base_pose("base")
 
     assert start.distance(end) > 0.99
@@ -116,8 +118,8 @@ def test_a_part_knocked_out_of_the_gripper_shows_in_gap_and_force(make_cell, kit
     _, holding = _pick(cell, ik, kitting, part, Pose.of(0.66, 0.0, kitting.TOP))
     cell.move_body("part", Pose((0.66, 0.3, kitting.TOP)))
     for _ in range(100):
-        cell.exchange(Commands())
-    empty = cell.read().grippers["gripper"]
+        cell.exchange({})
+    empty = cell.read().state("gripper", GripperState)
 
     assert (holding.gap, holding.force) > (0.045, 25.0)
     assert empty.gap < 0.001

@@ -4,7 +4,9 @@ import threading
 
 import pytest
 
-from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, GripperTarget
+from skiros_py.devices.arm import ArmState, ArmTarget
+from skiros_py.devices.base import BaseState, BaseTwist
+from skiros_py.devices.gripper import GripperState, GripperTarget
 from skiros_py.simulation.fake import FakeCell
 
 FULL = BaseTwist(-0.8, 0.0)  # backwards: ahead stands the table
@@ -26,24 +28,22 @@ def _at_speed(kitting, cell):
     """Drives and swings until both go fast; returns the commands that would go on with it."""
     for cycle in range(1, 221):
         arm = _swing(kitting, cell, max(0, cycle - 180))
-        cell.exchange(
-            Commands({"arm": arm if cycle > 180 else ArmTarget(kitting.HOME, (0.0,) * 7)}, {}, {"base": FULL})
-        )
-    return Commands({"arm": _swing(kitting, cell, 41)}, {}, {"base": FULL})
+        cell.exchange({"arm": arm if cycle > 180 else ArmTarget(kitting.HOME, (0.0,) * 7), "base": FULL})
+    return {"arm": _swing(kitting, cell, 41), "base": FULL}
 
 
 def test_a_halted_cell_stands_within_its_braking_time_whatever_is_commanded(cell, kitting):
     commands = _at_speed(kitting, cell)
-    assert not cell.read().bases["base"].still
-    assert not cell.read().arms["arm"].still
+    assert not cell.read().state("base", BaseState).still
+    assert not cell.read().state("arm", ArmState).still
 
     threading.Thread(target=cell.halt).start()
     end = cell.read().time + cell.braking_time
     while cell.read().time < end:
         cell.exchange(commands)
 
-    assert cell.read().bases["base"].still
-    assert cell.read().arms["arm"].still
+    assert cell.read().state("base", BaseState).still
+    assert cell.read().state("arm", ArmState).still
 
 
 def test_without_commands_it_stands_within_its_braking_time_too(cell, kitting):
@@ -51,29 +51,29 @@ def test_without_commands_it_stands_within_its_braking_time_too(cell, kitting):
 
     end = cell.read().time + cell.braking_time
     while cell.read().time < end:
-        cell.exchange(Commands())
+        cell.exchange({})
 
-    assert cell.read().bases["base"].still
-    assert cell.read().arms["arm"].still
+    assert cell.read().state("base", BaseState).still
+    assert cell.read().state("arm", ArmState).still
 
 
 def test_a_released_cell_stands_until_it_is_commanded_and_then_obeys(cell, kitting):
     cell.halt()
-    cell.exchange(Commands(bases={"base": FULL}))
+    cell.exchange({"base": FULL})
     cell.release()
     for _ in range(20):
-        cell.exchange(Commands())
-    assert cell.read().bases["base"].still
+        cell.exchange({})
+    assert cell.read().state("base", BaseState).still
 
     for _ in range(20):
-        cell.exchange(Commands(bases={"base": FULL}))
-    assert cell.read().bases["base"].linear < -0.05
+        cell.exchange({"base": FULL})
+    assert cell.read().state("base", BaseState).linear < -0.05
 
 
 def test_a_halted_gripper_keeps_its_grip(cell):
-    cell.exchange(Commands(grippers={"gripper": GripperTarget(0.02, 30.0)}))
+    cell.exchange({"gripper": GripperTarget(0.02, 30.0)})
     cell.halt()
     for _ in range(200):
-        cell.exchange(Commands(grippers={"gripper": GripperTarget(0.08, 30.0)}))
+        cell.exchange({"gripper": GripperTarget(0.08, 30.0)})
 
-    assert cell.read().grippers["gripper"].gap == pytest.approx(0.02, abs=1e-3)
+    assert cell.read().state("gripper", GripperState).gap == pytest.approx(0.02, abs=1e-3)

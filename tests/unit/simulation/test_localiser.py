@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from skiros_py.devices.base import BaseState, BaseTwist
+from skiros_py.devices.localiser import POSITION_SIGMA, YAW_SIGMA, Localiser
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import BaseTwist, Commands
-from skiros_py.simulation.localiser import POSITION_SIGMA, YAW_SIGMA, Localiser
 from skiros_py.simulation.truth import Truth
 
 
@@ -40,17 +40,17 @@ def test_the_error_is_another_one_after_each_drive_and_the_same_while_standing(m
     truth = Truth(cell)
 
     def error():
-        estimated, true = cell.read().bases["base"].pose, truth.base_pose("base")
+        estimated, true = cell.read().state("base", BaseState).pose, truth.base_pose("base")
         return np.subtract(estimated.position, true.position)
 
     before = error()
     for _ in range(100):
-        cell.exchange(Commands())
+        cell.exchange({})
     standing = error()
     for _ in range(500):
-        cell.exchange(Commands(bases={"base": BaseTwist(0.4, 0.0)}))
+        cell.exchange({"base": BaseTwist(0.4, 0.0)})
     for _ in range(200):
-        cell.exchange(Commands())
+        cell.exchange({})
 
     assert np.abs(before).max() > 1e-4
     assert standing == pytest.approx(before, abs=1e-9)

@@ -3,7 +3,6 @@
 import pytest
 
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import Commands
 from skiros_py.simulation.truth import Truth
 
 KIT = (0.92, 0.0)
@@ -43,7 +42,7 @@ def test_a_part_pushed_off_the_table_is_on_the_floor(make_cell, kitting):
     cell = _place(kitting, make_cell, Pose((0.6, 0.2, kitting.TOP)))
     cell.move_body("part", Pose((0.6, 0.6, kitting.TOP)))
     for _ in range(200):
-        cell.exchange(Commands())
+        cell.exchange({})
 
     assert Truth(cell).placements() == {"part": "floor"}
     assert Truth(cell).pose("part").position[2] < 0.05
@@ -66,7 +65,7 @@ def test_contacts_name_link_body_and_depth(make_cell, kitting):
 
     hand = Truth(cell).base_pose("base") @ Pose((0.62, 0.0, 0.84))
     cell.move_body("part", hand)
-    cell.exchange(Commands())
+    cell.exchange({})
     truth.watch()
 
     assert clear == ()

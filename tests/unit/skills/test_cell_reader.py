@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
 from skiros_py.skills.cell_reader import read_cell
@@ -11,10 +13,14 @@ from skiros_py.testing import tiny_world, world_of
 def test_a_robot_is_read_with_its_base_arm_and_gripper() -> None:
     (robot,) = read_cell(tiny_world(), ["robot_1"]).robots
 
-    assert (robot.id, robot.model, robot.base.id) == ("robot_1", "tiny", "base_1")
-    assert robot.base.start == Pose()
-    assert [(arm.id, arm.joints, arm.home) for arm in robot.arms] == [("arm_1", ("shoulder", "elbow"), (0.0, 0.0))]
-    assert [(gripper.id, gripper.arm, gripper.max_gap) for gripper in robot.grippers] == [("gripper_1", "arm_1", 0.1)]
+    assert (robot.id, robot.model, robot.carrier.id) == ("robot_1", "tiny", "base_1")
+    assert robot.carrier.start == Pose()
+    assert [(arm.id, arm.joints, arm.home) for arm in robot.of(ArmSpec)] == [
+        ("arm_1", ("shoulder", "elbow"), (0.0, 0.0))
+    ]
+    assert [(gripper.id, gripper.arm, gripper.max_gap) for gripper in robot.of(GripperSpec)] == [
+        ("gripper_1", "arm_1", 0.1)
+    ]
 
 
 def test_only_the_robots_asked_for_are_brought_up() -> None:

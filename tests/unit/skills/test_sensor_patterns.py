@@ -3,11 +3,11 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import DescriptionError
-from skiros_py.ports.devices import DeviceBoard
+from skiros_py.ports.board import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Pattern, Related, Sensor, Verdict, is_sensed
-from skiros_py.skills.sensing import ARM_QUANTITIES, BASE_QUANTITIES, GRIPPER_QUANTITIES, BoardSensors
+from skiros_py.skills.sensing import BoardSensors
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.overlay import FilteredView, Overlay
 from skiros_py.world.world import World
@@ -33,14 +33,17 @@ def test_every_device_says_whether_it_stands(device: str) -> None:
     assert (verdict.holds, verdict.text) == (True, f"the still of {device} is true")
 
 
-def test_every_quantity_of_every_kind_of_device_is_read() -> None:
+def test_every_single_value_that_a_device_offers_is_read() -> None:
     sensors = sensing_world().sensors
-    for device, quantities in (
-        ("arm_1", ARM_QUANTITIES),
-        ("gripper_1", GRIPPER_QUANTITIES),
-        ("base_1", BASE_QUANTITIES),
-    ):
-        assert all(isinstance(sensors.read(device, quantity), float | bool) for quantity in quantities)
+    offered = {
+        "arm_1": ["still"],
+        "gripper_1": ["gap", "force", "still"],
+        "base_1": ["x", "y", "yaw", "linear", "angular", "still"],
+    }
+
+    for device, signals in offered.items():
+        assert all(isinstance(sensors.read(device, signal), float | bool) for signal in signals)
+    assert sensors.read("arm_1", "positions") is None, "a condition compares single values"
 
 
 def test_what_a_sensor_says_instead_is_the_reason() -> None:

@@ -8,12 +8,11 @@ from typing import ClassVar
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
+from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.errors import UsageError
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
-from skiros_py.ports.devices import Base
 from skiros_py.ports.pending import Pending
-from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

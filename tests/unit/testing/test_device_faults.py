@@ -8,16 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
+from skiros_py.devices.base import BaseState, BaseTwist
+from skiros_py.devices.gripper import GripperState, GripperTarget
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.geometry import Pose
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.pending import Done, Pending
-from skiros_py.ports.values import ArmTarget, BaseTwist, Commands, DepthImage, GripperState, GripperTarget
+from skiros_py.ports.values import DepthImage
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.testing import Blind, CellFault, Deaf, Dies, FaultyCell, Frozen, Late, Noisy, Says
 from skiros_py.testing.conformance import small_cell
 
-AHEAD = Commands(bases={"base": BaseTwist(0.5, 0.0)})
+AHEAD = {"base": BaseTwist(0.5, 0.0)}
 
 
 def cell(*faults: CellFault) -> FaultyCell:
@@ -25,7 +28,9 @@ def cell(*faults: CellFault) -> FaultyCell:
 
 
 def drive(driver: CellDriver, seconds: float) -> list[float]:
-    return [driver.exchange(AHEAD).bases["base"].pose.position[0] for _ in range(round(seconds / driver.period))]
+    return [
+        driver.exchange(AHEAD).state("base", BaseState).pose.position[0] for _ in range(round(seconds / driver.period))
+    ]
 
 
 @given(st.integers(0, 60), st.integers(0, 60))
@@ -46,21 +51,21 @@ def test_a_frozen_base_reports_where_it_was_and_then_where_it_is() -> None:
 def test_a_device_says_what_it_is_told_to_whatever_it_does() -> None:
     holding = GripperState(0.04, 30.0, True)
     driver = cell(Says("gripper", holding, after=0.1))
-    driver.exchange(Commands(grippers={"gripper": GripperTarget(0.0, 10.0)}))
+    driver.exchange({"gripper": GripperTarget(0.0, 10.0)})
 
-    before = driver.read().grippers["gripper"]
+    before = driver.read().state("gripper", GripperState)
     drive(driver, 0.2)
 
     assert before.gap == 0.0
-    assert driver.read().grippers["gripper"] == holding
+    assert driver.read().state("gripper", GripperState) == holding
 
 
 def test_noise_is_centred_as_wide_as_told_and_the_same_in_each_run() -> None:
     runs = []
     for _ in range(2):
         driver = cell(Noisy("arm", 0.01, seed=3))
-        runs.append([driver.exchange(Commands()).arms["arm"].positions[0] for _ in range(400)])
-    errors = [position - small_cell().robots[0].arms[0].home[0] for position in runs[0]]
+        runs.append([driver.exchange({}).state("arm", ArmState).positions[0] for _ in range(400)])
+    errors = [position - small_cell().robots[0].of(ArmSpec)[0].home[0] for position in runs[0]]
 
     assert runs[0] == runs[1]
     assert sum(errors) / 400 == pytest.approx(0.0, abs=0.002)
@@ -69,10 +74,10 @@ def test_noise_is_centred_as_wide_as_told_and_the_same_in_each_run() -> None:
 
 def test_noise_of_a_base_and_a_gripper_moves_them_a_little() -> None:
     driver = cell(Noisy("base", 0.01), Noisy("gripper", 0.001))
-    now = driver.exchange(Commands())
+    now = driver.exchange({})
 
-    assert 0.0 < now.bases["base"].pose.distance(Pose()) < 0.1
-    assert now.grippers["gripper"].gap != 0.08
+    assert 0.0 < now.state("base", BaseState).pose.distance(Pose()) < 0.1
+    assert now.state("gripper", GripperState).gap != 0.08
 
 
 def test_a_cell_that_dies_answers_no_more() -> None:
@@ -101,10 +106,10 @@ def test_a_blind_camera_refuses_and_a_late_one_takes_longer() -> None:
 
 def test_faults_add_up_in_their_order() -> None:
     driver = cell(Deaf("arm"), Frozen("base"))
-    now = driver.exchange(Commands({"arm": ArmTarget((0.0,) * 7, (0.0,) * 7)}, bases=AHEAD.bases))
+    now = driver.exchange({"arm": ArmTarget((0.0,) * 7, (0.0,) * 7), **AHEAD})
 
-    assert now.arms["arm"].positions == small_cell().robots[0].arms[0].home
-    assert now.bases["base"].pose == Pose()
+    assert now.state("arm", ArmState).positions == small_cell().robots[0].of(ArmSpec)[0].home
+    assert now.state("base", BaseState).pose == Pose()
 
 
 @pytest.mark.parametrize("fault", [Deaf("bass"), Frozen("bass"), Noisy("bass", 0.1)])

@@ -8,10 +8,9 @@ from typing import ClassVar
 import pytest
 
 from skiros_py.behaviours import Do, P, Retry, Sequence
+from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.errors import DeviceError, UnknownName
 from skiros_py.execution.monitor import Status
-from skiros_py.ports.devices import Base
-from skiros_py.ports.values import BaseTwist
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive

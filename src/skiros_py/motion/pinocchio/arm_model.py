@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
-from skiros_py.ports.cell import ArmSpec, GripperSpec
 
 __all__ = ["ArmModel", "se3"]
 

@@ -7,6 +7,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel
@@ -34,7 +36,7 @@ class ArmMotion:
     def __init__(self, spec: RobotSpec) -> None:
         with TemporaryDirectory(prefix="skiros-motion-") as directory:
             urdf = write_robot_urdf(spec.model, Path(directory))
-            self._arms = {arm.id: ArmModel(urdf, arm, spec.grippers) for arm in spec.arms}
+            self._arms = {arm.id: ArmModel(urdf, arm, spec.of(GripperSpec)) for arm in spec.of(ArmSpec)}
         self._self_pairs = {name: self_collision_pairs(arm) for name, arm in self._arms.items()}
 
     def plan(self, request: MotionRequest) -> MotionPlan | NoMotion:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from skiros_py.api.replays import ReplayChange
 from skiros_py.api.view import WorldView
+from skiros_py.devices.base import BaseState
 from skiros_py.geometry import Pose
 from skiros_py.ports.values import Snapshot
 from skiros_py.records.frames import Layout, encode_block
@@ -163,7 +164,7 @@ def _same(row: list[float], other: list[float]) -> bool:
 
 
 def _bases(snapshot: Snapshot) -> Mapping[str, Pose]:
-    return {name: base.pose for name, base in snapshot.bases.items()}
+    return {name: base.pose for name, base in snapshot.of(BaseState).items()}
 
 
 def _json(model: WorldView | ReplayChange) -> bytes:

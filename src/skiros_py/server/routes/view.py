@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Response
 
 from skiros_py.api.view import WorldView
+from skiros_py.devices.base import BaseState
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import ServicesDep
 from skiros_py.station.world.view import view_of
@@ -54,7 +55,7 @@ def read_view(
     tag = f'"{index.version}.{services.events.epoch}"'
     if _knows(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": tag})
-    bases = {name: base.pose for name, base in session.cycle.board.snapshot.bases.items()}
+    bases = {name: base.pose for name, base in session.cycle.board.snapshot.of(BaseState).items()}
     told = view_of(index, element, bases)
     # Made into text at once: what was checked when it was made is not checked again.
     return Response(told.model_dump_json(by_alias=True), media_type="application/json", headers={"ETag": tag})

@@ -9,6 +9,9 @@ from typing import Any
 
 from fastapi.sse import format_sse_event
 
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.base import BaseState
+from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Pose
 from skiros_py.station.events.event import as_text
 from skiros_py.station.robots.kinematics import known_model
@@ -109,15 +112,15 @@ def _live_state(session: Session) -> dict[str, Any]:
                 "still": arm.still,
                 "tool": tools.get(name),
             }
-            for name, arm in snapshot.arms.items()
+            for name, arm in snapshot.of(ArmState).items()
         },
         "grippers": {
             name: {"gap": gripper.gap, "force": gripper.force, "still": gripper.still, "holds": _held(index, name)}
-            for name, gripper in snapshot.grippers.items()
+            for name, gripper in snapshot.of(GripperState).items()
         },
         "bases": {
             name: {"pose": _pose(base.pose), "linear": base.linear, "angular": base.angular, "still": base.still}
-            for name, base in snapshot.bases.items()
+            for name, base in snapshot.of(BaseState).items()
         },
         "modules": [
             {"agent": agent, "module": name, "status": running.status}
@@ -134,11 +137,11 @@ def _tools(session: Session) -> dict[str, dict[str, tuple[float, ...]]]:
     snapshot = session.cycle.board.snapshot
     found = {}
     for robot in session.spec.robots:
-        model, base = known_model(robot.model), snapshot.bases[robot.base.id].pose
+        model, base = known_model(robot.model), robot.pose(snapshot)
         if model is None:
             continue
-        for arm in robot.arms:
-            tip = model.tool(arm, snapshot.arms[arm.id].positions)
+        for arm in robot.of(ArmSpec):
+            tip = model.tool(arm, snapshot.state(arm.id, ArmState).positions)
             if tip is not None:
                 found[arm.id] = _pose(base @ tip)
     return found

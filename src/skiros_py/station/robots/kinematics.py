@@ -13,9 +13,9 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import SkirosError
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import ArmSpec
 from skiros_py.ports.models import write_robot_urdf
 
 __all__ = ["Joint", "RobotModel", "known_model", "robot_model"]

@@ -12,6 +12,7 @@ import numpy as np
 
 from skiros_py.api.looks import Look, Seen
 from skiros_py.api.state import PoseInfo
+from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.execution.library_monitor import LibraryCall
 from skiros_py.geometry import Pose
@@ -65,7 +66,9 @@ class Looks:
 
     def open(self, session: Session) -> None:
         """Notes the looks of a session."""
-        self._shots = {camera.id: deque(maxlen=_KEPT) for robot in session.spec.robots for camera in robot.cameras}
+        self._shots = {
+            camera.id: deque(maxlen=_KEPT) for robot in session.spec.robots for camera in robot.of(CameraSpec)
+        }
         self._told = {}
         self._session = session
         self._leave = session.runtime.asked.subscribe(self._note)
@@ -85,7 +88,7 @@ class Looks:
         Raises:
             UnknownName: The robot has no such camera.
         """
-        known = [spec.id for spec in robot.cameras]
+        known = [spec.id for spec in robot.of(CameraSpec)]
         if camera not in known:
             raise UnknownName("camera", camera, known, where=f"of robot '{robot.id}'")
         shot = _last(self._shots.get(camera, ()))
@@ -107,7 +110,7 @@ class Looks:
         if isinstance(request, RegistrationRequest) and session.world.has(request.body):
             what = session.world.element(request.body).type
         self._counts[request.camera] += 1
-        taken = board.now - (board.snapshot.cycle - request.image.cycle) * board.period
+        taken = board.now - (board.snapshot.cycle - request.image.snapshot.cycle) * board.period
         self._shots[request.camera].append(_Shot(self._counts[request.camera], taken, call, what))
 
 

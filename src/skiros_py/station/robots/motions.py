@@ -11,12 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiros_py.api.looks import ArmWay, RobotMotion, Waypoint
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.base import BaseState
 from skiros_py.errors import SkirosError
 from skiros_py.execution.library_monitor import LibraryCall
 from skiros_py.execution.task import Task
 from skiros_py.geometry import wrap_angle
-from skiros_py.ports.cell import ArmSpec, RobotSpec
-from skiros_py.ports.devices import Commander
+from skiros_py.ports.board import Commander
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
 from skiros_py.ports.values import Snapshot
 from skiros_py.station.robots.kinematics import known_model
@@ -82,7 +84,7 @@ class Motions:
         with self._lock:
             self._asked = {robot.id: deque(maxlen=_KEPT) for robot in robots}
             self._ways = {robot.id: {} for robot in robots}
-            self._robots = {id_: robot.id for robot in robots for id_ in (robot.base.id, *(a.id for a in robot.arms))}
+            self._robots = {device.id: robot.id for robot in robots for device in robot.devices}
             self._session = session
         self._leave = session.runtime.asked.subscribe(self._note)
 
@@ -151,7 +153,7 @@ def _is_plan(call: LibraryCall) -> bool:
 
 
 def _base_arrived(snapshot: Snapshot, base: str, call: LibraryCall, path: BasePath) -> bool:
-    state, request = snapshot.bases[base], call.request
+    state, request = snapshot.state(base, BaseState), call.request
     assert isinstance(request, BasePathRequest)
     x, y, _ = request.goal.position
     away = math.dist((x, y), state.pose.position[:2])
@@ -159,7 +161,7 @@ def _base_arrived(snapshot: Snapshot, base: str, call: LibraryCall, path: BasePa
 
 
 def _arm_arrived(snapshot: Snapshot, arm: str, plan: MotionPlan) -> bool:
-    state = snapshot.arms[arm]
+    state = snapshot.state(arm, ArmState)
     if not (plan.legs and state.still):
         return state.still
     last = plan.legs[-1].positions[-1]
@@ -189,7 +191,7 @@ def _tips(robot: RobotSpec, request: MotionRequest, plan: MotionPlan) -> tuple[t
 
 
 def _arm(robot: RobotSpec, arm: str) -> ArmSpec | None:
-    return next((one for one in robot.arms if one.id == arm), None)
+    return next((one for one in robot.of(ArmSpec) if one.id == arm), None)
 
 
 def _spread(count: int) -> list[int]:

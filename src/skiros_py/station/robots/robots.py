@@ -18,11 +18,14 @@ from skiros_py.api.robots import (
     RobotReading,
 )
 from skiros_py.api.state import BaseInfo, GripperInfo, PoseInfo
+from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.base import BaseSpec, BaseState
+from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.gripper import GripperSpec, GripperState
 from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import ArmSpec, RobotSpec
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.models import BASE_JOINTS
-from skiros_py.ports.values import ArmState, BaseState
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Wish
 from skiros_py.station.robots.kinematics import RobotModel, robot_model
@@ -49,7 +52,7 @@ def robot_of(session: Session, id_: str) -> RobotSpec:
 
 def info(session: Session, robot: RobotSpec) -> RobotInfo:
     """Describes a robot; in any thread."""
-    base, model, view = robot.base, _model(robot), session.world.snapshot()
+    base, model, view = robot.of(BaseSpec)[0], _model(robot), session.world.snapshot()
     return RobotInfo(
         id=robot.id,
         label=view.element(robot.id).label if view.has(robot.id) else "",
@@ -61,14 +64,14 @@ def info(session: Session, robot: RobotSpec) -> RobotInfo:
             max_angular=base.max_angular,
             footprint=base.footprint,
         ),
-        arms=tuple(_arm(arm, model) for arm in robot.arms),
+        arms=tuple(_arm(arm, model) for arm in robot.of(ArmSpec)),
         grippers=tuple(
             GripperDescription(id=g.id, arm=g.arm, joints=g.joints, max_gap=g.max_gap, max_force=g.max_force)
-            for g in robot.grippers
+            for g in robot.of(GripperSpec)
         ),
         cameras=tuple(
             CameraDescription(id=c.id, frame=c.frame, width=c.width, height=c.height, vertical_fov=c.vertical_fov)
-            for c in robot.cameras
+            for c in robot.of(CameraSpec)
         ),
         agents=_agents(session, robot),
     )
@@ -104,9 +107,9 @@ def _agents(session: Session, robot: RobotSpec) -> tuple[str, ...]:
 def reading(session: Session, robot: RobotSpec) -> RobotReading:
     """Tells where a robot is at this moment; quick, and for any thread."""
     snapshot, view = session.cycle.board.snapshot, session.world.snapshot()
-    base = snapshot.bases[robot.base.id]
+    base = snapshot.state(robot.of(BaseSpec)[0].id, BaseState)
     placement = view.placement(robot.id) if view.has(robot.id) else None
-    grippers = {g.id: snapshot.grippers[g.id] for g in robot.grippers}
+    grippers = {g.id: snapshot.state(g.id, GripperState) for g in robot.of(GripperSpec)}
     return RobotReading(
         id=robot.id,
         time=snapshot.time,
@@ -114,7 +117,7 @@ def reading(session: Session, robot: RobotSpec) -> RobotReading:
         halted=session.cycle.halted,
         at=placement.place if placement else "",
         base=BaseInfo(pose=_pose(base.pose), linear=base.linear, angular=base.angular, still=base.still),
-        arms={arm.id: _arm_reading(arm, robot, snapshot.arms[arm.id], base) for arm in robot.arms},
+        arms={arm.id: _arm_reading(arm, robot, snapshot.state(arm.id, ArmState), base) for arm in robot.of(ArmSpec)},
         grippers={
             id_: GripperInfo(
                 gap=g.gap, force=g.force, still=g.still, holds=next(iter(view.subjects(HELD_BY, id_)), None)
@@ -150,8 +153,8 @@ def jog(robot: RobotSpec, wanted: Jog) -> tuple[str, dict[str, Any]]:
         UsageError: It has several, and nobody said which; or it is no small step.
     """
     if wanted.joints is not None:
-        arm = _one("arm", wanted.joints.arm, [arm.id for arm in robot.arms])
-        joints = next(one.joints for one in robot.arms if one.id == arm)
+        arm = _one("arm", wanted.joints.arm, [arm.id for arm in robot.of(ArmSpec)])
+        joints = next(one.joints for one in robot.of(ArmSpec) if one.id == arm)
         if len(wanted.joints.deltas) != len(joints):
             raise UsageError(f"deltas: one number for each joint of {arm}: {', '.join(joints)}")
         return "jog_joints", {"arm": arm, "deltas": list(wanted.joints.deltas)}
@@ -159,13 +162,13 @@ def jog(robot: RobotSpec, wanted: Jog) -> tuple[str, dict[str, Any]]:
         tool = wanted.tool
         _require_short("translation", tool.translation, 0.1, "m")
         _require_short("rotation", tool.rotation, 0.35, "rad")
-        arm = _one("arm", tool.arm, [arm.id for arm in robot.arms])
+        arm = _one("arm", tool.arm, [arm.id for arm in robot.of(ArmSpec)])
         return "jog_tool", {"arm": arm, **tool.model_dump(mode="json", exclude={"arm"}, exclude_none=True)}
     if wanted.base is not None:
         _require_short("dx, dy", (wanted.base.dx, wanted.base.dy), 0.2, "m")
-        return "jog_base", {"base": robot.base.id, "robot": robot.id, **wanted.base.model_dump()}
+        return "jog_base", {"base": robot.of(BaseSpec)[0].id, "robot": robot.id, **wanted.base.model_dump()}
     assert wanted.gripper is not None
-    gripper = _one("gripper", wanted.gripper.gripper, [gripper.id for gripper in robot.grippers])
+    gripper = _one("gripper", wanted.gripper.gripper, [gripper.id for gripper in robot.of(GripperSpec)])
     return "gripper_control", {"gripper": gripper, "gap": wanted.gripper.width}
 
 

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 import shapely
 
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.errors import SkirosError
 from skiros_py.geometry import Array, Pose, Solid
-from skiros_py.ports.cell import ArmSpec, RobotSpec
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import (
     ArmPlanner,
     JointMove,
@@ -176,7 +177,7 @@ class ArmPlannerContract:
 
     @property
     def _arm(self) -> ArmSpec:
-        return self.robot().arms[0]
+        return self.robot().of(ArmSpec)[0]
 
     @property
     def _near(self) -> tuple[float, ...]:

@@ -13,16 +13,20 @@ from typing import ClassVar, TypeVar
 
 import pytest
 
+from skiros_py.devices.arm import ArmSpec, ArmState, ArmTarget
+from skiros_py.devices.base import BaseSpec, BaseState, BaseTwist
+from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.gripper import GripperSpec, GripperState, GripperTarget
 from skiros_py.errors import DeviceError
-from skiros_py.ports.cell import ArmSpec, BaseSpec, CellSpec, GripperSpec
+from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
-from skiros_py.ports.values import ArmTarget, BaseState, BaseTwist, Commands, GripperTarget, Snapshot
+from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.testing.conformance.cells import small_cell
 from skiros_py.testing.conformance.pending import check_pending
 
 __all__ = ["CellDriverContract"]
 
-_NOTHING = Commands()
+_NOTHING: Commands = {}
 
 
 class CellDriverContract:
@@ -76,12 +80,12 @@ class CellDriverContract:
 
     def test_a_snapshot_stays_as_it_was(self, cell: CellDriver) -> None:
         first = cell.read()
-        arms, grippers, bases = dict(first.arms), dict(first.grippers), dict(first.bases)
+        devices = dict(first.devices)
 
         for _ in range(20):
             cell.exchange(self._moving(first))
 
-        assert (first.arms, first.grippers, first.bases) == (arms, grippers, bases)
+        assert first.devices == devices
 
     # ------------------------------------------------------------------ devices
 
@@ -89,11 +93,11 @@ class CellDriverContract:
         spec = self.spec()
         now = cell.exchange(_NOTHING)
 
-        assert set(now.arms) == {arm.id for arm in _arms(spec)}
-        assert set(now.grippers) == {gripper.id for gripper in _grippers(spec)}
-        assert set(now.bases) == {base.id for base in _bases(spec)}
-        assert all(len(now.arms[arm.id].positions) == len(arm.joints) for arm in _arms(spec))
-        assert all(len(now.arms[arm.id].velocities) == len(arm.joints) for arm in _arms(spec))
+        assert set(now.devices) == {id_ for id_, device in spec.devices.items() if device.state_type is not None}
+        assert all(type(state) is spec.devices[id_].state_type for id_, state in now.devices.items())
+        assert dict(cell.devices) == spec.devices
+        assert all(len(now.state(arm.id, ArmState).positions) == len(arm.joints) for arm in _arms(spec))
+        assert all(len(now.state(arm.id, ArmState).velocities) == len(arm.joints) for arm in _arms(spec))
         assert all(map(math.isfinite, _numbers(now)))
 
     def test_everything_stands_at_the_start(self, cell: CellDriver) -> None:
@@ -106,12 +110,12 @@ class CellDriverContract:
         wanted = {"arms": ArmTarget((0.0,), (0.0,)), "grippers": GripperTarget(0.0, 1.0), "bases": BaseTwist(0.0, 0.0)}
 
         with pytest.raises(DeviceError, match="nobodys_device"):
-            cell.exchange(Commands(**{kind: {"nobodys_device": wanted[kind]}}))  # type: ignore[arg-type]
+            cell.exchange({"nobodys_device": wanted[kind]})
 
     def test_a_refused_command_takes_no_time_and_it_goes_on(self, cell: CellDriver) -> None:
         before = cell.exchange(_NOTHING).cycle
         with pytest.raises(DeviceError):
-            cell.exchange(Commands(bases={"nobodys_device": BaseTwist(0.0, 0.0)}))
+            cell.exchange({"nobodys_device": BaseTwist(0.0, 0.0)})
 
         assert cell.exchange(_NOTHING).cycle == before + 1
 
@@ -119,30 +123,30 @@ class CellDriverContract:
 
     def test_an_arm_follows_its_set_points(self, cell: CellDriver) -> None:
         for arm in _each(_arms(self.spec())):
-            start = cell.read().arms[arm.id].positions
+            start = cell.read().state(arm.id, ArmState).positions
             wanted = _set_point(start, 1.0).positions
 
             self._swing(cell, arm.id, start, 1.0)
-            reached = _after(cell, 0.5).arms[arm.id].positions
+            reached = _after(cell, 0.5).state(arm.id, ArmState).positions
 
             assert reached == pytest.approx(wanted, abs=self.arm_tolerance)
 
     def test_an_arm_without_a_command_holds(self, cell: CellDriver) -> None:
         for arm in _each(_arms(self.spec())):
-            self._swing(cell, arm.id, cell.read().arms[arm.id].positions, 1.0)
-            before = _after(cell, 0.5).arms[arm.id]
-            after = _after(cell, 1.0).arms[arm.id]
+            self._swing(cell, arm.id, cell.read().state(arm.id, ArmState).positions, 1.0)
+            before = _after(cell, 0.5).state(arm.id, ArmState)
+            after = _after(cell, 1.0).state(arm.id, ArmState)
 
             assert after.still
             assert after.positions == pytest.approx(before.positions, abs=self.arm_tolerance)
 
     def test_an_arm_whose_commands_cease_in_motion_comes_to_a_standstill(self, cell: CellDriver) -> None:
         for arm in _each(_arms(self.spec())):
-            self._swing(cell, arm.id, cell.read().arms[arm.id].positions, 0.5)
+            self._swing(cell, arm.id, cell.read().state(arm.id, ArmState).positions, 0.5)
             if self.inertia:
-                assert not cell.read().arms[arm.id].still, "it says that it stands in the middle of a motion"
+                assert not cell.read().state(arm.id, ArmState).still, "it says that it stands in the middle of a motion"
 
-            assert _after(cell, cell.braking_time + cell.period).arms[arm.id].still
+            assert _after(cell, cell.braking_time + cell.period).state(arm.id, ArmState).still
 
     # ------------------------------------------------------------------ grippers
 
@@ -150,9 +154,9 @@ class CellDriverContract:
         for gripper in _each(_grippers(self.spec())):
             half = gripper.max_gap / 2.0
 
-            cell.exchange(Commands(grippers={gripper.id: GripperTarget(half, gripper.max_force / 2.0)}))
-            soon = _after(cell, 2.0).grippers[gripper.id]
-            later = _after(cell, 2.0).grippers[gripper.id]
+            cell.exchange({gripper.id: GripperTarget(half, gripper.max_force / 2.0)})
+            soon = _after(cell, 2.0).state(gripper.id, GripperState)
+            later = _after(cell, 2.0).state(gripper.id, GripperState)
 
             assert soon.gap == pytest.approx(half, abs=self.gap_tolerance), "one command is enough"
             assert later.gap == pytest.approx(half, abs=self.gap_tolerance), "nothing is let go by omission"
@@ -162,7 +166,7 @@ class CellDriverContract:
 
     def test_a_base_drives_ahead_and_turns_as_told(self, cell: CellDriver) -> None:
         for base in _each(_bases(self.spec())):
-            start = cell.read().bases[base.id].pose
+            start = cell.read().state(base.id, BaseState).pose
             ahead = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 1.0)
             stood = self._driven(cell, base, BaseTwist(0.0, 0.0), cell.braking_time)
             turned = self._driven(cell, base, BaseTwist(0.0, base.max_angular / 4.0), 1.0)
@@ -176,8 +180,8 @@ class CellDriverContract:
         for base in _each(_bases(self.spec())):
             self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
 
-            stopped = _after(cell, cell.braking_time + cell.period).bases[base.id]
-            later = _after(cell, 1.0).bases[base.id]
+            stopped = _after(cell, cell.braking_time + cell.period).state(base.id, BaseState)
+            later = _after(cell, 1.0).state(base.id, BaseState)
 
             assert stopped.still
             assert later.still
@@ -187,7 +191,7 @@ class CellDriverContract:
     def test_a_base_that_drives_is_not_still(self, cell: CellDriver) -> None:
         for base in _each(_bases(self.spec())):
             driving = self._driven(cell, base, BaseTwist(base.max_linear / 4.0, 0.0), 0.5)
-            stopped = _after(cell, cell.braking_time + cell.period).bases[base.id]
+            stopped = _after(cell, cell.braking_time + cell.period).state(base.id, BaseState)
             turning = self._driven(cell, base, BaseTwist(0.0, base.max_angular / 4.0), 0.5)
 
             assert not driving.still
@@ -200,8 +204,8 @@ class CellDriverContract:
         for base in _each(_bases(self.spec())):
             far = BaseTwist(9.0 * base.max_linear, 0.0)
             count = int(0.5 / cell.period)
-            speeds = [cell.read().bases[base.id].linear]
-            speeds += [cell.exchange(Commands(bases={base.id: far})).bases[base.id].linear for _ in range(count)]
+            speeds = [cell.read().state(base.id, BaseState).linear]
+            speeds += [cell.exchange({base.id: far}).state(base.id, BaseState).linear for _ in range(count)]
             steps = [abs(after - before) for before, after in pairwise(speeds)]
 
             assert max(speeds) <= base.max_linear * (1.0 + self.speed_tolerance)
@@ -225,7 +229,9 @@ class CellDriverContract:
 
         assert _stands(stopped)
         assert _stands(later)
-        assert all(later.bases[b].pose.distance(stopped.bases[b].pose) <= 0.02 for b in later.bases)
+        assert all(
+            base.pose.distance(stopped.state(b, BaseState).pose) <= 0.02 for b, base in later.of(BaseState).items()
+        )
 
     def test_a_released_cell_stands_until_it_is_told_to_move(self, cell: CellDriver) -> None:
         self._run(cell, 0.5)
@@ -242,16 +248,14 @@ class CellDriverContract:
 
     def test_a_halted_gripper_keeps_what_it_has(self, cell: CellDriver) -> None:
         for gripper in _each(_grippers(self.spec())):
-            cell.exchange(
-                Commands(grippers={gripper.id: GripperTarget(gripper.max_gap / 2.0, gripper.max_force / 2.0)})
-            )
-            before = _after(cell, 2.0).grippers[gripper.id]
+            cell.exchange({gripper.id: GripperTarget(gripper.max_gap / 2.0, gripper.max_force / 2.0)})
+            before = _after(cell, 2.0).state(gripper.id, GripperState)
             cell.halt()
-            opened = Commands(grippers={gripper.id: GripperTarget(gripper.max_gap, gripper.max_force)})
+            opened = {gripper.id: GripperTarget(gripper.max_gap, gripper.max_force)}
             for _ in range(int(1.0 / cell.period)):
                 cell.exchange(opened)
 
-            assert cell.read().grippers[gripper.id].gap == pytest.approx(before.gap, abs=self.gap_tolerance)
+            assert cell.read().state(gripper.id, GripperState).gap == pytest.approx(before.gap, abs=self.gap_tolerance)
 
     # ------------------------------------------------------------------ cameras, end
 
@@ -259,18 +263,16 @@ class CellDriverContract:
         if not self.pictures:
             pytest.skip("it takes no pictures")
         for robot in self.spec().robots:
-            for camera in robot.cameras:
+            for camera in robot.of(CameraSpec):
                 now = _after(cell, 0.1)
                 pending = cell.capture(camera.id)
                 _after(cell, 0.1)
                 picture = check_pending(pending)
 
                 assert pending.latency == pytest.approx(camera.latency, abs=1e-9)
-                assert picture.cycle == now.cycle
+                assert picture.snapshot == now
                 assert picture.depth.shape == (camera.height, camera.width)
                 assert picture.colour.shape == (camera.height, camera.width, 3)
-                assert picture.arms == {arm: state.positions for arm, state in now.arms.items()}
-                assert picture.bases == {base: state.pose for base, state in now.bases.items()}
 
     def test_a_camera_that_is_not_there_is_refused(self, cell: CellDriver) -> None:
         with pytest.raises(DeviceError, match="nobodys_camera"):
@@ -291,18 +293,18 @@ class CellDriverContract:
 
     def _moving(self, start: Snapshot, time: float = 0.0) -> Commands:
         bases = {base.id: BaseTwist(base.max_linear / 4.0, 0.0) for base in _bases(self.spec())}
-        arms = {arm: _set_point(state.positions, time / _SWING) for arm, state in start.arms.items()}
-        return Commands(arms=arms, bases=bases)
+        arms = {arm: _set_point(state.positions, time / _SWING) for arm, state in start.of(ArmState).items()}
+        return {**arms, **bases}
 
     def _swing(self, cell: CellDriver, arm: str, start: tuple[float, ...], share: float) -> None:
         """Moves an arm from rest to rest by a little, or only for a share of that motion."""
         for cycle in range(1, round(share * _SWING / cell.period) + 1):
-            cell.exchange(Commands(arms={arm: _set_point(start, cycle * cell.period / _SWING)}))
+            cell.exchange({arm: _set_point(start, cycle * cell.period / _SWING)})
 
     def _driven(self, cell: CellDriver, base: BaseSpec, twist: BaseTwist, seconds: float) -> BaseState:
         for _ in range(round(seconds / cell.period)):
-            cell.exchange(Commands(bases={base.id: twist}))
-        return cell.read().bases[base.id]
+            cell.exchange({base.id: twist})
+        return cell.read().state(base.id, BaseState)
 
 
 _SWING = 1.0
@@ -331,7 +333,8 @@ def _after(cell: CellDriver, seconds: float) -> Snapshot:
 
 
 def _stands(now: Snapshot) -> bool:
-    return all(arm.still for arm in now.arms.values()) and all(base.still for base in now.bases.values())
+    arms, bases = now.of(ArmState), now.of(BaseState)
+    return all(arm.still for arm in arms.values()) and all(base.still for base in bases.values())
 
 
 def _in_thread(call: Callable[[], None]) -> None:
@@ -341,19 +344,19 @@ def _in_thread(call: Callable[[], None]) -> None:
 
 
 def _numbers(now: Snapshot) -> list[float]:
-    arms = [number for arm in now.arms.values() for number in (*arm.positions, *arm.velocities)]
-    grippers = [number for gripper in now.grippers.values() for number in (gripper.gap, gripper.force)]
-    poses = [n for base in now.bases.values() for n in (*base.pose.position, *base.pose.orientation)]
-    return [*arms, *grippers, *poses, *(n for base in now.bases.values() for n in (base.linear, base.angular))]
+    arms = [number for arm in now.of(ArmState).values() for number in (*arm.positions, *arm.velocities)]
+    grippers = [number for gripper in now.of(GripperState).values() for number in (gripper.gap, gripper.force)]
+    poses = [n for base in now.of(BaseState).values() for n in (*base.pose.position, *base.pose.orientation)]
+    return [*arms, *grippers, *poses, *(n for base in now.of(BaseState).values() for n in (base.linear, base.angular))]
 
 
 def _arms(spec: CellSpec) -> tuple[ArmSpec, ...]:
-    return tuple(arm for robot in spec.robots for arm in robot.arms)
+    return spec.of(ArmSpec)
 
 
 def _grippers(spec: CellSpec) -> tuple[GripperSpec, ...]:
-    return tuple(gripper for robot in spec.robots for gripper in robot.grippers)
+    return spec.of(GripperSpec)
 
 
 def _bases(spec: CellSpec) -> tuple[BaseSpec, ...]:
-    return tuple(robot.base for robot in spec.robots)
+    return spec.of(BaseSpec)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.base import BaseSpec
+from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import ArmSpec, BaseSpec, CameraSpec, CellSpec, GripperSpec, RobotSpec
+from skiros_py.ports.cell import CellSpec, RobotSpec
 
 __all__ = ["small_cell"]
 
@@ -23,9 +27,11 @@ def small_cell(*, cameras: bool = True) -> CellSpec:
     robot = RobotSpec(
         "robot",
         "mobile_panda",
-        BaseSpec("base", Pose(), 0.8, 1.2, 0.8, 1.6, _FOOTPRINT),
-        (ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", _HOME),),
-        (GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),),
-        (eye,) if cameras else (),
+        (
+            BaseSpec("base", Pose(), _FOOTPRINT, 0.8, 1.2, 0.8, 1.6),
+            ArmSpec("arm", tuple(f"panda_joint{n}" for n in range(1, 8)), "tcp", _HOME),
+            GripperSpec("gripper", ("panda_finger_joint1", "panda_finger_joint2"), "arm", 0.08, 70.0),
+            *((eye,) if cameras else ()),
+        ),
     )
     return CellSpec((), (robot,))

@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 
 from skiros_py.api.replays import Replay
+from skiros_py.devices.arm import ArmState
+from skiros_py.devices.base import BaseState
+from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Pose
-from skiros_py.ports.values import ArmState, BaseState, GripperState, Snapshot
+from skiros_py.ports.values import Snapshot
 from skiros_py.server.replays.answer import replay_text
 from skiros_py.server.replays.lines import Kind, add_lines, read_lines
 from skiros_py.server.replays.recording import MOST_FRAMES, Beginning, Recording
@@ -26,8 +29,10 @@ def world() -> World:
 def snapshot(time: float, angle: float = 0.0, *, gripper: bool = True) -> Snapshot:
     arm = ArmState((angle, 0.5), (0.0, 0.0), still=True)
     base = BaseState(Pose.of(1.0, 2.0, 0.0, yaw=0.5), 0.0, 0.0, still=True)
-    grippers = {"gripper_1": GripperState(gap=0.08, force=0.0, still=True)} if gripper else {}
-    return Snapshot(round(time * 200), time, {"arm_1": arm}, grippers, {"base_1": base})
+    devices = {"arm_1": arm, "base_1": base} | (
+        {"gripper_1": GripperState(gap=0.08, force=0.0, still=True)} if gripper else {}
+    )
+    return Snapshot(round(time * 200), time, devices)
 
 
 def begun(file: Path, world: World, time: float = 10.0, *, run: str = "first", gripper: bool = True) -> Recording:

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from skiros_py.devices.arm import ArmSpec
 from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.skills.cell_reader import read_cell
@@ -24,7 +25,7 @@ def planner(robot: RobotSpec) -> ArmMotion:
 @settings(max_examples=30, deadline=None)
 @given(st.lists(st.floats(-1.5, 1.5), min_size=7, max_size=7))
 def test_the_tool_is_where_the_motion_planner_says(robot, planner, angles) -> None:
-    arm = robot.arms[0]
+    arm = robot.of(ArmSpec)[0]
 
     pose = robot_model(robot.model).tool(arm, angles)
 
@@ -36,12 +37,12 @@ def test_the_tool_is_where_the_motion_planner_says(robot, planner, angles) -> No
 
 
 def test_the_limits_of_joints_are_those_of_the_model(robot) -> None:
-    joint = robot_model(robot.model).joint(robot.arms[0].joints[3])
+    joint = robot_model(robot.model).joint(robot.of(ArmSpec)[0].joints[3])
 
     assert joint is not None
     assert joint.lower is not None
     assert joint.upper is not None
-    assert joint.lower < robot.arms[0].home[3] < joint.upper
+    assert joint.lower < robot.of(ArmSpec)[0].home[3] < joint.upper
 
 
 def test_a_joint_that_the_model_does_not_have_is_none(robot) -> None:

@@ -16,7 +16,7 @@ from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.pending import Done
 from skiros_py.ports.perception import Detection, LookRequest, LookResult, Region, RegistrationRequest
 from skiros_py.ports.perception import RegistrationResult as Registered
-from skiros_py.ports.values import CameraIntrinsics, DepthImage
+from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 from skiros_py.skills.context import Libraries
 from skiros_py.station.robots.looks import MOST_POINTS, Looks
 from skiros_py.station.session import Options, Session
@@ -30,7 +30,7 @@ def shot(height: int = 480, width: int = 640, depth: float = 1.0) -> DepthImage:
     colour = np.zeros((height, width, 3), np.uint8)
     colour[:, : width // 2, 0], colour[:, width // 2 :, 2] = 200, 100
     intrinsics = CameraIntrinsics(width, height, 500.0, 500.0, (width - 1) / 2, (height - 1) / 2, 0.1, 3.0)
-    return DepthImage(0, np.full((height, width), depth, np.float32), colour, intrinsics, {}, {})
+    return DepthImage(Snapshot(0, 0.0), np.full((height, width), depth, np.float32), colour, intrinsics)
 
 
 def request(image: DepthImage, camera: str = "camera_1") -> LookRequest:

@@ -10,6 +10,9 @@ GOOD = '''
 import pytest
 from dataclasses import replace
 from skiros_py.errors import DeviceError
+from skiros_py.devices.arm import *
+from skiros_py.devices.base import *
+from skiros_py.devices.gripper import *
 from skiros_py.ports.values import *
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.testing.conformance import CellDriverContract, BasePlannerContract, PlannerContract, PendingContract
@@ -31,17 +34,15 @@ class Heavy(FakeCell):
 
     def exchange(self, commands):
         now = self.read()
-        twists = {} if self.held else {b: t for b, t in commands.bases.items() if b in now.bases}
-        for base, state in now.bases.items():
-            wanted = twists.get(base, BaseTwist(0.0, 0.0))
+        commands = {} if self.held else dict(commands)
+        twists = {}
+        for base, state in now.of(BaseState).items():
+            wanted = commands.get(base, BaseTwist(0.0, 0.0))
             top, step, turn, turn_step = self.limits
             linear = after(state.linear, max(-top, min(top, wanted.linear)), step)
             angular = after(state.angular, max(-turn, min(turn, wanted.angular)), turn_step)
             twists[base] = BaseTwist(linear, angular)
-        unknown = {b: t for b, t in commands.bases.items() if b not in now.bases}
-        arms = {} if self.held else commands.arms
-        grippers = {} if self.held else commands.grippers
-        return super().exchange(Commands(arms, grippers, {**twists, **unknown}))
+        return super().exchange({**commands, **twists})
 
     def halt(self):
         self.held = True
@@ -70,8 +71,8 @@ WRONG = {
         """
     def exchange(self, commands):
         old = getattr(self, "old", {})
-        self.old = {**old, **{b: t for b, t in commands.bases.items() if b == "base"}}
-        return super().exchange(Commands(commands.arms, commands.grippers, {**self.old, **commands.bases}))
+        self.old = {**old, **{b: t for b, t in commands.items() if b == "base"}}
+        return super().exchange({**self.old, **commands})
 """,
         {
             "test_a_base_without_a_command_brakes_and_stands",
@@ -83,10 +84,12 @@ WRONG = {
         """
     def exchange(self, commands):
         now = super().exchange(commands)
-        if commands.arms or self.held:
+        if "arm" in commands or self.held:
             return now
-        sagging = {a: replace(s, positions=tuple(p - 0.001 for p in s.positions)) for a, s in now.arms.items()}
-        self._snapshot = replace(now, arms=sagging)
+        arm = now.state("arm", ArmState)
+        sagging = replace(arm, positions=tuple(p - 0.001 for p in arm.positions))
+        self._models["arm"]._state = sagging
+        self._snapshot = replace(now, devices={**now.devices, "arm": sagging})
         return self._snapshot
 """,
         {"test_an_arm_without_a_command_holds", "test_an_arm_follows_its_set_points"},
@@ -94,8 +97,7 @@ WRONG = {
     "Letting": (
         """
     def exchange(self, commands):
-        opened = {"gripper": GripperTarget(0.08, 1.0)} if not commands.grippers else commands.grippers
-        return super().exchange(replace(commands, grippers=opened))
+        return super().exchange({"gripper": GripperTarget(0.08, 1.0), **commands})
 """,
         {"test_a_gripper_keeps_its_target_until_it_gets_another"},
     ),
@@ -103,7 +105,8 @@ WRONG = {
         """
     def exchange(self, commands):
         now = super().exchange(commands)
-        self._snapshot = replace(now, bases={b: replace(s, still=True) for b, s in now.bases.items()})
+        standing = {b: replace(s, still=True) for b, s in now.of(BaseState).items()}
+        self._snapshot = replace(now, devices={**now.devices, **standing})
         return self._snapshot
 """,
         {"test_a_base_that_drives_is_not_still"},
@@ -134,7 +137,7 @@ WRONG = {
     "Deaf": (
         """
     def exchange(self, commands):
-        return super().exchange(Commands())
+        return super().exchange({})
 """,
         {
             "test_a_command_for_an_unknown_device_is_refused[arms]",

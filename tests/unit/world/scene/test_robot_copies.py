@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import FileError
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.testing.worlds import world_of
@@ -38,12 +41,12 @@ def test_a_robot_built_like_another_has_pieces_of_its_own_with_its_own_number() 
 def test_it_is_the_same_to_a_driver_but_for_names_and_where_it_starts() -> None:
     one, other = read_cell(two(), ["robot_1", "robot_2"]).robots
 
-    assert (one.model, one.arms[0].home, one.cameras[0].width) == (
+    assert (one.model, one.of(ArmSpec)[0].home, one.of(CameraSpec)[0].width) == (
         other.model,
-        other.arms[0].home,
-        other.cameras[0].width,
+        other.of(ArmSpec)[0].home,
+        other.of(CameraSpec)[0].width,
     )
-    assert other.grippers[0].arm == "arm_2"
+    assert other.of(GripperSpec)[0].arm == "arm_2"
     assert (one.base.start.position, other.base.start.position) == ((0.0, 0.0, 0.0), (0.0, 2.0, 0.0))
 
 

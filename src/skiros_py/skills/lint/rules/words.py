@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Collection, Iterator
 
 from skiros_py.errors import SkirosError
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.skills.behaviour import walk
 from skiros_py.skills.conditions import (
     ClassRelated,
@@ -25,7 +26,6 @@ from skiros_py.skills.lint.patterns import leaves, uses_of
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.parameters import Param, params_of
-from skiros_py.skills.sensing import ARM_QUANTITIES, BASE_QUANTITIES, GRIPPER_QUANTITIES
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.ontology import Ontology
 
@@ -33,7 +33,6 @@ __all__ = ["NOT_COMPUTED", "UNKNOWN_WORD", "own_params"]
 
 _ALIKE = 0.8
 """How much a word must be like another one that this is what was meant."""
-_QUANTITIES = {*ARM_QUANTITIES, *BASE_QUANTITIES, *GRIPPER_QUANTITIES}
 
 
 def _undeclared(subject: Subject, known: Known) -> Iterator[Problem]:
@@ -82,8 +81,9 @@ def _in_leaf(leaf: Pattern, ontology: Ontology) -> Iterator[str]:
         case Exists(_, class_) | IsA(_, class_):
             yield from _missing("class", class_, ontology.classes)
         case Sensor(_, quantity):
-            if quantity not in _QUANTITIES:
-                yield f"no device says its {quantity}; there is {', '.join(sorted(_QUANTITIES))}"
+            known = load_device_kinds()[0].signal_names()
+            if quantity not in known:
+                yield f"no device says its {quantity}; there is {', '.join(sorted(known))}"
         case _:
             yield f"its pattern {type(leaf).__name__} is not known"
 

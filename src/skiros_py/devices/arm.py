@@ -1,0 +1,217 @@
+"""Arms: joints in a row, commanded by set-points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from skiros_py.devices.limits import Standstill
+from skiros_py.errors import DescriptionError, DeviceError
+from skiros_py.geometry import Array
+from skiros_py.ports.board import DeviceHandle
+from skiros_py.ports.device import Contribution, DeviceSignal, DeviceSpec, Individual, require_numbers
+from skiros_py.ports.simulation import SimulatedRobot
+
+__all__ = ["Arm", "ArmSpec", "ArmState", "ArmTarget", "SimulatedArm"]
+
+_GAIN = 0.3
+_BRAKING = 7.5
+"""Joint deceleration when commands cease [rad/s²]: the weakest joint limit of the Panda."""
+_STILL = 0.01  # [rad/s]
+
+
+@dataclass(frozen=True, slots=True)
+class ArmState:
+    """Joint sensors of one arm.
+
+    Attributes:
+        positions: Joint angles [rad], shape (n,).
+        velocities: Joint speeds [rad/s], shape (n,).
+        still: True when every joint is slower than the arm's standstill threshold.
+    """
+
+    positions: tuple[float, ...]
+    velocities: tuple[float, ...]
+    still: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ArmTarget:
+    """Joint set-points for one cycle: positions [rad] and feed-forward velocities [rad/s], shape (n,)."""
+
+    positions: tuple[float, ...]
+    velocities: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ArmSpec(DeviceSpec[ArmState, ArmTarget]):
+    """One arm; without a target it brakes along its path and holds.
+
+    Attributes:
+        id: Its element id.
+        joints: Joint names in the robot's URDF, in the order of every vector about this arm.
+        tip: URDF link that motions are planned for (the tool centre point).
+        home: Joint angles [rad] in which it starts and travels.
+    """
+
+    kind: ClassVar[str] = "arm"
+    device_class: ClassVar[str] = "sk:Arm"
+    state_type: ClassVar[type] = ArmState
+    target_type: ClassVar[type] = ArmTarget
+    signals: ClassVar[tuple[DeviceSignal[Any], ...]] = (
+        DeviceSignal("positions", lambda state: state.positions, "rad", "joint angles"),
+        DeviceSignal("velocities", lambda state: state.velocities, "rad/s", "joint speeds"),
+        DeviceSignal("still", lambda state: state.still, help="whether it stands"),
+    )
+    jog: ClassVar[str] = "jog_joints"
+    teach: ClassVar[str] = "teach_grasp"
+
+    joints: tuple[str, ...]
+    tip: str
+    home: tuple[float, ...]
+
+    @classmethod
+    def read(cls, individual: Individual) -> Self:
+        """Reads ``sk:joints``, ``sk:tip`` and ``sk:home``."""
+        joints = tuple(individual.text("sk:joints").split())
+        home = individual.vector("sk:home")
+        if len(home) != len(joints):
+            raise DescriptionError(f"{individual.id}: sk:home has {len(home)} angles for {len(joints)} joints")
+        return cls(individual.id, joints, individual.text("sk:tip"), home)
+
+    def fake(self, period: float) -> _FakeArm:  # noqa: ARG002 - it is there at once
+        """Returns an arm that reaches its targets within the cycle."""
+        return _FakeArm(self.home)
+
+    def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedArm:  # noqa: ARG002 - nothing is drawn
+        """Returns its controller in a simulation."""
+        return SimulatedArm(self, robot)
+
+    def still(self, state: ArmState) -> bool:
+        """Returns True when no joint moves."""
+        return state.still
+
+    def check(self, target: ArmTarget) -> None:
+        """Refuses what is no target, has numbers that are none, or the wrong count of them."""
+        DeviceSpec.check(self, target)
+        require_numbers(self.id, target, target.positions, target.velocities)
+        count = len(self.joints)
+        if len(target.positions) != count or len(target.velocities) != count:
+            raise DeviceError(f"{self.id}: a target needs {count} positions and {count} velocities: {target}")
+
+    def mixed(self, contributions: Sequence[Contribution[ArmTarget]]) -> ArmTarget:
+        """Returns the weighted mean of set-points and velocities."""
+        weights = [one.weight for one in contributions]
+        positions = np.average([one.target.positions for one in contributions], axis=0, weights=weights)
+        velocities = np.average([one.target.velocities for one in contributions], axis=0, weights=weights)
+        return ArmTarget(tuple(positions.tolist()), tuple(velocities.tolist()))
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Its joints."""
+        return self.joints
+
+    def joint_positions(self, state: ArmState) -> tuple[float, ...]:
+        """Returns its joint angles [rad]."""
+        return state.positions
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Its tip."""
+        return (self.tip,)
+
+    def noisy(self, state: ArmState, sigma: float, rng: np.random.Generator) -> ArmState:
+        """Returns a state with noise on each joint angle [rad]."""
+        blurred = np.asarray(state.positions) + rng.normal(0.0, sigma, len(state.positions))
+        return replace(state, positions=tuple(map(float, blurred)))
+
+
+class Arm(DeviceHandle[ArmSpec, ArmState, ArmTarget]):
+    """An arm in the hands of a primitive.
+
+    Sample a motion by the clock of the run: then it brakes along its own path when the run is paused.
+    """
+
+    spec_type: ClassVar[Any] = ArmSpec
+
+
+class _FakeArm:
+    def __init__(self, home: tuple[float, ...]) -> None:
+        self.braking_time = 0.0
+        self._state = _resting(home)
+
+    def command(self, target: ArmTarget | None) -> None:
+        if target is None:
+            self._state = _resting(self._state.positions)
+        else:
+            self._state = ArmState(target.positions, target.velocities, not any(target.velocities))
+
+    def state(self) -> ArmState:
+        return self._state
+
+
+def _resting(positions: tuple[float, ...]) -> ArmState:
+    return ArmState(positions, (0.0,) * len(positions), True)
+
+
+class SimulatedArm:
+    """The controller of one arm.
+
+    Set-points are followed as a real controller follows them: within joint limits and joint speeds, so that a jump
+    in the commands becomes a fast motion and not a teleport. Without a command it brakes along its path and holds.
+
+    Args:
+        spec: The arm.
+        robot: The robot that it belongs to.
+    """
+
+    def __init__(self, spec: ArmSpec, robot: SimulatedRobot) -> None:
+        self.spec = spec
+        self._joints = robot.joints(spec.joints)
+        self._lower, self._upper, self._efforts, self._speeds = self._joints.limits
+        self._period = robot.engine.period
+        self._reference: Array = np.array(spec.home, dtype=float)
+        self._velocity: Array = np.zeros(len(spec.home))
+        self._standstill = Standstill(_STILL)
+        self._joints.reset(spec.home)
+
+    @property
+    def braking_time(self) -> float:
+        """Time from full speed of the fastest joint to standing [s]."""
+        return float(np.max(self._speeds)) / _BRAKING
+
+    def command(self, target: ArmTarget | None) -> None:
+        """Follows a set-point for one cycle; None brakes and holds."""
+        if target is None:
+            self._brake()
+        else:
+            self._follow(target)
+        # The motor adds the speed during the coming step, so the place to correct towards is where that step begins.
+        begin = self._reference - self._velocity * self._period
+        self._joints.hold_positions(begin, gain=_GAIN, effort=self._efforts, velocities=self._velocity)
+
+    def state(self) -> ArmState:
+        """Reads the joint sensors; to be called once per cycle."""
+        positions, velocities, _ = self._joints.read()
+        still = self._standstill.update(max(map(abs, velocities)))
+        return ArmState(positions, velocities, still)
+
+    def _follow(self, target: ArmTarget) -> None:
+        wanted, speed = np.asarray(target.positions), np.asarray(target.velocities)
+        expected = self._reference.shape
+        if wanted.shape != expected or speed.shape != expected or not np.isfinite([wanted, speed]).all():
+            raise DeviceError(f"{self.spec.id}: a target needs {expected[0]} finite positions and velocities: {target}")
+        step = self._speeds * self._period
+        move = np.clip(np.clip(wanted, self._lower, self._upper) - self._reference, -step, step)
+        self._reference = self._reference + move
+        self._velocity = np.clip(speed, -self._speeds, self._speeds)
+
+    def _brake(self) -> None:
+        """Slows all joints in proportion, so that the arm stays on the line it was moving on."""
+        time_to_stop = float(np.max(np.abs(self._velocity))) / _BRAKING
+        share = max(0.0, 1.0 - self._period / time_to_stop) if time_to_stop > 0.0 else 0.0
+        self._velocity = self._velocity * share
+        self._reference = np.clip(self._reference + self._velocity * self._period, self._lower, self._upper)

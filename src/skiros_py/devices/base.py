@@ -1,0 +1,259 @@
+"""Differential-drive bases."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from skiros_py.devices.limits import Standstill, approach
+from skiros_py.devices.localiser import Localiser
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose
+from skiros_py.ports.board import DeviceHandle
+from skiros_py.ports.device import (
+    Contribution,
+    DeviceSignal,
+    DeviceSpec,
+    Individual,
+    MobileSpec,
+    read_mobile,
+    require_numbers,
+)
+from skiros_py.ports.models import BASE_JOINTS, BASE_LINK
+from skiros_py.ports.simulation import SimulatedRobot
+
+__all__ = ["Base", "BaseSpec", "BaseState", "BaseTwist", "SimulatedBase"]
+
+_STILL = 0.002  # [m/s], turning counted as [rad/s]
+_DRIVE_FORCE = 2000.0  # [N] and [N m]; enough for every acceleration limit a base of this weight may have
+_HOLDING_GAIN = 0.2
+_WHEEL_TORQUE = 5.0  # [N m]; wheels carry nothing
+_WHEELS = ("wheel_left", "wheel_right")
+
+
+@dataclass(frozen=True, slots=True)
+class BaseState:
+    """What localisation and wheel odometry say of a mobile base.
+
+    Attributes:
+        pose: *Estimated* pose of the base frame (on the floor) in the map; it carries the localiser's error.
+        linear: Forward speed [m/s].
+        angular: Turning speed, counter-clockwise [rad/s].
+        still: True when the base stands.
+    """
+
+    pose: Pose
+    linear: float
+    angular: float
+    still: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BaseTwist:
+    """Speeds of a differential-drive base for one cycle: forward [m/s] and counter-clockwise [rad/s]."""
+
+    linear: float
+    angular: float
+
+
+@dataclass(frozen=True, slots=True)
+class BaseSpec(MobileSpec[BaseState, BaseTwist]):
+    """A differential-drive base; without a target it brakes within its limits and stands.
+
+    Attributes:
+        id: Its element id.
+        start: Pose in the map where it stands at the start.
+        footprint: Corners of its outline on the floor in the base frame [m], counter-clockwise.
+        max_linear, max_angular: Speed limits [m/s, rad/s].
+        max_linear_acceleration, max_angular_acceleration: Acceleration and braking limits [m/s², rad/s²].
+    """
+
+    kind: ClassVar[str] = "base"
+    device_class: ClassVar[str] = "sk:Base"
+    state_type: ClassVar[type] = BaseState
+    target_type: ClassVar[type] = BaseTwist
+    signals: ClassVar[tuple[DeviceSignal[Any], ...]] = (
+        DeviceSignal("x", lambda state: state.pose.position[0], "m", "estimated place", "map"),
+        DeviceSignal("y", lambda state: state.pose.position[1], "m", "estimated place", "map"),
+        DeviceSignal("yaw", lambda state: state.pose.yaw, "rad", "estimated heading", "map"),
+        DeviceSignal("linear", lambda state: state.linear, "m/s", "forward speed", "own"),
+        DeviceSignal("angular", lambda state: state.angular, "rad/s", "turning speed", "own"),
+        DeviceSignal("still", lambda state: state.still, help="whether it stands"),
+    )
+    jog: ClassVar[str] = "jog_base"
+    teach: ClassVar[str] = "teach_driving_pose"
+
+    max_linear: float
+    max_angular: float
+    max_linear_acceleration: float
+    max_angular_acceleration: float
+
+    @classmethod
+    def read(cls, individual: Individual) -> Self:
+        """Reads where it starts, its outline and its limits."""
+        return cls(
+            individual.id,
+            *read_mobile(individual),
+            individual.number("sk:maxLinear"),
+            individual.number("sk:maxAngular"),
+            individual.number("sk:maxLinearAcceleration"),
+            individual.number("sk:maxAngularAcceleration"),
+        )
+
+    def fake(self, period: float) -> _FakeBase:
+        """Returns a base that drives exactly as told and knows exactly where it is."""
+        return _FakeBase(self.start, period)
+
+    def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedBase:
+        """Returns its controller in a simulation."""
+        return SimulatedBase(self, robot, rng)
+
+    def pose(self, state: BaseState) -> Pose:
+        """Returns where it is in the map, as localised."""
+        return state.pose
+
+    def still(self, state: BaseState) -> bool:
+        """Returns True when it stands."""
+        return state.still
+
+    def check(self, target: BaseTwist) -> None:
+        """Refuses what is no twist, or has numbers that are none."""
+        DeviceSpec.check(self, target)
+        require_numbers(self.id, target, (target.linear, target.angular))
+
+    def scaled(self, target: BaseTwist, rate: float) -> BaseTwist:
+        """Returns a slower twist."""
+        return BaseTwist(target.linear * rate, target.angular * rate)
+
+    def mixed(self, contributions: Sequence[Contribution[BaseTwist]]) -> BaseTwist:
+        """Returns the weighted mean of the twists."""
+        weights = [one.weight for one in contributions]
+        twists = [(one.target.linear, one.target.angular) for one in contributions]
+        linear, angular = np.average(twists, axis=0, weights=weights).tolist()
+        return BaseTwist(linear, angular)
+
+    def noisy(self, state: BaseState, sigma: float, rng: np.random.Generator) -> BaseState:
+        """Returns a state with noise on x and y [m] and on the heading [rad]."""
+        x, y, turn = map(float, rng.normal(0.0, sigma, 3))
+        return replace(state, pose=state.pose @ Pose.of(x, y, 0.0, yaw=turn))
+
+
+class Base(DeviceHandle[BaseSpec, BaseState, BaseTwist]):
+    """A base in the hands of a primitive; without a command it brakes, and it slows down while the run is paused."""
+
+    spec_type: ClassVar[Any] = BaseSpec
+
+
+class _FakeBase:
+    def __init__(self, start: Pose, period: float) -> None:
+        self.braking_time = 0.0
+        self._period = period
+        self._state = BaseState(start, 0.0, 0.0, True)
+
+    def command(self, target: BaseTwist | None) -> None:
+        pose = self._state.pose
+        if target is None:
+            self._state = BaseState(pose, 0.0, 0.0, True)
+            return
+        turn, way = target.angular * self._period, target.linear * self._period
+        # Straight along the mean heading of the cycle: exact for a base that only drives or only turns.
+        step = Pose.of(way * math.cos(turn / 2.0), way * math.sin(turn / 2.0), 0.0, yaw=turn)
+        moves = bool(target.linear or target.angular)
+        self._state = BaseState(pose @ step, target.linear, target.angular, not moves)
+
+    def state(self) -> BaseState:
+        return self._state
+
+
+class SimulatedBase:
+    """The controller of a differential-drive base, which moves along its heading only.
+
+    Args:
+        spec: The base, and where it starts.
+        robot: The robot that it belongs to.
+        rng: Source of the localiser's errors.
+    """
+
+    def __init__(self, spec: BaseSpec, robot: SimulatedRobot, rng: np.random.Generator) -> None:
+        self.spec = spec
+        self._plane = robot.joints(BASE_JOINTS)
+        self._wheels = robot.joints(_WHEELS)
+        self._radius, self._track = _wheel_geometry(robot)
+        self._localiser = Localiser(rng)
+        self._period = robot.engine.period
+        self._linear = 0.0
+        self._angular = 0.0
+        self._held: tuple[float, ...] | None = None
+        self._standstill = Standstill(_STILL)
+        self._plane.reset((spec.start.position[0], spec.start.position[1], spec.start.yaw))
+
+    @property
+    def braking_time(self) -> float:
+        """Time from full speed to standing [s]."""
+        spec = self.spec
+        return max(spec.max_linear / spec.max_linear_acceleration, spec.max_angular / spec.max_angular_acceleration)
+
+    def command(self, twist: BaseTwist | None) -> None:
+        """Drives for one cycle; None brakes."""
+        self._limit(twist or BaseTwist(0.0, 0.0))
+        if self._linear == 0.0 and self._angular == 0.0:
+            self._stand()
+        else:
+            self._roll()
+
+    def state(self) -> BaseState:
+        """Reads odometry and localiser; to be called once per cycle."""
+        (x, y, yaw), (vx, vy, angular), _ = self._plane.read()
+        linear = vx * math.cos(yaw) + vy * math.sin(yaw)
+        speed = math.hypot(vx, vy) + abs(angular)
+        still = self._standstill.update(speed)
+        pose = _planar(*self._localiser.estimate(x, y, yaw, speed * self._period, still))
+        return BaseState(pose, linear, angular, still)
+
+    def true_pose(self) -> Pose:
+        """Returns the real pose of the base in the map, without the localiser's error; for the truth only."""
+        x, y, yaw = self._plane.read().positions
+        return _planar(x, y, yaw)
+
+    def _limit(self, twist: BaseTwist) -> None:
+        if not (math.isfinite(twist.linear) and math.isfinite(twist.angular)):
+            raise DeviceError(f"{self.spec.id}: speeds must be finite: {twist}")
+        spec = self.spec
+        linear = min(max(twist.linear, -spec.max_linear), spec.max_linear)
+        angular = min(max(twist.angular, -spec.max_angular), spec.max_angular)
+        self._linear = approach(self._linear, linear, spec.max_linear_acceleration * self._period)
+        self._angular = approach(self._angular, angular, spec.max_angular_acceleration * self._period)
+
+    def _roll(self) -> None:
+        self._held = None
+        yaw = self._plane.read().positions[2]
+        heading = yaw + self._angular * self._period / 2.0
+        forward = self._linear
+        self._plane.drive_velocities(
+            (forward * math.cos(heading), forward * math.sin(heading), self._angular), effort=_DRIVE_FORCE
+        )
+        turning = self._angular * self._track / 2.0
+        left, right = (forward - turning) / self._radius, (forward + turning) / self._radius
+        self._wheels.drive_velocities((left, right), effort=_WHEEL_TORQUE)
+
+    def _stand(self) -> None:
+        """Holds the place where it came to rest: at zero velocity alone it would creep under the arm's motions."""
+        if self._held is None:
+            self._held = self._plane.read().positions
+        self._wheels.drive_velocities((0.0, 0.0), effort=_WHEEL_TORQUE)
+        self._plane.hold_positions(self._held, gain=_HOLDING_GAIN, effort=[_DRIVE_FORCE] * 3)
+
+
+def _wheel_geometry(robot: SimulatedRobot) -> tuple[float, float]:
+    """Returns radius and track of the driving wheels [m]; their axle is one radius above the floor."""
+    base = robot.link(BASE_LINK).pose().inverse()
+    left, right = (base @ robot.link(link).pose() for link in robot.joints(_WHEELS).links)
+    return round(left.position[2], 6), round(left.distance(right), 6)
+
+
+def _planar(x: float, y: float, yaw: float) -> Pose:
+    return Pose((x, y, 0.0), (0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)))

@@ -1,0 +1,183 @@
+"""Parallel grippers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from skiros_py.devices.limits import Standstill
+from skiros_py.errors import DescriptionError, DeviceError
+from skiros_py.ports.board import DeviceHandle
+from skiros_py.ports.device import DeviceSignal, DeviceSpec, Individual, require_numbers
+from skiros_py.ports.simulation import SimulatedRobot, Surface
+
+__all__ = ["Gripper", "GripperSpec", "GripperState", "GripperTarget", "SimulatedGripper"]
+
+_GAIN = 0.2
+_SPEED = 0.1  # greatest finger speed [m/s]; faster fingers dive into what they close on
+_DEFAULT_FORCE = 30.0  # [N] per finger, until the first command
+_COUPLING_FORCE = 200.0  # [N]
+# The anchor remembers where finger and part met. Without it a held part creeps: 0.2 mm per second, and 9 mm for every
+# full turn of the robot.
+_PADS = Surface(lateral=1.0, anchored=True)
+_STILL = 0.001  # [m/s]
+
+
+@dataclass(frozen=True, slots=True)
+class GripperState:
+    """Sensors of a parallel gripper.
+
+    Attributes:
+        gap: Distance between the finger pads [m].
+        force: Force with which the fingers press on what they hold, per finger [N]; about 0 when nothing is held.
+        still: True when the fingers do not move.
+    """
+
+    gap: float
+    force: float
+    still: bool
+
+
+@dataclass(frozen=True, slots=True)
+class GripperTarget:
+    """Move the fingers to a gap [m] pressing with at most a force per finger [N]; it stays in force until replaced."""
+
+    gap: float
+    force: float
+
+
+@dataclass(frozen=True, slots=True)
+class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
+    """A parallel gripper; without a target it keeps the last one, so that nothing is let go by omission.
+
+    A stop does not wait for its fingers: they keep their target.
+
+    Attributes:
+        id: Its element id.
+        joints: Names of the finger joints.
+        arm: Id of the arm that it is mounted on.
+        max_gap: Greatest gap [m].
+        max_force: Greatest force per finger [N].
+    """
+
+    kind: ClassVar[str] = "gripper"
+    device_class: ClassVar[str] = "sk:Gripper"
+    state_type: ClassVar[type] = GripperState
+    target_type: ClassVar[type] = GripperTarget
+    signals: ClassVar[tuple[DeviceSignal[Any], ...]] = (
+        DeviceSignal("gap", lambda state: state.gap, "m", "distance between the finger pads"),
+        DeviceSignal("force", lambda state: state.force, "N", "force per finger"),
+        DeviceSignal("still", lambda state: state.still, help="whether the fingers stand"),
+    )
+    jog: ClassVar[str] = "gripper_control"
+
+    joints: tuple[str, ...]
+    arm: str
+    max_gap: float
+    max_force: float
+
+    @classmethod
+    def read(cls, individual: Individual) -> Self:
+        """Reads ``sk:joints``, ``sk:maxGap``, ``sk:maxForce`` and the arm that has it."""
+        arm = individual.owner("sk:Arm")
+        if arm is None:
+            raise DescriptionError(f"{individual.id} is on no arm: relate an sk:Arm to it by sk:hasA")
+        joints = tuple(individual.text("sk:joints").split())
+        return cls(individual.id, joints, arm, individual.number("sk:maxGap"), individual.number("sk:maxForce"))
+
+    def fake(self, period: float) -> _FakeGripper:  # noqa: ARG002 - it is there at once
+        """Returns a gripper that is open at first and reaches its targets within the cycle."""
+        return _FakeGripper(self.max_gap)
+
+    def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> SimulatedGripper:  # noqa: ARG002 - nothing is drawn
+        """Returns its controller in a simulation."""
+        return SimulatedGripper(self, robot)
+
+    def check(self, target: GripperTarget) -> None:
+        """Refuses what is no target, or has numbers that are none."""
+        DeviceSpec.check(self, target)
+        require_numbers(self.id, target, (target.gap, target.force))
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Its finger joints."""
+        return self.joints
+
+    def joint_positions(self, state: GripperState) -> tuple[float, ...]:
+        """Returns how far each finger is from the middle [m]."""
+        return (state.gap / 2.0,) * len(self.joints)
+
+    def noisy(self, state: GripperState, sigma: float, rng: np.random.Generator) -> GripperState:
+        """Returns a state with noise on the gap [m]."""
+        return replace(state, gap=max(0.0, state.gap + rng.normal(0.0, sigma)))
+
+
+class Gripper(DeviceHandle[GripperSpec, GripperState, GripperTarget]):
+    """A gripper in the hands of a primitive; a target stays in force until it is replaced."""
+
+    spec_type: ClassVar[Any] = GripperSpec
+
+
+class _FakeGripper:
+    def __init__(self, gap: float) -> None:
+        self.braking_time = 0.0
+        self._gap = gap
+
+    def command(self, target: GripperTarget | None) -> None:
+        self._gap = self._gap if target is None else target.gap
+
+    def state(self) -> GripperState:
+        return GripperState(self._gap, 0.0, True)
+
+
+class SimulatedGripper:
+    """The controller of one parallel gripper; what it holds, it holds by friction.
+
+    Args:
+        spec: The gripper; it starts open.
+        robot: The robot that it belongs to.
+
+    Attributes:
+        fingers: Links of the fingers.
+    """
+
+    def __init__(self, spec: GripperSpec, robot: SimulatedRobot) -> None:
+        self.spec = spec
+        self._joints = robot.joints(spec.joints)
+        self.fingers = self._joints.links
+        self._target = GripperTarget(spec.max_gap, min(_DEFAULT_FORCE, spec.max_force))
+        self._standstill = Standstill(_STILL)
+        self._joints.reset([spec.max_gap / 2.0] * len(spec.joints))
+        self._joints.set_surface(_PADS)
+        # The real drive couples the fingers; without that they slide sideways together with the part.
+        self._joints.couple(ratio=1.0, effort=_COUPLING_FORCE)
+
+    @property
+    def braking_time(self) -> float:
+        """0: a stop does not open or close it."""
+        return 0.0
+
+    def command(self, target: GripperTarget | None) -> None:
+        """Moves to a new target; None keeps the last one, so that nothing is let go by omission."""
+        if target is not None:
+            self._target = self._checked(target)
+        count = len(self.fingers)
+        self._joints.hold_positions(
+            [self._target.gap / 2.0] * count, gain=_GAIN, effort=[self._target.force] * count, max_velocity=_SPEED
+        )
+
+    def state(self) -> GripperState:
+        """Reads the sensors; to be called once per cycle."""
+        positions, velocities, efforts = self._joints.read()
+        pressing = -sum(efforts) / len(efforts)
+        still = self._standstill.update(max(map(abs, velocities)))
+        return GripperState(sum(positions), max(0.0, pressing), still)
+
+    def _checked(self, target: GripperTarget) -> GripperTarget:
+        if not (math.isfinite(target.gap) and math.isfinite(target.force) and target.force >= 0.0):
+            raise DeviceError(f"{self.spec.id}: a target needs a finite gap and force: {target}")
+        gap = min(max(target.gap, 0.0), self.spec.max_gap)
+        return GripperTarget(gap, min(target.force, self.spec.max_force))

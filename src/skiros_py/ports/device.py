@@ -1,0 +1,370 @@
+"""The port to kinds of device: what the platform has to know of one, complete in one class.
+
+A *kind* is a subclass of :class:`DeviceSpec`, announced by an entry point of the group ``skiros.devices``; an instance
+of it describes one device. Nothing outside a kind's own module, and what is made for it, knows how its states look.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import typing
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
+
+import numpy as np
+
+from skiros_py.errors import DescriptionError, DeviceError
+from skiros_py.geometry import Pose
+
+if TYPE_CHECKING:
+    from skiros_py.ports.simulation import SimulatedRobot
+
+__all__ = [
+    "Contribution",
+    "DeviceModel",
+    "DeviceSignal",
+    "DeviceSpec",
+    "Individual",
+    "MobileSpec",
+    "from_plain",
+    "read_footprint",
+    "read_mobile",
+    "require_numbers",
+    "to_plain",
+]
+
+T = TypeVar("T")
+StateT = TypeVar("StateT")
+TargetT = TypeVar("TargetT")
+
+
+class Individual(Protocol):
+    """An individual of the world model, as a kind of device reads it.
+
+    Each method raises :class:`~skiros_py.errors.DescriptionError`, which names the individual and the property, where
+    the property is missing or of another type.
+    """
+
+    @property
+    def id(self) -> str:
+        """Its element id."""
+        ...
+
+    def number(self, property_: str, default: float | None = None) -> float:
+        """Returns a number; the default where the property is missing."""
+        ...
+
+    def text(self, property_: str, default: str | None = None) -> str:
+        """Returns a text; the default where the property is missing."""
+        ...
+
+    def vector(self, property_: str, length: int | None = None) -> tuple[float, ...]:
+        """Returns numbers, so many where a length is given."""
+        ...
+
+    def pose(self, property_: str = "sk:pose") -> Pose | None:
+        """Returns a pose in the map, or in the frame of the individual's ``sk:poseFrame``; None where it has none."""
+        ...
+
+    def owner(self, class_: str) -> str | None:
+        """Returns the id of the individual of a class that has this one as a piece (``sk:hasA``); None for none."""
+        ...
+
+
+@dataclass(frozen=True)  # with slots, DeviceSignal[State](…) fails before Python 3.14
+class DeviceSignal(Generic[StateT]):
+    """A value that a device offers in each cycle: to conditions, to other signals and to people.
+
+    Attributes:
+        name: Its name, unique in the device ("force").
+        read: Takes it out of a state: a truth value, a number, or numbers.
+        unit: Unit ("N", "m", "rad/s"); empty for truth values and pure numbers.
+        help: Its meaning, in a few words.
+        frame: Frame in which it is given: "map", "own" for that of the device; empty where that does not matter.
+    """
+
+    name: str
+    read: Callable[[StateT], bool | float | tuple[float, ...]]
+    unit: str = ""
+    help: str = ""
+    frame: str = ""
+
+
+@dataclass(frozen=True)
+class Contribution(Generic[TargetT]):
+    """What one of several commanders wants of a device that they share.
+
+    Attributes:
+        source: Its name, for messages.
+        target: The target.
+        weight: Its weight among the others.
+    """
+
+    source: str
+    target: TargetT
+    weight: float = 1.0
+
+
+class DeviceModel(Protocol):
+    """A device that a computer stands in for: without physics (the fake), or in a simulation."""
+
+    @property
+    def braking_time(self) -> float:
+        """Longest time from full speed to standstill [s]."""
+        ...
+
+    def command(self, target: Any | None) -> None:
+        """Sets the target for the coming period; None for the device's default safe behaviour (an arm brakes)."""
+        ...
+
+    def state(self) -> Any:
+        """Returns what its sensors say; called once in each cycle, after the period."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceSpec(ABC, Generic[StateT, TargetT]):
+    """One device, and what its kind can do.
+
+    Class attributes:
+        kind: Name of the kind ("arm"), for people and in recordings.
+        device_class: Class of the ontology ("sk:Arm"). Of several kinds the one with the most specific class counts.
+        state_type: Type of its states, a frozen dataclass; None for a device that is only asked (a camera).
+        target_type: Type of its targets, a frozen dataclass; None for a sensor.
+        signals: The values that it offers in each cycle.
+        jog: Primitive that moves it by a little, for people; empty for none.
+        teach: Primitive that takes it to where a person teaches a pose; empty for none.
+
+    Attributes:
+        id: Its element id.
+    """
+
+    kind: ClassVar[str]
+    device_class: ClassVar[str]
+    state_type: ClassVar[type | None] = None
+    target_type: ClassVar[type | None] = None
+    signals: ClassVar[tuple[DeviceSignal[Any], ...]] = ()
+    jog: ClassVar[str] = ""
+    teach: ClassVar[str] = ""
+
+    id: str
+
+    @classmethod
+    @abstractmethod
+    def read(cls, individual: Individual) -> Self:
+        """Reads a device from its individual.
+
+        Raises:
+            DescriptionError: It lacks something; the message names the property.
+        """
+
+    @abstractmethod
+    def fake(self, period: float) -> DeviceModel | None:
+        """Returns a model of it without physics, which does at once what it is told; None where it has no state.
+
+        Args:
+            period: Length of one control cycle [s].
+        """
+
+    def simulate(self, robot: SimulatedRobot, rng: np.random.Generator) -> DeviceModel | None:  # noqa: ARG002
+        """Returns its controller in a simulation, in the words of the simulation port; None where it has no state.
+
+        Args:
+            robot: The robot that it belongs to, in the engine.
+            rng: Source of everything that it draws, its sensor noise for instance.
+
+        Raises:
+            DeviceError: Devices of this kind cannot be simulated.
+        """
+        raise DeviceError(f"{self.id}: devices of kind '{self.kind}' cannot be simulated")
+
+    # ------------------------------------------------------------------ in each cycle
+
+    def still(self, state: StateT) -> bool:  # noqa: ARG002 - for kinds that move
+        """Returns True when nothing of it moves that a stop would have to wait for."""
+        return True
+
+    def check(self, target: TargetT) -> None:
+        """Refuses a malformed target where it is given, so that the fault is its author's and not the cell's.
+
+        Raises:
+            DeviceError: It is no target of this kind.
+        """
+        if self.target_type is None or not isinstance(target, self.target_type):
+            wanted = f"is commanded by a {self.target_type.__name__}" if self.target_type else "takes no commands"
+            raise DeviceError(f"{self.id}: it {wanted}, not by {target!r:.100}")
+
+    def scaled(self, target: TargetT, rate: float) -> TargetT:  # noqa: ARG002 - for kinds that take speeds
+        """Returns the target for a run whose clock goes at a rate between 0 and 1, because it is being paused.
+
+        A target that is sampled from a trajectory by the run's clock stays as it is; a speed slows down.
+        """
+        return target
+
+    def mixed(self, contributions: Sequence[Contribution[TargetT]]) -> TargetT:
+        """Merges what several commanders want of it in one cycle.
+
+        Raises:
+            DeviceError: Devices of this kind cannot be shared.
+        """
+        sources = " and ".join(one.source for one in contributions)
+        raise DeviceError(f"{self.id}: {sources} command it in one cycle, and devices of kind '{self.kind}' cannot mix")
+
+    # ------------------------------------------------------------------ what it offers
+
+    def signal(self, name: str) -> DeviceSignal[StateT] | None:
+        """Returns the signal of that name; None where it offers none."""
+        return next((signal for signal in self.signals if signal.name == name), None)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints of the robot's model that it moves or measures."""
+        return ()
+
+    def joint_positions(self, state: StateT) -> tuple[float, ...]:  # noqa: ARG002 - for kinds with joints
+        """Returns the position of each of :attr:`joint_names` [rad or m]."""
+        return ()
+
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """Links of the robot's model that others may ask for: its tip, its optical frame."""
+        return ()
+
+    # ------------------------------------------------------------------ plain data, faults
+
+    def encode(self, value: StateT | TargetT) -> dict[str, Any]:
+        """Returns a state or target as data that JSON can hold."""
+        plain: dict[str, Any] = to_plain(value)
+        return plain
+
+    def decode_state(self, data: Mapping[str, Any]) -> StateT:
+        """Reads a state that :meth:`encode` wrote."""
+        return typing.cast("StateT", from_plain(self.state_type, data))
+
+    def decode_target(self, data: Mapping[str, Any]) -> TargetT:
+        """Reads a target that :meth:`encode` wrote.
+
+        Raises:
+            DeviceError: It is no such target.
+        """
+        try:
+            target = typing.cast("TargetT", from_plain(self.target_type, data))
+        except (KeyError, TypeError, ValueError) as error:
+            raise DeviceError(f"{self.id}: no target of kind '{self.kind}': {error}") from error
+        self.check(target)
+        return target
+
+    def noisy(self, state: StateT, sigma: float, rng: np.random.Generator) -> StateT:  # noqa: ARG002
+        """Returns a state with noise of a standard deviation on what it measures, for tests.
+
+        Raises:
+            DeviceError: Nothing of it can be noisy.
+        """
+        raise DeviceError(f"{self.id}: there is no noise for devices of kind '{self.kind}'")
+
+
+@dataclass(frozen=True, slots=True)
+class MobileSpec(DeviceSpec[StateT, TargetT]):
+    """A device that carries its robot through the map: wheels, legs, rotors.
+
+    Attributes:
+        start: Pose in the map where it stands at the start.
+        footprint: Corners of its outline on the floor in its own frame [m], counter-clockwise.
+    """
+
+    start: Pose
+    footprint: tuple[tuple[float, float], ...]
+
+    @abstractmethod
+    def pose(self, state: StateT) -> Pose:
+        """Returns where its frame is in the map, as localised."""
+
+
+def read_mobile(individual: Individual) -> tuple[Pose, tuple[tuple[float, float], ...]]:
+    """Reads where a device that carries its robot starts, and its outline on the floor.
+
+    Raises:
+        DescriptionError: The individual lacks one of them.
+    """
+    start = individual.pose()
+    if start is None:
+        raise DescriptionError(f"{individual.id} has no sk:pose: the scene must say where it starts")
+    return start, read_footprint(individual)
+
+
+def read_footprint(individual: Individual) -> tuple[tuple[float, float], ...]:
+    """Reads the corners of an outline on the floor [m].
+
+    Raises:
+        DescriptionError: There are fewer than three.
+    """
+    corners = individual.vector("sk:footprint")
+    if len(corners) < 6 or len(corners) % 2:
+        raise DescriptionError(f"{individual.id}: sk:footprint takes x and y of at least three corners")
+    return tuple(zip(corners[0::2], corners[1::2], strict=True))
+
+
+def require_numbers(device: str, command: object, *numbers: Iterable[float]) -> None:
+    """Refuses numbers that are infinite, NaN or none.
+
+    Raises:
+        DeviceError: One of them is.
+    """
+    try:
+        good = all(math.isfinite(number) for some in numbers for number in some)
+    except TypeError:
+        good = False
+    if not good:
+        raise DeviceError(f"{device}: a command is made of finite numbers: {command}")
+
+
+# ---------------------------------------------------------------------- plain data
+
+
+def to_plain(value: Any) -> Any:
+    """Returns dataclasses, poses, tuples and mappings of them as data that JSON can hold."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: to_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple | frozenset):
+        return [to_plain(one) for one in value]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def from_plain(type_: Any, data: Any) -> Any:
+    """Reads what :func:`to_plain` wrote.
+
+    Args:
+        type_: What is wanted: a dataclass, a tuple of one type of value, a number, a text.
+        data: Plain data.
+
+    Raises:
+        KeyError, TypeError, ValueError: It is no such thing.
+    """
+    if dataclasses.is_dataclass(type_) and isinstance(type_, type):
+        hints = _hints(type_)
+        unknown = sorted(set(data) - hints.keys())
+        if unknown:
+            raise ValueError(f"unknown: {', '.join(unknown)}; there is {', '.join(hints)}")
+        fields = dataclasses.fields(type_)
+        wanted = [f for f in fields if f.name in data or (f.default, f.default_factory) == (dataclasses.MISSING,) * 2]
+        return type_(**{field.name: from_plain(hints[field.name], data[field.name]) for field in wanted})
+    if typing.get_origin(type_) is tuple:
+        arguments = typing.get_args(type_)
+        each = (arguments[0],) * len(data) if arguments[1:] == (...,) else arguments
+        return tuple(from_plain(one, item) for one, item in zip(each, data, strict=True))
+    if type_ is float and not isinstance(data, bool):
+        return float(data)
+    if type_ in (int, bool, str) and type(data) is not type_:
+        raise TypeError(f"a {type_.__name__}, not {data!r}")
+    return data
+
+
+@lru_cache(maxsize=256)
+def _hints(type_: type) -> dict[str, Any]:
+    return typing.get_type_hints(type_)
