@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName, UsageError
+from skiros_py.errors import DescriptionError, DeviceError, PlanningError, SkirosError, UnknownName, UsageError
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.plugins import LazyPlugins, PluginFault
 from skiros_py.skills.behaviour import Behaviour
@@ -17,7 +17,9 @@ from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
 if TYPE_CHECKING:
     from skiros_py.planning.planners.planner import Planner
+    from skiros_py.ports.cell import CellSpec
     from skiros_py.ports.driver import CellDriver
+    from skiros_py.ports.signals import SignalProvider
 
 __all__ = ["Catalogue"]
 
@@ -38,6 +40,7 @@ class Catalogue:
         reasoners: Reasoners that worlds are opened with.
         drivers: What makes a cell driver, by name; each is loaded when it is first asked for.
         behaviours: Kinds of node by name; each is loaded when it is first asked for.
+        signals: What makes signal providers of a cell, by name.
     """
 
     skills: Mapping[str, Skill]
@@ -49,6 +52,7 @@ class Catalogue:
     reasoners: Reasoners = NO_REASONERS
     drivers: Mapping[str, Any] = field(default_factory=dict)
     behaviours: Mapping[str, type[Behaviour]] = field(default_factory=dict)
+    signals: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def faults(self) -> tuple[PluginFault, ...]:
@@ -64,7 +68,7 @@ class Catalogue:
     def _lazy(self) -> Iterator[LazyPlugins[Any]]:
         yield from (
             found
-            for found in (self.primitives, self.planners, self.drivers, self.behaviours)
+            for found in (self.primitives, self.planners, self.drivers, self.behaviours, self.signals)
             if isinstance(found, LazyPlugins)
         )
 
@@ -124,6 +128,21 @@ class Catalogue:
             source = self.sources.get(f"drivers/{name}", "this catalogue")
             raise DeviceError(f"driver '{name}' of {source} breaks: {type(error).__name__}: {error}") from error
         return driver
+
+    def signal_providers(self, cell: CellSpec) -> tuple[SignalProvider, ...]:
+        """Makes the signal providers of a cell.
+
+        Raises:
+            DescriptionError: A plug-in breaks when it makes them; the text names it.
+        """
+        made: list[SignalProvider] = []
+        for name, factory in self.signals.items():
+            try:
+                made += factory(cell)
+            except Exception as error:
+                source = self.sources.get(f"signals/{name}", "this catalogue")
+                raise DescriptionError(f"signals '{name}' of {source}: {type(error).__name__}: {error}") from error
+        return tuple(made)
 
     def _factory(self, kind: str, name: str, found: Mapping[str, Any]) -> Any:
         if name in found:

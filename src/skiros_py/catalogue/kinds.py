@@ -146,6 +146,7 @@ KINDS: Mapping[str, Kind] = {
             device_problem,
         ),
         Kind("skiros.drivers", "what makes a CellDriver when it is called", callable),
+        Kind("skiros.signals", "a function of the cell that returns signal providers", callable),
         Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),
         Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_path),
         Kind("skiros.robots", "a package with Turtle files, or a Path", _is_path),

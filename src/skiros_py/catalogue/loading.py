@@ -37,6 +37,7 @@ def load_catalogue() -> Catalogue:
     """
     found = _Found()
     planners, drivers = found.entries("planners"), found.entries("drivers")
+    signals = found.entries("signals")
     primitives, behaviours = found.entries("primitives"), found.entries("behaviours")
     skills = found.skills()
     conditions = found.conditions()
@@ -52,6 +53,7 @@ def load_catalogue() -> Catalogue:
         early=(*installation().faults, *found.faults, *unusable, *load_device_kinds()[1], *misfits),
         reasoners=reasoners,
         drivers=_lazy(drivers),
+        signals=_lazy(signals),
         behaviours=_lazy(behaviours),
     )
 

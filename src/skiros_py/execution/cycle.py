@@ -1,4 +1,4 @@
-"""One control cycle: exchange with the robots, then tick everything that runs, in a fixed order (D4 of the design).
+"""One control cycle: exchange with the robots, compute signals, then tick everything that runs, in a fixed order.
 
 All tasks of a cycle see the same snapshot. Time is the cell's; the pace says how it relates to the wall clock.
 """
@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse
+from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import Task
 from skiros_py.ports.board import DeviceBoard
 
@@ -41,6 +42,7 @@ class ControlCycle:
         pace: Simulated seconds per wall second; None for as fast as possible.
         pulse: What the control thread does at this moment, for the watchdog.
         halted: Why everything was halted; empty while tasks may run.
+        signals: What is computed of each snapshot before the tasks run; None for nothing.
     """
 
     def __init__(self, board: DeviceBoard, pace: float | None = None) -> None:
@@ -48,6 +50,7 @@ class ControlCycle:
         self.pace = pace
         self.pulse = Pulse()
         self.halted = ""
+        self.signals: Signals | None = None
         self._tasks: list[Task[Any]] = []
         self._stopping: list[Task[Any]] = []
         self._exchanging = Chore("the exchange with the devices")
@@ -89,6 +92,8 @@ class ControlCycle:
         """Runs one cycle."""
         self._obey_halt()
         self._do(self._exchanging, self.board.exchange)
+        if self.signals is not None:
+            self.signals.update()
         self._settle()
         self._tick_all(self.board.snapshot.time)
         self._obey_halt()
@@ -155,6 +160,8 @@ class ControlCycle:
         if not self.board.still:
             raise UsageError("reset is for when everything stands: something still moves")
         self.board.release()
+        if self.signals is not None:
+            self.signals.restart()
         self.halted = ""
 
     def _obey_halt(self) -> None:

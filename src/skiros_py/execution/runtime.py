@@ -17,14 +17,16 @@ from skiros_py.execution.library_monitor import LibraryMonitor
 from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.running import RunningModule
+from skiros_py.execution.signals import Signals
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.signals import SignalProvider
 from skiros_py.skills.context import Libraries, RunContext
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.questions import Questions
-from skiros_py.skills.sensing import BoardSensors
+from skiros_py.skills.sensing import SignalSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
 
@@ -41,6 +43,7 @@ class RuntimeOptions:
         pace: Simulated seconds per wall second; None for lockstep, as fast as possible.
         libraries: Motion and perception.
         config: Values of configuration parameters by "module.key".
+        signals: What computes signals from those of the devices.
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
     """
 
@@ -49,6 +52,7 @@ class RuntimeOptions:
     pace: float | None = None
     libraries: Libraries = field(default_factory=Libraries)
     config: Mapping[str, Any] = field(default_factory=dict)
+    signals: Sequence[SignalProvider] = ()
     overrun: float | None = None
 
 
@@ -66,6 +70,7 @@ class Runtime:
     Attributes:
         world: The live world model.
         cycle: The control cycle.
+        signals: The signals of the present cycle.
         context: What modules may reach.
         managers: The skill managers by the id of their subsystem.
         monitor: Module events.
@@ -89,12 +94,13 @@ class Runtime:
         check_configuration(options.config, primitives, world)
         board = DeviceBoard(driver)
         world.clock = lambda: board.snapshot.time
-        world.sensors = BoardSensors(board)
         self.world = world
         self.monitor = Monitor()
         self.asked = LibraryMonitor(options.libraries)
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
+        self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.pulse)
+        world.sensors = SignalSensors(self.signals)
         self.context = RunContext(
             world=world,
             board=board,
@@ -106,6 +112,7 @@ class Runtime:
             clock=board,
             questions=self.questions,
             floor=FloorAreas(board, spec.robots),
+            signals=self.signals,
             waiting=self.cycle.pulse.waiting,
         )
         kind = driver.kind if options.kind is None else options.kind

@@ -19,7 +19,7 @@ __all__ = ["GROUPS", "Installation", "canonical", "installation"]
 
 _KINDS = (
     "skills", "primitives", "behaviours", "conditions", "reasoners", "planners", "devices", "drivers", "engines",
-    "ontologies", "robots", "scenes", "pages",
+    "signals", "ontologies", "robots", "scenes", "pages",
 )  # fmt: skip
 GROUPS = tuple(f"skiros.{kind}" for kind in _KINDS)
 """The groups of entry points by which this platform is extended."""

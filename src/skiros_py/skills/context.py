@@ -13,6 +13,7 @@ from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.perception import PartDetector, Registrar
+from skiros_py.ports.signals import NO_SIGNALS, SignalReader
 from skiros_py.skills.effects import Effects
 from skiros_py.skills.floor import Floor, OpenFloor
 from skiros_py.skills.questions import Questions
@@ -74,6 +75,7 @@ class RunContext:
         emit: Takes (name of an event, value as plain data).
         effects: The effects of the skill that this module is part of; None for a module that runs on its own.
         floor: Who may drive where.
+        signals: The signals of the present cycle.
         waiting: Says, for as long as it is entered, that a long wait for a worker is no fault.
     """
 
@@ -90,6 +92,7 @@ class RunContext:
     emit: Callable[[str, Any], None] = lambda _event, _value: None
     effects: Effects | None = None
     floor: Floor = field(default_factory=OpenFloor)
+    signals: SignalReader = NO_SIGNALS
     waiting: Callable[[], AbstractContextManager[None]] = nullcontext
 
     @property

@@ -1,22 +1,20 @@
-"""What conditions may ask of devices: the signals of the present cycle's snapshot, by name."""
+"""What conditions may ask of devices: the signals of the present cycle, by the device and the name of the quantity."""
 
 from __future__ import annotations
 
-from skiros_py.ports.board import DeviceBoard
+from skiros_py.ports.signals import SignalReader
 from skiros_py.world.sensors import Reading
 
-__all__ = ["BoardSensors"]
+__all__ = ["SignalSensors"]
 
 
-class BoardSensors:
-    """The :class:`~skiros_py.world.sensors.Sensors` of the devices on a board."""
+class SignalSensors:
+    """The :class:`~skiros_py.world.sensors.Sensors` of a cell: a device's quantity is the signal "device.quantity"."""
 
-    def __init__(self, board: DeviceBoard) -> None:
-        self._board = board
+    def __init__(self, signals: SignalReader) -> None:
+        self._signals = signals
 
     def read(self, device: str, quantity: str) -> Reading | None:
-        """Returns a single value that a device offers in this cycle; None where there is none of that name."""
-        spec, states = self._board.devices.get(device), self._board.snapshot.devices
-        signal = spec.signal(quantity) if spec is not None and device in states else None
-        value = None if signal is None else signal.read(states[device])
+        """Returns a single value in this cycle; None where there is none of that name."""
+        value = self._signals.value(f"{device}.{quantity}")
         return None if isinstance(value, tuple) else value

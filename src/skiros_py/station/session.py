@@ -278,7 +278,12 @@ class Session:
         skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
         seed = (self.options.seed, _STREAM)
         options = RuntimeOptions(
-            None, seed, self.options.pace, libraries, self.options.config, overrun=self.options.overrun
+            seed=seed,
+            pace=self.options.pace,
+            libraries=libraries,
+            config=self.options.config,
+            signals=self.catalogue.signal_providers(self.spec),
+            overrun=self.options.overrun,
         )
         runtime = Runtime(self.world, self.spec, self.cell, skills, self.catalogue.primitives, options)
         self.runtime = self._stack.enter_context(runtime)

@@ -15,6 +15,7 @@ from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.service import Planned
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.signals import SignalProvider
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition, ConditionType
@@ -52,6 +53,7 @@ class Bench:
         libraries: Motion and perception, for primitives that use them.
         config: Values of configuration parameters by "module.key".
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
+        signals: Makes signal providers of the cell.
 
     Attributes:
         runtime: What runs everything.
@@ -60,6 +62,7 @@ class Bench:
         questions: What is asked of a person; see :func:`skiros_py.testing.answers`.
         managers: The skill managers by the id of their subsystem.
         cycle: The control cycle.
+        signals: The signals of the present cycle.
         watchdog: Interrupts what holds it.
     """
 
@@ -78,6 +81,7 @@ class Bench:
         libraries: Libraries | None = None,
         config: Mapping[str, Any] | None = None,
         overrun: float | None = None,
+        signals: Callable[[CellSpec], Sequence[SignalProvider]] | None = None,
     ) -> None:
         self.world = world
         self.events: list[ModuleEvent] = []
@@ -86,9 +90,16 @@ class Bench:
         spec = read_cell(world, world.instances(ROBOT) if robots is None else robots, simulated=False)
         self.cell = cell(spec)
         named = primitives if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
-        options = RuntimeOptions(driver, libraries=libraries or Libraries(), config=config or {}, overrun=overrun)
+        options = RuntimeOptions(
+            driver,
+            libraries=libraries or Libraries(),
+            config=config or {},
+            signals=signals(spec) if signals is not None else (),
+            overrun=overrun,
+        )
         self.runtime = runtime = Runtime(world, spec, self.cell, skills, named, options)
         self.cycle, self.managers, self.watchdog = runtime.cycle, runtime.managers, runtime.watchdog
+        self.signals = runtime.signals
         self.context, self.questions, self.monitor = runtime.context, runtime.questions, runtime.monitor
         self.monitor.subscribe(self.events.append)
         self._planner = planner or FastDownward()

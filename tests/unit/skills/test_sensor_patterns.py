@@ -3,11 +3,12 @@ from __future__ import annotations
 import pytest
 
 from skiros_py.errors import DescriptionError
+from skiros_py.execution.signals import Signals
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Pattern, Related, Sensor, Verdict, is_sensed
-from skiros_py.skills.sensing import BoardSensors
+from skiros_py.skills.sensing import SignalSensors
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.overlay import FilteredView, Overlay
 from skiros_py.world.world import World
@@ -18,7 +19,7 @@ WIDE = Sensor("device", "gap", ">", 0.5)
 
 def sensing_world() -> World:
     world = tiny_world()
-    world.sensors = BoardSensors(DeviceBoard(FakeCell(read_cell(world, ("robot_1",)))))
+    world.sensors = SignalSensors(Signals(DeviceBoard(FakeCell(read_cell(world, ("robot_1",))))))
     return world
 
 

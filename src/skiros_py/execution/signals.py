@@ -1,0 +1,277 @@
+"""The signals of a cell: checked and ordered once, computed when they are read, at most once in a cycle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
+from typing import Any
+
+from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageError
+from skiros_py.execution.pulse import CycleOverrun, Pulse
+from skiros_py.ports.board import DeviceBoard
+from skiros_py.ports.device import DeviceSignal
+from skiros_py.ports.signals import Input, Sample, Signal, SignalProvider, Value
+from skiros_py.ports.values import Snapshot
+
+__all__ = ["SignalLost", "Signals"]
+
+
+class SignalLost(DeviceError):
+    """A signal has no value in this cycle.
+
+    Attributes:
+        signal: Its name.
+        reason: Why.
+    """
+
+    def __init__(self, signal: str, reason: str) -> None:
+        self.signal = signal
+        self.reason = reason
+        super().__init__(f"signal '{signal}' has no value: {reason}")
+
+
+class _Node:
+    """One provider as the watchdog and the other providers see it: at work, or switched off with a reason."""
+
+    interruptible = True
+
+    def __init__(self, provider: SignalProvider, order: int) -> None:
+        self.provider = provider
+        self.name = f"signal provider {provider.name}"
+        self.order = order
+        self.cycle = -1
+        self.values: Mapping[str, Value] = {}
+        self.lost = ""
+        self.off = ""
+        self.used = False
+        self.done = False
+
+    def fail(self, fault: BaseException) -> None:
+        """Switches it off because it held the cycle for too long; for the watchdog."""
+        self.switch_off(str(fault))
+
+    def switch_off(self, why: str) -> None:
+        """Computes it no more until :meth:`restart`."""
+        self.off = self.off or f"{self.provider.name} was switched off in cycle {self.cycle}: {why}"
+        self.done = True
+
+    def restart(self) -> None:
+        """Gives it another try."""
+        self.off, self.done = "", False
+
+
+class Signals:
+    """The signals of one cell. Reading belongs to the control thread; setting may come from any thread.
+
+    Args:
+        board: The devices.
+        providers: What computes further signals, from those of the devices and from each other's.
+        pulse: What the watchdog looks at: a provider that hangs is interrupted, and named.
+
+    Raises:
+        DescriptionError: Two provide the same signal, a requested signal is provided by none, or providers need each
+            other in a ring; the message names them.
+    """
+
+    def __init__(
+        self,
+        board: DeviceBoard,
+        providers: Sequence[SignalProvider] = (),
+        pulse: Pulse | None = None,
+    ) -> None:
+        self._board = board
+        self._pulse = pulse or Pulse()
+        self._of: dict[str, _Node] = {}
+        self._nodes = [_Node(provider, order) for order, provider in enumerate(self._ordered(providers))]
+        self._of = {signal.name: node for node in self._nodes for signal in node.provider.provides}
+        self._steady: list[_Node] = []
+        self._set: dict[str, Value] = {}
+
+    # ------------------------------------------------------------------ description
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all signals."""
+        offered = (f"{id_}.{one.name}" for id_, device in self._board.devices.items() for one in device.signals)
+        return (*offered, *self._of)
+
+    def describe(self, name: str) -> Signal:
+        """Describes a signal.
+
+        Raises:
+            UnknownName: There is no such signal.
+        """
+        _device, offered = self._offered(name)
+        if offered is not None:
+            return Signal(name, offered.unit, frame=offered.frame, help=offered.help)
+        provider = self._known(name).provider
+        return next(signal for signal in provider.provides if signal.name == name)
+
+    @property
+    def faults(self) -> Mapping[str, str]:
+        """Why providers were switched off, by provider."""
+        return {node.provider.name: node.off for node in self._nodes if node.off}
+
+    # ------------------------------------------------------------------ values
+
+    def read(self, name: str) -> Sample:
+        """Returns the value of a signal in this cycle.
+
+        Raises:
+            UnknownName: There is no such signal.
+            SignalLost: It has no value: its provider was switched off, or lacks what it reads.
+        """
+        snapshot = self._board.snapshot
+        device, offered = self._offered(name)
+        if offered is not None:
+            return Sample(self._said(name, device, offered, snapshot), snapshot.cycle, device)
+        node = self._known(name)
+        if node.cycle != snapshot.cycle:
+            self._update(node, snapshot)
+        if name not in node.values:
+            raise SignalLost(name, node.off or node.lost or f"{node.provider.name} gives none in this cycle")
+        return Sample(node.values[name], snapshot.cycle, node.provider.name)
+
+    def value(self, name: str) -> Value | None:
+        """Returns the value of a signal in this cycle; None where there is no such signal, or it has no value."""
+        try:
+            return self.read(name).value
+        except (UnknownName, SignalLost):
+            return None
+
+    def set(self, name: str, value: Value) -> None:
+        """Sets an input from outside, for any thread; it counts from the next cycle on.
+
+        Raises:
+            UnknownName: There is no such signal.
+            UsageError: It is computed, or the value is not of its shape or not finite.
+        """
+        provider = self._known(name).provider
+        if not isinstance(provider, Input):
+            raise UsageError(f"signal '{name}' is computed by {provider.name}: only inputs can be set")
+        if (wrong := _wrong(value, provider.provides[0])) is not None:
+            raise UsageError(f"signal '{name}': {wrong}")
+        self._set[name] = value
+
+    def update(self) -> None:
+        """Begins a cycle: takes over what was set, and computes the providers that have a memory and are in use."""
+        while self._set:
+            name, value = self._set.popitem()
+            provider = self._of[name].provider
+            assert isinstance(provider, Input)
+            provider.value = value
+        snapshot = self._board.snapshot
+        for node in self._steady:
+            if node.cycle != snapshot.cycle:
+                self._update(node, snapshot)
+
+    def restart(self) -> None:
+        """Gives the providers that were switched off another try, after everything was halted and looked at."""
+        for node in self._nodes:
+            node.restart()
+
+    # ------------------------------------------------------------------ parts
+
+    def _offered(self, name: str) -> tuple[str, DeviceSignal[Any] | None]:
+        """Returns the device and its signal that a name such as "gripper_1.force" means; None for no such signal."""
+        device, _, own = name.rpartition(".")
+        spec = self._board.devices.get(device)
+        return device, None if spec is None else spec.signal(own)
+
+    def _said(self, name: str, device: str, offered: DeviceSignal[Any], snapshot: Snapshot) -> Value:
+        if device not in snapshot.devices:
+            raise SignalLost(name, f"{device} says nothing in this cycle")
+        try:
+            value = offered.read(snapshot.devices[device])
+        except Exception as error:  # a kind of a plug-in: whatever it raises is its own fault
+            raise SignalLost(name, f"{device} cannot say it: {type(error).__name__}: {error}") from error
+        length = len(value) if isinstance(value, tuple) else None
+        if (wrong := _wrong(value, Signal(name, length=length))) is not None:
+            raise SignalLost(name, f"{device}: {wrong}")
+        return value
+
+    def _known(self, name: str) -> _Node:
+        if name not in self._of:
+            raise UnknownName("signal", name, self.names)
+        return self._of[name]
+
+    def _update(self, node: _Node, snapshot: Snapshot) -> None:
+        node.cycle, node.values, node.lost = snapshot.cycle, {}, ""
+        if not node.used:
+            node.used = True
+            if node.provider.every_cycle:
+                self._steady = sorted([*self._steady, node], key=lambda one: one.order)
+        if node.off:
+            return
+        inputs: dict[str, Value] = {}
+        for request in node.provider.requests:
+            try:
+                inputs[request.name] = self.read(request.name).value
+            except (SignalLost, UnknownName) as error:
+                if not request.optional:
+                    node.lost = f"{node.provider.name} needs '{request.name}': {error}"
+                    return
+        self._compute(node, inputs, snapshot)
+
+    def _compute(self, node: _Node, inputs: Mapping[str, Value], snapshot: Snapshot) -> None:
+        """Runs a provider's code under the watchdog; whatever is wrong with it switches this provider off."""
+        provider = node.provider
+        outer = self._pulse.enter(node)
+        try:
+            values = provider.compute(inputs, snapshot.time)
+            faults = [
+                f"'{signal.name}': {wrong}"
+                for signal in provider.provides
+                if signal.name in values and (wrong := _wrong(values[signal.name], signal)) is not None
+            ]
+            if faults:
+                node.switch_off("; ".join(faults))
+            else:
+                node.values = values
+        except CycleOverrun:
+            pass  # leaving tells the node, with all that the watchdog noticed
+        except Exception as error:  # noqa: BLE001 - an author's code: whatever it raises switches it off
+            node.switch_off(f"it raised {type(error).__name__}: {error}")
+        finally:
+            self._pulse.leave(outer)
+
+    def _ordered(self, providers: Sequence[SignalProvider]) -> list[SignalProvider]:
+        """Returns the providers, each after those that it reads from.
+
+        Raises:
+            DescriptionError: That is impossible.
+        """
+        source: dict[str, SignalProvider] = {}
+        for provider in providers:
+            for signal in provider.provides:
+                device, offered = self._offered(signal.name)
+                other = device if offered is not None else source.setdefault(signal.name, provider).name
+                if offered is not None or source[signal.name] is not provider:
+                    raise DescriptionError(f"signal '{signal.name}' is provided twice: by {other} and {provider.name}")
+        before: dict[int, set[int]] = {}
+        by_id = {id(provider): provider for provider in providers}
+        for provider in providers:
+            before[id(provider)] = set()
+            for request in provider.requests:
+                if request.name in source:
+                    before[id(provider)].add(id(source[request.name]))
+                elif self._offered(request.name)[1] is None and not request.optional:
+                    known = sorted({*self.names, *source})
+                    raise DescriptionError(f"{provider.name}: {UnknownName('signal', request.name, known)}")
+        try:
+            return [by_id[one] for one in TopologicalSorter(before).static_order()]
+        except CycleError as error:
+            ring = " → ".join(by_id[one].name for one in error.args[1])
+            raise DescriptionError(f"signal providers need each other in a ring: {ring}") from None
+
+
+def _wrong(value: object, signal: Signal) -> str | None:
+    """Says what is wrong with a value of a signal; None where nothing is."""
+    if signal.length is None:
+        fits = isinstance(value, int | float) and math.isfinite(value)
+        return None if fits else f"a finite number or truth value is wanted, not {value!r:.60}"
+    if not isinstance(value, tuple) or len(value) != signal.length:
+        return f"a tuple of {signal.length} numbers is wanted, not {value!r:.60}"
+    finite = all(isinstance(one, int | float) and math.isfinite(one) for one in value)
+    return None if finite else f"finite numbers are wanted, not {value!r:.60}"
