@@ -11,6 +11,8 @@ from skiros_py.api.wire import Answer, Moment, Request
 
 __all__ = [
     "Arguments",
+    "BodyEdge",
+    "BodyNode",
     "Implementation",
     "ManagerInfo",
     "ModuleDetails",
@@ -120,6 +122,23 @@ class SkillCondition(Answer):
     negated: bool = Field(description="True where it must not hold.")
 
 
+class BodyNode(Answer):
+    """One node of what a skill does."""
+
+    path: str = Field(description="Names it; in events the module's path stands before it.", examples=["body/0/2"])
+    kind: str = Field(description="Kind of behaviour.", examples=["do"])
+    title: str = Field(description="For people.", examples=["move_arm(arm=Arm)"])
+    module: str = Field(description="The module that it calls; empty for none.", examples=["move_arm"])
+
+
+class BodyEdge(Answer):
+    """An arrow between two nodes of what a skill does."""
+
+    source: str = Field(description="Path of a node; empty for the skill.", examples=["body"])
+    target: str = Field(description="Path of a node; empty for the skill.", examples=["body/0"])
+    label: str = Field(description="What is written on it; may be empty.", examples=[""])
+
+
 class Implementation(Answer):
     """One way to do a skill."""
 
@@ -129,7 +148,8 @@ class Implementation(Answer):
     order: int = Field(description="Ways are tried by this number.", examples=[0])
     requires: list[str] = Field(description="Classes of devices that the robot must have.", examples=[["sk:Camera"]])
     when: list[SkillCondition] = Field(description="Further conditions under which it can be used.")
-    body: list[str] = Field(description="What it does, a line a node.")
+    nodes: list[BodyNode] = Field(description="What it does, from the top.")
+    edges: list[BodyEdge] = Field(description="The arrows between the nodes.")
 
 
 class ModuleDetails(Answer):
@@ -207,11 +227,16 @@ class ModuleProgress(Answer):
     time: float = Field(description="Run time [s].", examples=[12.5])
     module: str = Field(description="Which module.", examples=["move_arm"])
     kind: str = Field(description="skill or primitive.", examples=["primitive"])
-    status: str = Field(description="started, running, preempted, terminated or error.", examples=["running"])
+    status: str = Field(description="started, running, preempted, terminated, error or event.", examples=["running"])
     code: int = Field(description="Progress code; negative for an error.", examples=[1])
     text: str = Field(description="For people.", examples=["leg 1 of 2"])
     agent: str = Field(description="Subsystem that runs it.", examples=["arm_1"])
     caller: str = Field(description="Module that it is part of; empty for the one that was started.", examples=[""])
+    run: str = Field(description="Id of the run that it is of.", examples=["r12"])
+    parent: str = Field(description="Id of the run that this is part of; empty for none.", examples=["r9"])
+    path: str = Field(description="Which node: module that was started, part, keys.", examples=["pick/body/0/2"])
+    event: str = Field(description="Name of the event that it announced; empty for none.", examples=[""])
+    value: Any = Field(None, description="Value of that event.", examples=[None])
 
 
 class ModuleRound(Answer):

@@ -52,7 +52,8 @@ class ModuleEvent:
         implementation: Label of the way in which a skill is done, may be empty; None for a primitive, and where that
             is not known.
         id: Id of the run that this is about; unique in this process.
-        parent: Id of the run that it is part of; empty for one that nothing called.
+        parent: Id of the run that it is part of: a step's for what does a step; empty for one that nothing called.
+        root: Id of the outermost of these: the step, or else the module that was started by itself.
         path: Path of its node from the module that was started (``pick/body/0/2``): the same in each run.
         event: Name of the event that it announced; empty for none.
         value: Value of that event, as plain data.
@@ -71,6 +72,7 @@ class ModuleEvent:
     implementation: str | None = None
     id: str = ""
     parent: str = ""
+    root: str = ""
     path: str = ""
     event: str = ""
     value: Any = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -74,6 +75,7 @@ class Scope:
         callers: The modules around this, outermost first.
         task: Name of the task that it is done for; empty for none.
         id: Id of the run that this is the scope of; parent of the runs that begin in it.
+        root: Id of the outermost run.
         path: Path of that run's node, from the module that was started: ``pick/body/0/2``.
         values: What was written by nodes of this skill.
         breakpoints: Paths of nodes before which the task is paused; people may change them while it runs.
@@ -90,6 +92,7 @@ class Scope:
     callers: tuple[str, ...] = ()
     task: str = ""
     id: str = ""
+    root: str = ""
     path: str = ""
     values: dict[str, Any] = field(default_factory=dict)
     breakpoints: set[str] = field(default_factory=set)
@@ -120,7 +123,15 @@ class Scope:
         self.values[name] = value
 
     def emit(self, event: str, value: Any = None) -> None:
-        """Announces a named event of this node."""
+        """Announces a named event of this node.
+
+        Raises:
+            UsageError: The value is no plain data.
+        """
+        try:
+            json.dumps(value, allow_nan=False)
+        except (TypeError, ValueError, RecursionError) as error:
+            raise UsageError(f"event {event}: its value is plain data that JSON can carry: {error}") from None
         self._publish("node", Status.EVENT, 0, event, event=event, value=value)
 
     def watch(self, conditions: Sequence[Condition]) -> Watch:
@@ -147,7 +158,7 @@ class Scope:
         time = self.context.board.snapshot.time
         event = ModuleEvent(
             time, kind, self.author, status, code, text, "", self.agent, self.author, self.task,
-            id=self.id, parent=parent, path=self.path, **more,
+            id=self.id, parent=parent, root=self.root, path=self.path, **more,
         )  # fmt: skip
         self.monitor.publish(event)
 

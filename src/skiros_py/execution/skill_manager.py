@@ -265,9 +265,14 @@ class SkillManager:
             raise UsageError(f"{module} of {self.agent} is running already: wait for its end, or stop it")
         kind = self._modules.kind(module)
         self._modules.prepare(module, self._context)
-        clock = RunClock(self._cycle.board.snapshot.time)
-        scope = replace(self._scope(module), context=replace(self._context, clock=clock), task=task, id=parent)
-        run_id = self._monitor.new_id()
+        clock, run_id = RunClock(self._cycle.board.snapshot.time), self._monitor.new_id()
+        scope = replace(
+            self._scope(module),
+            context=replace(self._context, clock=clock),
+            task=task,
+            id=parent,
+            root=parent or run_id,
+        )
         name = f"{module} of {self.agent}"
         if kind == "skill":
             run = self._modules.skill_run(module, arguments, scope, run_id)
@@ -349,7 +354,7 @@ class SkillManager:
         name, agent, scope = running.name, self.agent, running.scope
         event = ModuleEvent(
             time, kind, name, status, code, text, agent=agent, task=scope.task,
-            id=running.id, parent=scope.id, path=scope.path,
+            id=running.id, parent=scope.id, root=scope.root, path=scope.path,
         )  # fmt: skip
         self._monitor.publish(event)
 

@@ -63,7 +63,7 @@ def teller(
         time, way = scope.context.board.snapshot.time, implementation()
         event = ModuleEvent(
             time, kind, name, status, code, text, target(), scope.agent, caller, scope.task, way,
-            id=run, parent=scope.id, path=scope.path,
+            id=run, parent=scope.id, root=scope.root, path=scope.path,
         )  # fmt: skip
         scope.monitor.publish(event)
 

@@ -2089,6 +2089,17 @@ export interface components {
             time: number;
             items: components["schemas"]["SimulatedBody"][];
         };
+        BodyEdge: {
+            source: string;
+            target: string;
+            label: string;
+        };
+        BodyNode: {
+            path: string;
+            kind: string;
+            title: string;
+            module: string;
+        };
         BodyPose: {
             position: [
                 number,
@@ -2428,7 +2439,8 @@ export interface components {
             order: number;
             requires: string[];
             when: components["schemas"]["SkillCondition"][];
-            body: string[];
+            nodes: components["schemas"]["BodyNode"][];
+            edges: components["schemas"]["BodyEdge"][];
         };
         InsertStep: {
             skill: string;
@@ -2798,6 +2810,11 @@ export interface components {
             text: string;
             agent: string;
             caller: string;
+            run: string;
+            parent: string;
+            path: string;
+            event: string;
+            value?: unknown;
         };
         ModuleRound: {
             success: boolean;

@@ -9,7 +9,7 @@ import { moduleStatus } from "./moduleWords";
 import { useOutput } from "./output";
 import { schedule, type Skills, type Slot } from "./schedule";
 import type { Run, Step } from "./trace";
-import { bodyLines, messagesOf, type Said, skillTree, taskTree, wayOf } from "./tree";
+import { messagesOf, type Said, skillTree, taskTree, wayOf } from "./tree";
 import { STEP_MOODS, stepState, stepTitle } from "./words";
 
 interface Props {
@@ -102,7 +102,7 @@ function SkillGraph({ step, run, skills, said }: { step: Step; run: Run; skills:
     state: { mood: STEP_MOODS[state], text: said.step(state) },
   };
   const [way, messages] = wayOf(step, data?.implementations ?? [], messagesOf(step, rows, run.shift));
-  const { nodes, edges } = skillTree(root, bodyLines(way), messages, said);
+  const { nodes, edges } = skillTree(root, step.skill, way, messages, said);
   return <Graph label={t("tree.skillLabel", { skill: root.title })} nodes={nodes} edges={edges} />;
 }
 

@@ -23,6 +23,12 @@ export interface OutputRow {
   caller: string;
   /** Label of the way in which a skill is done; null for a primitive, and where that is not known. */
   implementation: string | null;
+  /** Id of the run that it is of. */
+  run: string;
+  /** Id of the outermost run: the step of a task, or the module that was started by itself. */
+  root: string;
+  /** Which node: the module that was started, and the keys down to it. */
+  path: string;
 }
 
 interface Output {
@@ -38,7 +44,7 @@ const PAUSE = 200; // ms: oftener nobody reads it
 export const useOutput = create<Output>(() => ({ rows: [], failed: null }));
 
 export function rowOf(event: EventInfo): OutputRow {
-  const { kind, code, text, agent, caller, implementation } = event.data;
+  const { kind, code, text, agent, caller, implementation, run, root, path } = event.data;
   return {
     id: event.id,
     time: event.time,
@@ -51,6 +57,9 @@ export function rowOf(event: EventInfo): OutputRow {
     agent: String(agent ?? ""),
     caller: String(caller ?? ""),
     implementation: typeof implementation === "string" ? implementation : null,
+    run: String(run ?? ""),
+    root: String(root ?? ""),
+    path: String(path ?? ""),
   };
 }
 

@@ -6,6 +6,8 @@ import { evened, type Shifts } from "./runTime";
 export type PlannedStep = Schema<"PlannedStep">;
 
 export interface TraceEntry {
+  /** Id of the step or task that it is about. */
+  id: string;
   /** Run time [s]; after {@link evened} it never steps back. */
   time: number;
   /** How much later that is than the server said [s]. */
@@ -31,6 +33,8 @@ export type StepEnd = "ended" | "failed" | "broken off";
 
 /** One step that was started; what is done once more is another one. */
 export interface Step {
+  /** Its id as the server tells it: the root of what its modules say. */
+  id: string;
   /** Names it in its task, over restarts of the server, too. */
   key: string;
   number: number;
@@ -82,6 +86,7 @@ export function readEntry(raw: Record<string, unknown>): TraceEntry {
   return {
     time: typeof raw.time === "number" ? raw.time : 0,
     shift: 0,
+    id: String(raw.id ?? ""),
     what: String(raw.what ?? ""),
     text: String(raw.text ?? ""),
     step: typeof raw.step === "number" ? raw.step : null,
@@ -143,6 +148,7 @@ export function cutOff(run: Run, until = 0): Run {
 
 function started(entry: TraceEntry, attempt: number, number: number): Step {
   return {
+    id: entry.id,
     key: `${attempt}.${number}`,
     number,
     skill: entry.skill,

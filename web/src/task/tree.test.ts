@@ -1,54 +1,77 @@
 import type { Schema } from "../api/client";
 import type { OutputRow } from "./output";
 import type { Slot } from "./schedule";
-import { bodyLines, messagesOf, skillTree, taskTree, wayOf } from "./tree";
+import { messagesOf, skillTree, taskTree, wayOf } from "./tree";
 import { readEntry, readRun, type Step } from "./trace";
 
-const BODY = ["sequence", "  locate(part=Object)", "  move_arm(arm=Arm)", "move_arm(arm=Arm)"];
 const SAID = { step: (state: string) => state, module: (status: string) => status || "to come" };
 const ROOT = { id: "skill", title: "pick" };
+const NODES: [path: string, module: string][] = [
+  ["body", ""],
+  ["body/0", ""],
+  ["body/0/0", "move_arm"],
+  ["body/1", "move_arm"],
+];
+const WAY = {
+  nodes: NODES.map(([path, module]) => ({ path, module, kind: "", title: path })),
+  edges: [
+    { source: "", target: "body", label: "" },
+    { source: "body", target: "body/0", label: "" },
+    { source: "body/0", target: "body/0/0", label: "again" },
+    { source: "body/0/0", target: "body/0", label: "" },
+    { source: "body", target: "body/1", label: "" },
+  ],
+};
+const STEP = "kit#1";
 
-function message(time: number, module: string, status: string, caller = "pick"): OutputRow {
-  const rest = { at: 0, kind: "", code: 0, text: "", agent: "arm_1", implementation: null };
-  return { id: `x-${time}`, time, module, status, caller, ...rest };
+function message(time: number, path: string, status: string, run = "r1", root = STEP): OutputRow {
+  const rest = { at: 0, kind: "", code: 0, text: "", agent: "arm_1", caller: "", implementation: null };
+  return { id: `x-${time}`, time, module: "move_arm", path, status, run, root, ...rest };
 }
 
-function graph(messages: OutputRow[]) {
-  const lines = bodyLines({ body: BODY } as unknown as Schema<"Implementation">);
-  return skillTree(ROOT, lines, messages, SAID);
+function states(messages: OutputRow[]) {
+  const { nodes } = skillTree(ROOT, "pick", WAY, messages, SAID);
+  return Object.fromEntries(nodes.map(({ id, state }) => [id, state?.text]));
 }
 
-test("what a skill does hangs below it as deep as it is written", () => {
-  expect(graph([]).edges).toEqual([
-    { from: "skill", to: "skill 0" },
-    { from: "skill 0", to: "skill 1" },
-    { from: "skill 0", to: "skill 2" },
-    { from: "skill", to: "skill 3" },
+test("what a skill does is drawn with the arrows that the server tells, rings and labels among them", () => {
+  expect(skillTree(ROOT, "pick", WAY, [], SAID).edges).toEqual([
+    { from: "skill", to: "body" },
+    { from: "body", to: "body/0" },
+    { from: "body/0", to: "body/0/0", label: "again" },
+    { from: "body/0/0", to: "body/0" },
+    { from: "body", to: "body/1" },
   ]);
 });
 
-test("a module that a skill runs twice has a state for each time", () => {
-  const { nodes } = graph([
-    message(1, "move_arm", "started"),
-    message(2, "move_arm", "terminated"),
-    message(3, "move_arm", "started"),
-    message(4, "move_arm", "error"),
-  ]);
-  expect(nodes.map(({ state }) => state?.text)).toEqual([undefined, undefined, "to come", "terminated", "error 0"]);
-});
-
-test("the messages of a step are those of its parts while it ran, in the time of this start of the server", () => {
-  const run = readRun([
-    readEntry({ time: 50, what: "begun" }),
-    readEntry({ time: 10, what: "started", step: 1, skill: "pick", agent: "arm_1" }),
-    readEntry({ time: 20, what: "ended", step: 1, skill: "pick", agent: "arm_1" }),
-  ]);
-  const rows = [
-    message(9, "locate", "started"),
-    message(12, "locate", "terminated"),
-    message(25, "pick", "started", ""),
+test("two branches of one module and the rounds of a loop are told apart by their paths", () => {
+  const loop = [
+    message(1, "pick/body/0/0", "started", "r1"),
+    message(2, "pick/body/1", "started", "r2"),
+    message(3, "pick/body/0/0", "terminated", "r1"),
+    message(4, "pick/body/0/0", "started", "r3"),
+    message(5, "pick/body/1", "error", "r2"),
   ];
-  expect(messagesOf(run.steps[0] as Step, rows, run.shift).map(({ time }) => time)).toEqual([12]);
+  expect(states(loop)).toEqual({
+    skill: undefined,
+    body: undefined,
+    "body/0": undefined,
+    "body/0/0": "started",
+    "body/1": "error 0",
+  });
+});
+
+test("a node that has not run is to come, whatever its module did elsewhere", () => {
+  expect(states([message(1, "pick/body/1", "terminated")])["body/0/0"]).toBe("to come");
+});
+
+test("the messages of a step are those whose root it is, in the time of this start of the server", () => {
+  const started = { time: 10, what: "started", step: 1, skill: "pick", agent: "arm_1", id: STEP };
+  const run = readRun([readEntry({ time: 50, what: "begun" }), readEntry(started)]);
+  const rows = [message(12, "pick/body/1", "started"), message(13, "pick/body/1", "started", "r9", "kit#2")];
+  const of = (shift: number) => messagesOf(run.steps[0] as Step, rows, shift).map(({ time }) => time);
+  expect(of(run.shift)).toEqual([12]);
+  expect(of(run.shift - 1)).toEqual([]);
 });
 
 const WAYS = [{ label: "by vision" }, { label: "by hand" }] as unknown as Schema<"Implementation">[];
@@ -64,15 +87,15 @@ function picked(implementation?: string) {
 }
 
 function own(time: number, implementation: string) {
-  return { ...message(time, "pick", "running", ""), implementation };
+  return { ...message(time, "pick", "running"), implementation };
 }
 
 test("a step shows the way in which it is done now, with what that way said alone", () => {
   const rows = [
     own(10, "by vision"),
-    message(11, "locate", "error"),
+    message(11, "pick/body/0", "error"),
     own(12, "by hand"),
-    message(13, "grip", "started"),
+    message(13, "pick/body/1", "started"),
   ];
   const [way, said] = wayOf(picked(), WAYS, rows);
   expect(way?.label).toBe("by hand");
@@ -84,7 +107,7 @@ test("a step that is over shows the way that its trace names, also where its mes
 });
 
 test("a step of which nobody says how it is done shows the way that is tried first", () => {
-  const rows = [message(11, "locate", "started")];
+  const rows = [message(11, "pick/body/0", "started")];
   expect(wayOf(picked(), WAYS, rows)).toEqual([WAYS[0], rows]);
 });
 

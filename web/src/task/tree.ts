@@ -14,14 +14,6 @@ export interface Said {
   module: (status: string) => string;
 }
 
-export interface BodyLine {
-  text: string;
-  /** How far it is indented: 0 for the first ones. */
-  depth: number;
-  /** Name of the module that it runs; empty for what only puts others in order. */
-  module: string;
-}
-
 const MODULE_MOODS: Record<string, Mood> = {
   started: "running",
   running: "running",
@@ -36,14 +28,6 @@ export function moduleMood(status: string): Mood {
   return MODULE_MOODS[status] ?? "waiting";
 }
 
-/** Reads what a skill does: a line a node, indented by two blanks a level. */
-export function bodyLines(implementation: Schema<"Implementation"> | undefined): BodyLine[] {
-  return (implementation?.body ?? []).map((line) => {
-    const text = line.trimStart();
-    return { text, depth: (line.length - text.length) / 2, module: /^([\w.-]+)\(/.exec(text)?.[1] ?? "" };
-  });
-}
-
 /**
  * Returns the messages of the parts of a step while it ran (or runs).
  *
@@ -51,14 +35,7 @@ export function bodyLines(implementation: Schema<"Implementation"> | undefined):
  */
 export function messagesOf(step: Step, rows: readonly OutputRow[], shift: number): OutputRow[] {
   if (step.shift !== shift) return []; // it ran before the server was started anew, and messages are not kept so long
-  const [start, end] = [step.start - shift, (step.end ?? Number.POSITIVE_INFINITY) - shift];
-  return rows.filter((row) => row.time >= start - EDGE && row.time <= end + EDGE && isOf(step, row));
-}
-
-const EDGE = 0.004; // s: a cycle is 5 ms, and what ends a step is said in the one before
-
-function isOf(step: Step, row: OutputRow): boolean {
-  return row.agent === step.agent && (row.module === step.skill || row.caller !== "");
+  return rows.filter((row) => row.root === step.id);
 }
 
 /** Returns in which way a step is (or was) done, and what the parts of that way said. */
@@ -67,7 +44,7 @@ export function wayOf(
   ways: readonly Way[],
   messages: readonly OutputRow[],
 ): [Way | undefined, OutputRow[]] {
-  const own = messages.filter(({ module, caller }) => module === step.skill && caller === "");
+  const own = messages.filter(({ path }) => path === step.skill);
   const label = step.implementation ?? own.findLast(({ implementation }) => implementation !== null)?.implementation;
   const way = ways.find((one) => one.label === label) ?? ways[0]; // which is tried first
   const begun = own.find(({ implementation }) => implementation !== null && implementation === label);
@@ -120,44 +97,33 @@ function reduced(slot: Slot, slots: readonly Slot[]): number[] {
   return slot.step.after.filter((other) => !implied.has(other));
 }
 
-/** Draws what a skill does below its step, with the last thing that each part said. */
+/**
+ * Draws what a skill does below its step, with the last thing that each node said.
+ *
+ * @param skill - The skill: the paths of its nodes follow its own in what they say.
+ */
 export function skillTree(
   root: GraphNode,
-  lines: readonly BodyLine[],
+  skill: string,
+  way: Pick<Way, "nodes" | "edges"> | undefined,
   messages: readonly OutputRow[],
   said: Said,
 ): { nodes: GraphNode[]; edges: GraphEdge[] } {
-  const nodes: GraphNode[] = [root];
-  const edges: GraphEdge[] = [];
-  const path = [root.id];
-  const turns = new Map<string, number>();
-  lines.forEach((line, index) => {
-    const id = `${root.id} ${index}`;
-    path.length = line.depth + 1;
-    edges.push({ from: path.at(-1) ?? root.id, to: id });
-    path.push(id);
-    const turn = turns.get(line.module) ?? 0;
-    turns.set(line.module, turn + 1);
-    nodes.push({ id, title: line.text, ...stateOf(line, turn, messages, said) });
+  const own = (way?.nodes ?? []).map(({ path, title, module }) => {
+    const state = module === "" ? {} : { state: stateOf(`${skill}/${path}`, messages, said) };
+    return { id: path, title, ...state };
   });
-  return { nodes, edges };
+  const edges = (way?.edges ?? []).map(({ source, target, label }) => {
+    const ends = { from: source || root.id, to: target || root.id };
+    return label === "" ? ends : { ...ends, label };
+  });
+  return { nodes: [root, ...own], edges };
 }
 
-/** A module that a skill runs several times: the n-th place of it did the n-th of its runs. */
-function stateOf(line: BodyLine, turn: number, messages: readonly OutputRow[], said: Said): Pick<GraphNode, "state"> {
-  if (line.module === "") return {};
-  const own = runsOf(messages.filter((row) => row.module === line.module && row.caller !== ""));
-  const last = own[turn]?.at(-1);
-  if (last === undefined) return { state: { mood: "waiting", text: said.module("") } };
+/** What the last run of a node said last: of a node in a loop that of the present round. */
+function stateOf(path: string, messages: readonly OutputRow[], said: Said): GraphNode["state"] & object {
+  const last = messages.findLast((row) => row.path === path && row.status !== "event");
+  if (last === undefined) return { mood: "waiting", text: said.module("") };
   const text = last.status === "error" ? `${said.module(last.status)} ${last.code}` : said.module(last.status);
-  return { state: { mood: moduleMood(last.status), text } };
-}
-
-function runsOf(rows: readonly OutputRow[]): OutputRow[][] {
-  const runs: OutputRow[][] = [];
-  for (const row of rows) {
-    if (row.status === "started" || runs.length === 0) runs.push([]);
-    runs.at(-1)?.push(row);
-  }
-  return runs;
+  return { mood: moduleMood(last.status), text };
 }

@@ -28,6 +28,8 @@ export interface GraphNode {
 export interface GraphEdge {
   from: string;
   to: string;
+  /** What is written on it. */
+  label?: string;
 }
 
 interface Props {
@@ -67,7 +69,8 @@ function Drawn({ label, nodes, edges, direction = "down", chosen = null, onChoos
     const data = { node, chosen: node.id === chosen, direction };
     return { id: node.id, type: "box", position, data, width: WIDTH, height: HEIGHT, ariaLabel: said };
   });
-  const lines = edges.map(({ from, to }): Edge => ({
+  const lines = edges.map(({ from, to, label: text }): Edge => ({
+    ...(text === undefined ? {} : { label: text }),
     id: `${from} ${to}`,
     source: from,
     target: to,

@@ -80,6 +80,7 @@ class EventSources:
         text = {"paused": "stands where it is", "resumed": "goes on"}[turn]
         told = {"kind": run.kind, "agent": run.wish.agent, "code": 0, "text": text, "run": run.id}
         blank = {"target": "", "caller": "", "task": "", "implementation": None}
+        blank |= {"parent": "", "root": "", "path": run.wish.module, "event": "", "value": None}
         self._events.append(Kind.MODULE, turn, run.wish.module, elements=[run.wish.agent], data=told | blank)
 
     def _question(self, question: Question) -> None:
@@ -119,6 +120,12 @@ def _module_data(event: ModuleEvent) -> dict[str, Any]:
         "caller": event.caller,
         "task": event.task,
         "implementation": event.implementation,
+        "run": event.id,
+        "parent": event.parent,
+        "root": event.root,
+        "path": event.path,
+        "event": event.event,
+        "value": event.value,
     }
 
 

@@ -146,8 +146,8 @@ class ModuleRun:
         return "resumed" if before and self.status == "running" else None  # else it was stopped meanwhile
 
     def is_about(self, event: ModuleEvent) -> bool:
-        """Tells whether a message is of the module itself, whoever's turn it is."""
-        return (event.module, event.agent, event.caller) == (self.wish.module, self.wish.agent, "")
+        """Tells whether a message is of the module itself, and not of a part of it."""
+        return self.running is not None and event.id == self.running.id
 
     def begin(self, running: RunningModule, now: float) -> None:
         """Notes that it starts, once more."""

@@ -7,6 +7,8 @@ from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
 from skiros_py.api.modules import (
+    BodyEdge,
+    BodyNode,
     Implementation,
     ManagerInfo,
     ModuleDetails,
@@ -24,7 +26,7 @@ from skiros_py.api.modules import (
 from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.behaviour import lines
+from skiros_py.skills.behaviour import Node, nodes_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Kind, Param, as_json, as_shown, schema
@@ -146,8 +148,22 @@ def _implementation(way: Skill) -> Implementation:
         order=way.order,
         requires=list(way.requires),
         when=_conditions(way.when),
-        body=[line for node in way.nodes for line in lines(node)],
+        nodes=[_node(node) for node in _nodes(way)],
+        edges=[
+            *(BodyEdge(source="", target=part, label="") for part in way.parts),
+            *(BodyEdge(source=e.source, target=e.target, label=e.label) for node in _nodes(way) for e in node.edges),
+        ],
     )
+
+
+def _nodes(way: Skill) -> list[Node]:
+    return [node for part, root in way.parts.items() for node in nodes_of(root, part)]
+
+
+def _node(node: Node) -> BodyNode:
+    calls = node.behaviour.uses().calls
+    module = calls[0].module if calls else ""
+    return BodyNode(path=node.path, kind=node.behaviour.kind, title=node.behaviour.title, module=module)
 
 
 def panel(manager: SkillManager, name: str, given: Mapping[str, Any]) -> PanelInfo:
@@ -232,4 +248,9 @@ def _progress(event: ModuleEvent) -> ModuleProgress:
         text=event.text,
         agent=event.agent,
         caller=event.caller,
+        run=event.id,
+        parent=event.parent,
+        path=event.path,
+        event=event.event,
+        value=event.value,
     )

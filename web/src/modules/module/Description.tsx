@@ -69,7 +69,11 @@ function Way({ way }: { way: Schema<"Implementation"> }) {
           {t("description.when", { condition: condition.text })}
         </Text>
       ))}
-      {way.body.length > 0 && <Code block>{way.body.join("\n")}</Code>}
+      {way.nodes.length > 0 && <Code block>{way.nodes.map(indented).join("\n")}</Code>}
     </div>
   );
+}
+
+function indented({ path, title }: Schema<"BodyNode">): string {
+  return "  ".repeat(path.split("/").length - 1) + title;
 }
