@@ -37,7 +37,7 @@ def done(api: httpx2.Client, call: Call[Any]) -> Any:
     query = {key: value for key, value in call.query.items() if value is not None}
     response = api.request(call.method, call.path, json=call.json, params=query)
     assert response.is_success, response.text
-    return call.read(response)
+    return call.result(response)
 
 
 def turns(api: httpx2.Client, run: ModuleRunInfo, least: int) -> list[dict[str, Any]]:
@@ -84,6 +84,9 @@ def test_a_module_is_described_with_what_a_form_and_a_panel_need(api) -> None:
     assert by_key["Robot"].planning
     assert not by_key["Object"].planning
     assert [way.driver for way in pick.implementations] == ["fake"]
+    (way,) = pick.implementations
+    assert [(node.path, node.kind) for node in way.nodes] == [("body", "assert_effects")]
+    assert [(edge.source, edge.target, edge.label) for edge in way.edges] == [("", "body", "")]
     assert any(condition.word == "EmptyHanded" for condition in pick.pre)
     assert pick.post
 

@@ -37,7 +37,7 @@ def sent(api: httpx2.Client, call: Call[Any]) -> httpx2.Response:
 def done(api: httpx2.Client, call: Call[Any]) -> Any:
     response = sent(api, call)
     assert response.is_success, response.text
-    return call.read(response)
+    return call.result(response)
 
 
 def followed(api: httpx2.Client, run: ModuleRunInfo) -> ModuleRunInfo:

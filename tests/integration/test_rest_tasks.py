@@ -38,7 +38,7 @@ def sent(api: httpx2.Client, call: Call[Any]) -> httpx2.Response:
 def done(api: httpx2.Client, call: Call[Any]) -> Any:
     response = sent(api, call)
     assert response.is_success, response.text
-    return call.read(response)
+    return call.result(response)
 
 
 def until(api: httpx2.Client, name: str, *statuses: str) -> TaskInfo:
