@@ -72,6 +72,17 @@ class RobotSpec:
         """Returns its devices of a kind."""
         return tuple(device for device in self.devices if isinstance(device, type_))
 
+    def device(self, id_: str) -> DeviceSpec[Any, Any]:
+        """Returns one of its devices.
+
+        Raises:
+            UnknownName: It has no such device.
+        """
+        found = {device.id: device for device in self.devices}
+        if id_ not in found:
+            raise UnknownName("device", id_, found, where=f"of '{self.id}'")
+        return found[id_]
+
     def has(self, device: str) -> bool:
         """Returns True when a device of that id is one of its own."""
         return any(own.id == device for own in self.devices)
@@ -95,6 +106,11 @@ class RobotSpec:
         """Returns where it is in the map, as localised."""
         carrier = self.carrier
         return self.place if carrier is None else carrier.pose(snapshot.devices[carrier.id])
+
+    def platform(self, device: DeviceSpec[Any, Any], snapshot: Snapshot) -> Pose:
+        """Returns where in the map one of its devices is that carries bodies, as localised."""
+        state = snapshot.devices[device.id]
+        return device.pose(state) if isinstance(device, MobileSpec) else self.pose(snapshot) @ device.platform(state)
 
     def still(self, snapshot: Snapshot) -> bool:
         """Returns True when nothing moves it through the map."""
@@ -140,6 +156,15 @@ class CellSpec:
         if id_ not in found:
             raise UnknownName(getattr(type_, "kind", "device"), id_, found, where="in this cell")
         return found[id_]
+
+    def platforms(self, snapshot: Snapshot) -> dict[str, Pose]:
+        """Returns where in the map the devices are that carry bodies, by device id."""
+        return {
+            device.id: group.platform(device, snapshot)
+            for group in self.groups
+            for device in group.devices
+            if device.carries
+        }
 
     def group_of(self, device: str) -> RobotSpec:
         """Returns the robot that a device belongs to, or the group of a device that stands by itself.

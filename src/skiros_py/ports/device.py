@@ -19,6 +19,7 @@ import numpy as np
 
 from skiros_py.errors import DescriptionError, DeviceError
 from skiros_py.geometry import Pose
+from skiros_py.ports.models import BASE_LINK
 
 if TYPE_CHECKING:
     from skiros_py.ports.simulation import SimulatedRobot
@@ -136,6 +137,7 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         state_type: Type of its states, a frozen dataclass; None for a device that is only asked (a camera).
         target_type: Type of its targets, a frozen dataclass; None for a sensor.
         signals: The values that it offers in each cycle.
+        carries: True where bodies may stand on it: their ``sk:pose`` is given in its frame, and they move with it.
         jog: Primitive that moves it by a little, for people; empty for none.
         teach: Primitive that takes it to where a person teaches a pose; empty for none.
 
@@ -148,6 +150,7 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
     state_type: ClassVar[type | None] = None
     target_type: ClassVar[type | None] = None
     signals: ClassVar[tuple[DeviceSignal[Any], ...]] = ()
+    carries: ClassVar[bool] = False
     jog: ClassVar[str] = ""
     teach: ClassVar[str] = ""
 
@@ -234,6 +237,22 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         """Links of the robot's model that others may ask for: its tip, its optical frame."""
         return ()
 
+    # ------------------------------------------------------------------ what stands on it
+
+    @property
+    def platform_link(self) -> str:
+        """Link of the robot's model on which bodies stand, where it :attr:`carries` any."""
+        return ""
+
+    @property
+    def platform_start(self) -> Pose:
+        """Pose of that link in the frame of the robot, at the start."""
+        return Pose()
+
+    def platform(self, state: StateT) -> Pose:  # noqa: ARG002 - for kinds that carry something
+        """Returns the pose of that link in the frame of the robot."""
+        return Pose()
+
     # ------------------------------------------------------------------ plain data, faults
 
     def encode(self, value: StateT | TargetT) -> dict[str, Any]:
@@ -276,8 +295,15 @@ class MobileSpec(DeviceSpec[StateT, TargetT]):
         footprint: Corners of its outline on the floor in its own frame [m], counter-clockwise.
     """
 
+    carries: ClassVar[bool] = True
+
     start: Pose
     footprint: tuple[tuple[float, float], ...]
+
+    @property
+    def platform_link(self) -> str:
+        """Its own link: bodies stand on it as on the robot."""
+        return BASE_LINK
 
     @abstractmethod
     def pose(self, state: StateT) -> Pose:

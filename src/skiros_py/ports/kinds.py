@@ -30,16 +30,16 @@ class DeviceKinds:
     def __init__(self, kinds: Iterable[Kind]) -> None:
         self.by_name: Mapping[str, Kind] = {kind.kind: kind for kind in kinds}
 
-    def of_class(self, is_a: Callable[[str], bool], among: Callable[[str, str], bool]) -> Kind | None:
-        """Returns the kind of a device: the one with the most specific class.
+    def of_class(self, class_: str, is_a: Callable[[str, str], bool]) -> Kind | None:
+        """Returns the kind of devices of a class: the one with the most specific class; None for none.
 
         Args:
-            is_a: Tells whether the device is of a class.
-            among: Tells whether one class is among the superclasses of another: ``among(other, class_)``.
+            class_: Class of a device.
+            is_a: Tells whether the first class is the second, or below it.
         """
-        fitting = [kind for kind in self.by_name.values() if is_a(kind.device_class)]
+        fitting = [kind for kind in self.by_name.values() if is_a(class_, kind.device_class)]
         for kind in fitting:
-            if all(among(other.device_class, kind.device_class) for other in fitting):
+            if all(is_a(kind.device_class, other.device_class) for other in fitting):
                 return kind
         return None
 

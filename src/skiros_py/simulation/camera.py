@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.geometry import Pose
+from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.simulation import Rendering, Vector, View
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 
@@ -47,10 +49,11 @@ def colour_of(rendering: Rendering) -> NDArray[np.uint8]:
     return rendering.colour
 
 
-def view_of(camera: CameraSpec, robot: str) -> View:
-    """Returns what a robot's camera sees."""
+def view_of(camera: CameraSpec, robot: RobotSpec) -> View:
+    """Returns what a camera sees: on a link of its robot, or fixed where it stands by itself."""
     size = (camera.width, camera.height)
-    return View(*size, camera.vertical_fov, camera.near, camera.far, robot=robot, link=camera.frame)
+    at: dict[str, Any] = {"robot": robot.id, "link": camera.frame} if robot.model else {"pose": robot.place}
+    return View(*size, camera.vertical_fov, camera.near, camera.far, **at)
 
 
 def outside_view(eye: Vector, target: Vector, width: int, height: int) -> View:

@@ -64,7 +64,7 @@ class SimulatedCell:
         self._engine = _start_engine(engine, gui=gui)
         self.devices = spec.devices
         self._seed = seed
-        self._cameras = {camera.id: (robot.id, camera) for robot in spec.robots for camera in robot.of(CameraSpec)}
+        self._cameras = {camera.id: (robot, camera) for robot in spec.groups for camera in robot.of(CameraSpec)}
         self._shots: Counter[str] = Counter()
         self._directory = tempfile.TemporaryDirectory(prefix="skiros-cell-")
         self._closed = False
@@ -228,13 +228,13 @@ def _start_engine(wanted: str | EngineFactory, *, gui: bool) -> Engine:
 
 
 def _write_models(spec: CellSpec, directory: Path) -> dict[str, Path]:
-    paths = {model: write_robot_urdf(model, directory) for model in {robot.model for robot in spec.robots}}
-    return {robot.id: paths[robot.model] for robot in spec.robots}
+    paths = {model: write_robot_urdf(model, directory) for model in {group.model for group in spec.groups} - {""}}
+    return {group.id: paths[group.model] for group in spec.groups if group.model}
 
 
 def _middle(spec: CellSpec) -> tuple[float, float, float]:
     """Returns the middle of everything that stands somewhere, in the map [m]."""
     poses = [body.pose for body in spec.bodies if body.pose is not None and body.carrier is None]
-    poses += [robot.start for robot in spec.robots]
+    poses += [group.start for group in spec.groups]
     x, y = (sum(pose.position[axis] for pose in poses) / len(poses) for axis in (0, 1))
     return x, y, 0.5

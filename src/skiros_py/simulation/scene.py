@@ -12,7 +12,6 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceModel
-from skiros_py.ports.models import BASE_LINK
 from skiros_py.ports.simulation import Engine, SimulatedRobot, Surface
 from skiros_py.ports.values import Commands
 from skiros_py.simulation.appearance import Palette
@@ -83,12 +82,9 @@ class Scene:
         self.bodies: dict[str, BodySpec] = {}
         poses = start_poses(spec, seed)
         self.robots = [
-            CellRobot.bring_up(
-                robot,
-                engine.add_robot(robot.id, urdfs[robot.id]),
-                (seed, _DEVICE_STREAM, number),
-            )
-            for number, robot in enumerate(spec.robots)
+            CellRobot.bring_up(robot, _added(engine, robot, urdfs[robot.id]), (seed, _DEVICE_STREAM, number))
+            for number, robot in enumerate(spec.groups)
+            if robot.model
         ]
         self.compartments = {
             body.id: (body, poses[body.place].inverse() @ poses[body.id])
@@ -113,7 +109,8 @@ class Scene:
         self.bodies[spec.id] = spec
         if spec.carrier is not None:
             robot = next(robot for robot in self.robots if robot.spec.has(spec.carrier))
-            self.engine.attach(spec.id, robot.model.name, BASE_LINK)
+            link = robot.spec.device(spec.carrier).platform_link
+            self.engine.attach(spec.id, robot.model.name, link)
 
     def remove(self, body_id: str) -> None:
         """Removes a body.
@@ -209,3 +206,8 @@ class Scene:
         whole = self.bodies.get(compartment.place or "")
         if whole is not None and compartment.pose is not None and whole.pose is not None:
             self.compartments[compartment.id] = (compartment, whole.pose.inverse() @ compartment.pose)
+
+
+def _added(engine: Engine, robot: RobotSpec, urdf: Path) -> SimulatedRobot:
+    """Adds a robot to the engine: where it stands, or at the map's origin, from where its joints move it."""
+    return engine.add_robot(robot.id, urdf, robot.place if robot.carrier is None else Pose())

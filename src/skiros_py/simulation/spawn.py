@@ -74,10 +74,11 @@ def _carrier_pose(spec: CellSpec, body: BodySpec) -> Pose:
         carrier = spec.body(body.place).carrier
     if carrier is None:
         return Pose()
-    for robot in spec.robots:
-        if robot.carrier is not None and robot.carrier.id == carrier:
-            return robot.start
-    raise DescriptionError(f"'{body.id}' is carried by '{carrier}', which is no robot base of this cell")
+    for group in spec.groups:
+        for device in group.devices:
+            if device.id == carrier:
+                return group.start if device is group.carrier else group.start @ device.platform_start
+    raise DescriptionError(f"'{body.id}' is carried by '{carrier}', which is no device of this cell")
 
 
 def _place(spec: CellSpec, poses: Mapping[str, Pose], bodies: Sequence[BodySpec]) -> BodySpec:

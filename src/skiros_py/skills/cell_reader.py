@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from skiros_py.errors import DescriptionError, SkirosError
@@ -34,7 +33,6 @@ def read_cell(
     *,
     simulated: bool = True,
     left_out: dict[str, str] | None = None,
-    kinds: DeviceKinds | None = None,
 ) -> CellSpec:
     """Reads every body with a shape, the given robots, and the devices that belong to no robot.
 
@@ -45,7 +43,6 @@ def read_cell(
             and what is in stock has no bodies, however much it is.
         left_out: Gets each body that cannot be read, with the reason, and what lies in one: the cell does without them.
             None to have that raised.
-        kinds: The kinds of device; those that are installed where left out.
 
     Raises:
         DescriptionError: A robot or body lacks something; the message names the element and the property.
@@ -64,8 +61,8 @@ def read_cell(
     if left_out:
         bodies = _without(bodies, left_out)
     bodies.sort(key=lambda body: (body.mass > 0.0, body.compartment, body.id))
-    found = load_device_kinds()[0] if kinds is None else kinds
-    return CellSpec(tuple(bodies), tuple(_robot(view, robot, found) for robot in robots), _single(view, found))
+    kinds = load_device_kinds()[0]
+    return CellSpec(tuple(bodies), tuple(_robot(view, robot, kinds) for robot in robots), _single(view, kinds))
 
 
 def read_body(view: WorldView, element: str) -> BodySpec | None:
@@ -199,12 +196,13 @@ def _is_compartment(view: WorldView, element: str) -> bool:
 
 
 def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:
-    """Returns the pose in the map, or in the frame of the base that carries it, and that base's id."""
+    """Returns the pose in the map, or in the frame of the device that carries it, and that device's id."""
     pose = view.value(element, v.POSE)
     frames = view.objects(element, v.POSE_FRAME)
     if not isinstance(pose, Pose) or not frames:
         return (pose if isinstance(pose, Pose) else None), None
-    if view.ontology.is_a(view.element(frames[0]).type, v.BASE):
+    kind = _kind(view, frames[0], load_device_kinds()[0]) if _is_device(view, frames[0]) else None
+    if kind is not None and kind.carries:
         return pose, frames[0]
     frame, carrier = _pose(view, frames[0])
     return (frame @ pose if frame is not None else None), carrier
@@ -242,17 +240,30 @@ def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:
 
 
 def _is_part_of_device(view: WorldView, element: str) -> bool:
-    return any(view.ontology.is_a(view.element(o).type, v.DEVICE) for o in view.subjects(v.HAS_A, element))
+    return any(_is_device(view, o) for o in view.subjects(v.HAS_A, element))
 
 
 def _devices(view: WorldView, pieces: Sequence[str], kinds: DeviceKinds) -> tuple[DeviceSpec[Any, Any], ...]:
     """Reads those pieces that are devices of a kind that somebody brings; others are words without hardware."""
     found = []
     for piece in pieces:
-        kind = kinds.of_class(partial(view.ontology.is_a, view.element(piece).type), view.ontology.is_a)
+        kind = _kind(view, piece, kinds)
         if kind is not None:
             found.append(kind.read(_Individual(view, piece)))
     return tuple(found)
+
+
+def _kind(view: WorldView, element: str, kinds: DeviceKinds) -> type[DeviceSpec[Any, Any]] | None:
+    ontology = view.ontology
+
+    def is_a(class_: str, other: str) -> bool:
+        return other in ontology.classes and ontology.is_a(class_, other)  # a kind's ontology may not be loaded
+
+    return kinds.of_class(view.element(element).type, is_a)
+
+
+def _is_device(view: WorldView, element: str) -> bool:
+    return view.ontology.is_a(view.element(element).type, v.DEVICE)
 
 
 def _structure(view: WorldView, whole: str) -> list[str]:

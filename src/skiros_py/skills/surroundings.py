@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from skiros_py.errors import WorldError
 from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.motion import Held, Obstacle
 from skiros_py.skills.context import RunContext
 from skiros_py.world.element import Value
@@ -29,11 +28,11 @@ __all__ = ["held_by", "map_pose", "obstacles", "owner", "set_pose", "solid_of"]
 def map_pose(context: RunContext, element: str) -> Pose | None:
     """Returns the believed pose of an element in the map, or None when it has none.
 
-    A pose may be given in the frame of another element; a mobile base's own pose comes from localisation.
+    A pose may be given in the frame of another element; the pose of what carries things comes from its sensors.
     """
-    carrier = context.board.devices.get(element)
-    if isinstance(carrier, MobileSpec):
-        return carrier.pose(context.board.snapshot.devices[element])
+    device = context.board.devices.get(element)
+    if device is not None and device.carries:
+        return context.cell.group_of(element).platform(device, context.board.snapshot)
     pose = context.world.value(element, POSE)
     if not isinstance(pose, Pose):
         return None

@@ -1,0 +1,447 @@
+"""Kinds of device of a foreign distribution: planned with, commanded, encoded, faulted without a line in the core."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose
+from skiros_py.ports.board import DeviceBoard, DeviceHandle
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.device import MobileSpec
+from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.simulation.cell import SimulatedCell
+from skiros_py.simulation.fake import FakeCell
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.skills.conditions import Sensor
+from skiros_py.skills.surroundings import map_pose
+from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, world_of
+from skiros_py.world.world import World
+
+ONTOLOGY = """
+@prefix lab: <https://example.org/lab#> .
+@prefix sk: <https://w3id.org/skiros-py/core#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+<https://example.org/lab> a owl:Ontology ; rdfs:label "lab" ; rdfs:comment "Devices of a lab." ;
+    owl:imports <https://w3id.org/skiros-py/core> .
+lab:Wrench a owl:Class ; rdfs:subClassOf sk:Device ; rdfs:label "wrench sensor" ; rdfs:comment "Feels forces." .
+lab:Turntable a owl:Class ; rdfs:subClassOf sk:Device ; rdfs:label "turntable" ; rdfs:comment "Turns what it carries." .
+lab:Omni a owl:Class ; rdfs:subClassOf sk:Base ; rdfs:label "omni base" ; rdfs:comment "Drives to any side." .
+lab:Hand a owl:Class ; rdfs:subClassOf sk:Gripper ; rdfs:label "hand" ; rdfs:comment "Has three fingers." .
+"""
+
+DEVICES = '''
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from skiros_py.devices.base import BaseSpec
+from skiros_py.geometry import Pose
+from skiros_py.ports.device import DeviceSignal, DeviceSpec, MobileSpec, read_mobile, require_numbers
+
+
+@dataclass(frozen=True)
+class WrenchState:
+    force: tuple[float, float, float]
+    torque: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Wrench(DeviceSpec[WrenchState, None]):
+    """A force-torque sensor in a joint of its robot."""
+
+    kind: ClassVar[str] = "wrench"
+    device_class: ClassVar[str] = "lab:Wrench"
+    state_type: ClassVar[type] = WrenchState
+    signals: ClassVar[Any] = (
+        DeviceSignal("force", lambda s: s.force, "N", "force", "own"),
+        DeviceSignal("pull", lambda s: math.hypot(*s.force), "N", "size of the force"),
+    )
+    joint: str = ""
+
+    @classmethod
+    def read(cls, individual):
+        return cls(individual.id, individual.text("sk:joints"))
+
+    def fake(self, period):
+        return Feeling(None)
+
+    def simulate(self, robot, rng):
+        return Feeling(robot.joints((self.joint,)))
+
+    def noisy(self, state, sigma, rng):
+        return replace(state, force=tuple(f + e for f, e in zip(state.force, rng.normal(0.0, sigma, 3).tolist())))
+
+
+class Feeling:
+    braking_time = 0.0
+
+    def __init__(self, joints):
+        self.joints = joints
+
+    def command(self, target):
+        pass
+
+    def state(self):
+        if self.joints is None:
+            return WrenchState((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        (wrench,) = self.joints.reactions()
+        return WrenchState(wrench.force, wrench.torque)
+
+
+@dataclass(frozen=True)
+class TableState:
+    angle: float
+    speed: float
+
+
+@dataclass(frozen=True)
+class TableTarget:
+    speed: float
+
+
+@dataclass(frozen=True)
+class Turntable(DeviceSpec[TableState, TableTarget]):
+    kind: ClassVar[str] = "turntable"
+    device_class: ClassVar[str] = "lab:Turntable"
+    state_type: ClassVar[type] = TableState
+    target_type: ClassVar[type] = TableTarget
+    carries: ClassVar[bool] = True
+    signals: ClassVar[Any] = (DeviceSignal("angle", lambda s: s.angle, "rad", "how far it is turned"),)
+
+    @classmethod
+    def read(cls, individual):
+        return cls(individual.id)
+
+    def fake(self, period):
+        return Turning(period)
+
+    def still(self, state):
+        return state.speed == 0.0
+
+    def check(self, target):
+        DeviceSpec.check(self, target)
+        require_numbers(self.id, target, (target.speed,))
+
+    def scaled(self, target, rate):
+        return TableTarget(target.speed * rate)
+
+    def mixed(self, contributions):
+        total = sum(one.weight for one in contributions)
+        return TableTarget(sum(one.weight * one.target.speed for one in contributions) / total)
+
+    def platform(self, state):
+        return Pose.of(0.0, 0.0, 0.5, yaw=state.angle)
+
+
+class Turning:
+    braking_time = 0.0
+
+    def __init__(self, period):
+        self.period, self.now = period, TableState(0.0, 0.0)
+
+    def command(self, target):
+        speed = 0.0 if target is None else target.speed
+        self.now = TableState(self.now.angle + speed * self.period, speed)
+
+    def state(self):
+        return self.now
+
+
+@dataclass(frozen=True)
+class OmniState:
+    pose: Pose
+    x: float
+    y: float
+    angular: float
+
+
+@dataclass(frozen=True)
+class OmniTwist:
+    x: float
+    y: float
+    angular: float
+
+
+@dataclass(frozen=True)
+class Omni(MobileSpec[OmniState, OmniTwist]):
+    kind: ClassVar[str] = "omni"
+    device_class: ClassVar[str] = "lab:Omni"
+    state_type: ClassVar[type] = OmniState
+    target_type: ClassVar[type] = OmniTwist
+
+    @classmethod
+    def read(cls, individual):
+        return cls(individual.id, *read_mobile(individual))
+
+    def pose(self, state):
+        return state.pose
+
+    def still(self, state):
+        return not (state.x or state.y or state.angular)
+
+    def fake(self, period):
+        return Rolling(self.start, period)
+
+
+class Rolling:
+    braking_time = 0.0
+
+    def __init__(self, start, period):
+        self.period, self.now = period, OmniState(start, 0.0, 0.0, 0.0)
+
+    def command(self, target):
+        x, y, turn = (0.0, 0.0, 0.0) if target is None else (target.x, target.y, target.angular)
+        step = Pose.of(x * self.period, y * self.period, 0.0, yaw=turn * self.period)
+        self.now = OmniState(self.now.pose @ step, x, y, turn)
+
+    def state(self):
+        return self.now
+
+
+@dataclass(frozen=True)
+class HandState:
+    fingers: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class HandTarget:
+    fingers: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Hand(DeviceSpec[HandState, HandTarget]):
+    kind: ClassVar[str] = "three-finger gripper"
+    device_class: ClassVar[str] = "lab:Hand"
+    state_type: ClassVar[type] = HandState
+    target_type: ClassVar[type] = HandTarget
+    joints: tuple[str, ...] = ()
+
+    @classmethod
+    def read(cls, individual):
+        return cls(individual.id, tuple(individual.text("sk:joints").split()))
+
+    @property
+    def joint_names(self):
+        return self.joints
+
+    def joint_positions(self, state):
+        return state.fingers
+
+    def fake(self, period):
+        return Closing(len(self.joints))
+
+
+class Closing:
+    braking_time = 0.0
+
+    def __init__(self, count):
+        self.now = HandState((0.0,) * count)
+
+    def command(self, target):
+        self.now = self.now if target is None else HandState(target.fingers)
+
+    def state(self):
+        return self.now
+'''
+
+SCENE = """
+scene:robot_1 a sk:Robot ; sk:model "tiny" ; sk:at scene:unknown_location ; sk:hasA scene:base_1 , scene:arm_1 .
+scene:base_1 a lab:Omni ; sk:pose "0 0 0 0 0 0"^^sk:poseLiteral ;
+    sk:footprint "-0.3 -0.3 0.3 -0.3 0.3 0.3 -0.3 0.3"^^sk:vectorLiteral .
+scene:arm_1 a sk:Arm ; sk:joints "shoulder elbow" ; sk:tip "tip" ; sk:home "0 0"^^sk:vectorLiteral ;
+    sk:hasA scene:hand_1 , scene:wrench_1 .
+scene:hand_1 a lab:Hand ; sk:joints "a b c" .
+scene:wrench_1 a lab:Wrench ; sk:joints "wrist" .
+scene:table_1 a lab:Turntable ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor .
+scene:eye_1 a sk:Camera ; sk:pose "0 0 2 3.14159265 0 0"^^sk:poseLiteral ; sk:on scene:floor ; sk:width 64 ;
+    sk:height 48 ; sk:verticalFov 0.9 ; sk:minDepth 0.05 ; sk:maxDepth 5.0 ; sk:depthNoise 0.001 ; sk:latency 0.1 .
+scene:box_a a tiny:Box ; sk:on scene:floor ; sk:pose "3 3 0 0 0 0"^^sk:poseLiteral .
+scene:ball_1 a tiny:Ball ; sk:on scene:floor ; sk:mass 0.1 ; sk:pose "0.5 0 0 0 0 0"^^sk:poseLiteral ;
+    sk:poseFrame scene:table_1 .
+"""
+
+
+@pytest.fixture
+def lab(site, tmp_path: Path) -> Path:
+    """The distribution, installed; returns its ontology."""
+    names = {"wrench": "Wrench", "turntable": "Turntable", "omni": "Omni", "hand": "Hand"}
+    site.install(
+        "lab-devices", {"devices": {n: f"lab_devices:{c}" for n, c in names.items()}}, {"lab_devices.py": DEVICES}
+    )
+    file = tmp_path / "lab.ttl"
+    file.write_text(ONTOLOGY, encoding="utf-8")
+    return file
+
+
+@pytest.fixture
+def world(lab: Path) -> World:
+    return world_of(SCENE, ontologies=(TINY_ONTOLOGY, lab), robots=0)
+
+
+def spec_of(world: World) -> CellSpec:
+    return read_cell(world, ["robot_1"], simulated=False)
+
+
+def test_each_individual_is_read_by_the_kind_with_the_most_specific_class(world: World) -> None:
+    kinds, faults = load_device_kinds()
+    devices = {id_: device.kind for id_, device in spec_of(world).devices.items()}
+
+    assert {"arm", "base", "camera", "gripper", "wrench", "turntable", "omni"} <= set(kinds.by_name)
+    assert not [fault for fault in faults if fault.distribution.startswith("lab-devices")]
+    assert devices == {
+        "base_1": "omni",
+        "arm_1": "arm",
+        "hand_1": "three-finger gripper",
+        "wrench_1": "wrench",
+        "table_1": "turntable",
+        "eye_1": "camera",
+    }
+
+
+def test_a_kind_whose_ontology_is_not_loaded_does_not_matter(lab: Path) -> None:
+    world = world_of("", ontologies=(TINY_ONTOLOGY,))
+
+    assert [device.kind for device in read_cell(world, ["robot_1"]).devices.values()] == ["arm", "gripper", "base"]
+
+
+def test_a_device_without_a_robot_is_part_of_the_cell(world: World) -> None:
+    spec = spec_of(world)
+
+    assert [group.id for group in spec.robots] == ["robot_1"]
+    assert {group.id: group.place.position for group in spec.single} == {
+        "table_1": (2.0, 0.0, 0.0),
+        "eye_1": (0.0, 0.0, 2.0),
+    }
+
+
+def test_a_robot_of_foreign_devices_is_planned_with_and_reaches_its_goal(world: World) -> None:
+    with Bench(world, robots=["robot_1"]) as bench:
+        report = bench.pursue("At(robot_1, box_a)")
+
+    assert report.reached
+
+
+def test_foreign_devices_are_commanded_and_stop_where_they_are_told(world: World) -> None:
+    lab = pytest.importorskip("lab_devices")
+    with Bench(world, robots=["robot_1"]) as bench:
+        board = bench.context.board
+        base, hand = DeviceHandle(board, "base_1"), DeviceHandle(board, "hand_1")
+        for _ in range(200):
+            base.command(lab.OmniTwist(0.0, 0.5, 0.0))
+            hand.command(lab.HandTarget((0.1, 0.2, 0.3)))
+            bench.cycle.step()
+        moving = board.still
+        bench.cycle.stop_all()
+
+        assert base.state.pose.position == pytest.approx((0.0, 0.5, 0.0), abs=0.01)
+        assert hand.state.fingers == (0.1, 0.2, 0.3)
+        assert (moving, board.still) == (False, True)
+        with pytest.raises(DeviceError, match="no commands"):
+            DeviceHandle(board, "wrench_1").command(lab.OmniTwist(0.0, 0.0, 0.0))
+
+
+def test_what_stands_on_a_turntable_moves_with_it(world: World) -> None:
+    lab = pytest.importorskip("lab_devices")
+    with Bench(world, robots=["robot_1"]) as bench:
+        table = DeviceHandle(bench.context.board, "table_1")
+        before = map_pose(bench.context, "ball_1")
+        for _ in range(200):
+            table.command(lab.TableTarget(math.pi / 2.0))
+            bench.cycle.step()
+        after = map_pose(bench.context, "ball_1")
+
+    assert before.position == pytest.approx((2.5, 0.0, 0.5), abs=1e-6)
+    assert after.position == pytest.approx((2.0, 0.5, 0.5), abs=0.01)
+
+
+def test_states_and_targets_go_through_json_and_come_back_the_same(world: World) -> None:
+    lab = pytest.importorskip("lab_devices")
+    spec = spec_of(world)
+    snapshot = FakeCell(spec).read()
+
+    for id_, state in snapshot.devices.items():
+        device = spec.devices[id_]
+        assert device.decode_state(json.loads(json.dumps(device.encode(state)))) == state
+    target = lab.TableTarget(0.5)
+    assert spec.devices["table_1"].decode_target(spec.devices["table_1"].encode(target)) == target
+    with pytest.raises(DeviceError, match="table_1: no target of kind 'turntable'"):
+        spec.devices["table_1"].decode_target({"sped": 0.5})
+
+
+def test_foreign_devices_are_faulted_like_any_other(world: World) -> None:
+    lab = pytest.importorskip("lab_devices")
+    cell = FaultyCell(FakeCell(spec_of(world)), Deaf("base_1"), Frozen("table_1"), Noisy("wrench_1", 1.0))
+
+    now = cell.exchange({"base_1": lab.OmniTwist(1.0, 0.0, 0.0), "table_1": lab.TableTarget(1.0)})
+
+    assert now.devices["base_1"].pose == Pose()
+    assert now.devices["table_1"].angle == 0.0
+    assert any(now.devices["wrench_1"].force)
+
+
+def test_conditions_and_people_see_what_foreign_devices_offer(world: World) -> None:
+    with Bench(world, robots=["robot_1"]) as bench:
+        verdict = Sensor("device", "pull", "<", 1.0).evaluate(bench.world, {"device": "wrench_1"})
+        offered = [signal.name for signal in bench.context.board.devices["wrench_1"].signals]
+
+    assert verdict
+    assert offered == ["force", "pull"]
+
+
+def test_the_rate_of_a_paused_run_slows_foreign_speeds_down(world: World) -> None:
+    lab = pytest.importorskip("lab_devices")
+    board = DeviceBoard(FakeCell(spec_of(world)))
+
+    class Paused:
+        devices = None
+        rate = 0.5
+
+    board.owner = Paused()
+    DeviceHandle(board, "table_1").command(lab.TableTarget(1.0))
+
+    assert board.exchange().devices["table_1"].speed == 0.5
+
+
+def test_a_robot_that_nothing_moves_stands_where_its_own_pose_says(lab: Path) -> None:
+    scene = """
+        scene:robot_1 a sk:Robot ; sk:model "tiny" ; sk:at scene:unknown_location ; sk:hasA scene:arm_1 ;
+            sk:pose "1 2 0 0 0 0"^^sk:poseLiteral ; sk:footprint "0 0 1 0 1 1"^^sk:vectorLiteral .
+        scene:arm_1 a sk:Arm ; sk:joints "shoulder" ; sk:tip "tip" ; sk:home "0"^^sk:vectorLiteral .
+    """
+    world = world_of(scene, ontologies=(TINY_ONTOLOGY, lab), robots=0)
+    with Bench(world) as bench:
+        (robot,) = bench.context.cell.robots
+        bench.advance(0.1)
+
+        assert robot.carrier is None
+        assert robot.pose(bench.cycle.board.snapshot) == Pose((1.0, 2.0, 0.0))
+        assert robot.outline == ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
+        assert not isinstance(robot.devices[0], MobileSpec)
+
+
+def test_in_physics_a_wrist_feels_weight_and_a_camera_without_a_robot_sees(lab: Path) -> None:
+    scene = """
+        scene:wrench_1 a lab:Wrench ; sk:joints "panda_joint7" .
+        scene:robot_1 sk:hasA scene:wrench_1 .
+        scene:base_1 sk:pose "0 0 0 0 0 0"^^sk:poseLiteral .
+        scene:eye_1 a sk:Camera ; sk:pose "0 2 2 3.14159265 0 0"^^sk:poseLiteral ; sk:on scene:floor ; sk:width 64 ;
+            sk:height 48 ; sk:verticalFov 0.9 ; sk:minDepth 0.05 ; sk:maxDepth 5.0 ; sk:depthNoise 0.001 ;
+            sk:latency 0.1 .
+    """
+    robot = "https://w3id.org/skiros-py/robots/mobile_panda"
+    cell = SimulatedCell(read_cell(world_of(scene, ontologies=(lab,), imports=(robot,)), ["robot_1"]), seed=1)
+    try:
+        for _ in range(100):
+            snapshot = cell.exchange({})
+        image = cell.capture("eye_1").result()
+    finally:
+        cell.close()
+
+    assert 5.0 < math.hypot(*snapshot.devices["wrench_1"].force) < 50.0
+    assert image.depth[24, 32] == pytest.approx(2.0, abs=0.02)
