@@ -8,11 +8,11 @@ from skiros_py.planning.domain.needs import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence
 from skiros_py.planning.plan import Step, read_plan
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.planner import Planner, Unsolvable
 from skiros_py.planning.problem.stock import with_stock
 from skiros_py.planning.problem.task import PlanningTask, build_task
 from skiros_py.planning.sequence import counts
-from skiros_py.planning.validation import replay
 
 __all__ = ["disagreement"]
 

@@ -22,8 +22,9 @@ from skiros_py.planning.plan import NoPlan
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
+from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.task import build_task
-from skiros_py.planning.service import PlanningService
+from skiros_py.planning.service import plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
@@ -55,7 +56,7 @@ def main() -> int:
     tally = Tally()
     for seed in range(1, options.seeds + 1):
         for mutation in mutations(seed, options.rounds):
-            _measure(mutation, trying, PlanningService(checking), tally)
+            _measure(mutation, trying, checking, tally)
     checking.close()
     trying.close()
     for line in (*tally.wrong, *tally.broken):
@@ -63,7 +64,7 @@ def main() -> int:
     return finish("explanation", _figures(tally, _in_a_large_world()))
 
 
-def _measure(mutation: Mutation, trying: Planners, checking: PlanningService, tally: Tally) -> None:
+def _measure(mutation: Mutation, trying: Planners, checking: Planner, tally: Tally) -> None:
     task = build_task(mutation.world, mutation.capabilities, mutation.goal)
     started = time.perf_counter()
     explain(task, mutation.world)
@@ -77,7 +78,7 @@ def _measure(mutation: Mutation, trying: Planners, checking: PlanningService, ta
     _apply_each(mutation, found, checking, tally)
 
 
-def _apply_each(mutation: Mutation, found: Explanation, checking: PlanningService, tally: Tally) -> None:
+def _apply_each(mutation: Mutation, found: Explanation, checking: Planner, tally: Tally) -> None:
     offered = [repair for repair in found.repairs if repair.edits or repair.without]
     tally.repairs += len(offered)
     tally.repaired += bool(offered)
@@ -89,13 +90,8 @@ def _apply_each(mutation: Mutation, found: Explanation, checking: PlanningServic
             tally.broken.append(f"no plan after all: {mutation.name}: {repair.text}")
 
 
-def _has_plan(mutation: Mutation, goal: Sequence[Condition], checking: PlanningService) -> bool:
-    planning = checking.plan(mutation.world, mutation.capabilities, goal)
-    while True:
-        try:
-            next(planning)
-        except StopIteration as end:
-            return not isinstance(end.value.outcome, NoPlan)
+def _has_plan(mutation: Mutation, goal: Sequence[Condition], checking: Planner) -> bool:
+    return not isinstance(plan(checking, mutation.world, mutation.capabilities, goal).outcome, NoPlan)
 
 
 def _in_a_large_world() -> float:

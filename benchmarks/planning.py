@@ -32,7 +32,7 @@ from skiros_py.planning.planners.fast_downward import FastDownward, driver_path
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.task import build_task
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.service import Planned, plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.element import Placement
 from skiros_py.world.view import WorldView
@@ -160,12 +160,7 @@ def _threads() -> list[Figure]:
 
 
 def _planned(planner: Planner, world: WorldView, goal: Sequence[Condition]) -> Planned:
-    planning = PlanningService(planner).plan(world, able(world), goal)
-    try:
-        while True:
-            next(planning)
-    except StopIteration as end:
-        planned: Planned = end.value
+    planned = plan(planner, world, able(world), goal)
     if not isinstance(planned.outcome, Plan):
         raise SystemExit(f"no plan: {planned.outcome}")
     return planned

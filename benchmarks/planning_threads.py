@@ -23,13 +23,13 @@ from table import Figure, finish
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.plan import Plan
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.service import PlanningService
-from skiros_py.planning.validation import replay
+from skiros_py.planning.service import plan
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
@@ -75,9 +75,8 @@ def _of_planner(planner: Planner, goals: int, threads: int, folder: Path) -> lis
     before = _left_behind(folder)
     started = time.perf_counter()
     with closing(Planners.only(planner)) as planners:
-        service = PlanningService(planners, "threads")
         with ThreadPoolExecutor(threads) as pool:
-            verdicts = list(pool.map(lambda goal: _verdict(service, world, goal), wanted))
+            verdicts = list(pool.map(lambda goal: _verdict(planners, world, goal), wanted))
         seconds = time.perf_counter() - started
     wrong = len(verdicts) - verdicts.count("")
     stray = len(_left_behind(folder) - before)
@@ -113,15 +112,11 @@ def _goals(count: int) -> list[tuple[Condition, ...]]:
     return goals
 
 
-def _verdict(service: PlanningService, world: World, goal: Sequence[Condition]) -> str:
+def _verdict(planners: Planners, world: World, goal: Sequence[Condition]) -> str:
     """Plans for a goal; returns what is wrong with the plan, or nothing."""
     able = [Capability(skill, world.instances(skill.agent_class)) for skill in _SKILLS]
-    planning = service.plan(world, able, goal)
     try:
-        while True:
-            next(planning)
-    except StopIteration as end:
-        planned = end.value
+        planned = plan(planners, world, able, goal)
     except PlanningError as error:
         return str(error)
     if not isinstance(planned.outcome, Plan):

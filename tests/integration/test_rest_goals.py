@@ -300,4 +300,3 @@ def test_a_server_that_ends_waits_for_no_plan(tmp_path):
         httpx2.post(f"{served.url}/api/v1/previews", json={"goal": KIT}).raise_for_status()
         (preview,) = served.services.previews.all()
     assert preview.ended.is_set()
-    assert preview.view is None

@@ -10,7 +10,7 @@ from skiros_py.errors import PlanningError, UsageError
 from skiros_py.execution.pulse import Chore
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.planners.fast_downward import FastDownward
-from skiros_py.planning.service import PlanningService
+from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
@@ -73,8 +73,8 @@ class Rig:
 
     def reach(self, goal: Sequence[Condition]) -> bool:
         """Plans for a goal and does it; tells whether it holds then."""
-        with closing(FastDownward()) as planner:
-            tasks = TaskManager(self.world, self._managers, PlanningService(planner, "contract"), self._cycle)
+        with closing(FastDownward()) as planner, closing(ThreadHost(self.world, planner)) as planning:
+            tasks = TaskManager(self.world, self._managers, planning, self._cycle)
             try:
                 self._cycle.run(self._cycle.start(tasks.pursue(goal), "the contract test's goal"))
             except (PlanningError, UsageError):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
@@ -10,7 +10,7 @@ from skiros_py.planning.domain.sequencing import in_sequence, with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import timed
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
-from skiros_py.planning.robots.allocation import dealing
+from skiros_py.planning.robots.allocation import deal
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import SPATIAL_THING
@@ -44,22 +44,17 @@ class Wanted:
     name: str = "skiros"
 
 
-def attempts(wanted: Wanted) -> Generator[tuple[PlanningTask, PddlTexts] | None, None, None]:
+def attempts(wanted: Wanted) -> Iterator[tuple[PlanningTask, PddlTexts]]:
     """Yields tasks with their texts, ever more complete; each is worked out when it is asked for.
-
-    Yields None between the pieces of that work.
 
     Raises:
         PlanningError: The task cannot be written.
     """
     for width in _widths(wanted.view):
         task = _task(wanted, width)
-        yield None
-        shared = yield from dealing(wanted.view, task)
-        yield None
+        shared = deal(wanted.view, task)
         if shared is not task:
             yield replace(shared, complete=False), _texts(wanted, shared)
-            yield None
         yield task, _texts(wanted, task)
         if task.complete:
             return

@@ -14,12 +14,11 @@ from typing import NamedTuple
 from skiros_py.planning.domain.matching import are_none, bindings
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.domain.pddl import PddlTexts
-from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["Taken", "TaskState", "in_words", "pddl_plan"]
+__all__ = ["Taken", "TaskState", "pddl_plan"]
 
 
 def pddl_plan(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontology: Ontology) -> tuple[str, ...]:
@@ -34,16 +33,8 @@ def pddl_plan(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontol
         steps: The skills to run, in order; they lead to the goal.
         ontology: Classes.
     """
-    return at_once(in_words(task, texts, steps, ontology))
-
-
-def in_words(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontology: Ontology) -> Work[tuple[str, ...]]:
-    """Does what :func:`pddl_plan` does; yields after each step."""
     run = TaskState(task, ontology)
-    taken: list[Taken | None] = []
-    for step in steps:
-        taken.append(run.take(step))
-        yield
+    taken = [run.take(step) for step in steps]
     closing = run.close([a for a in task.domain.actions if a.skill is None], task.problem.goal)
     if None in taken or closing is None:
         return ()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
@@ -21,7 +20,9 @@ from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
+from skiros_py.planning.requests import PlanningHost
 from skiros_py.planning.service import Planned
+from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.plugins import PluginFault
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
@@ -125,6 +126,7 @@ class Session:
         cycle: The control cycle.
         managers: The skill managers by the id of their subsystem.
         questions: What the robots ask a person.
+        planning: Where it is planned.
         stopped: True when somebody asked for a stop.
         left_out: Bodies that it was opened without, each with the reason: what people have written of them does not do.
     """
@@ -162,10 +164,11 @@ class Session:
         self._set_up(libraries)
         self._watch()
         planners = self._stack.enter_context(closing(self._planners()))
+        self.planning: PlanningHost = self._stack.enter_context(closing(ThreadHost(self.world, planners)))
         title = self._source.stem
         self.tasks = TaskManager.of(
             self.runtime,
-            planners,
+            self.planning,
             title,
             on_plan=self._tell_plan,
             leaving=self._is_stopping,
@@ -312,14 +315,11 @@ class Session:
 
     def plan(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> Planned:
         """Plans from the present beliefs without doing anything."""
-        planning = self.tasks.plan(self._conditions(goal))
-        while True:
-            try:
-                next(planning)
-            except StopIteration as end:
-                result: Planned = end.value
-                return result
-            time.sleep(0.001)
+        asked = self.planning.ask(self.tasks.plan_request(self._conditions(goal)))
+        try:
+            return asked.result().value
+        finally:
+            asked.cancel()
 
     def run(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> GoalReport:
         """Pursues a goal to its end, or until :meth:`stop`.

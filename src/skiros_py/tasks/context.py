@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.skill_manager import Transport
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.requests import Answer, Asked, PlanningHost
+from skiros_py.planning.service import USUAL, Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
+from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import Questions
 from skiros_py.skills.skill import SkillDescription
+from skiros_py.tasks.control import Control
 from skiros_py.tasks.reservations import Reservations
-from skiros_py.tasks.turn import Turn
 from skiros_py.world.vocabulary import HAS_SKILL
 from skiros_py.world.world import World
 
 __all__ = ["TaskContext"]
+
+T = TypeVar("T")
+
+_POLL = 0.0005
+"""Time between two looks for an answer while simulated time stands still [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,24 +37,28 @@ class TaskContext:
     Attributes:
         world: The live world model.
         managers: Skill managers by agent id.
-        planning: Plans.
+        planning: Where it is planned.
         cycle: Runs everything.
         on_plan: Told of every new plan.
         monitor: Hears of steps that have to wait; None where nobody listens.
         questions: Where a person is asked.
         reservations: Which task has which robots and things.
-        turn: Which task works at this moment.
+        leaving: Tells whether a stop is wanted: then simulated time goes on, for the stop to happen.
+        options: How to plan.
+        lockstep: True where simulated time stands still while it is planned.
     """
 
     world: World
     managers: Mapping[str, Transport]
-    planning: PlanningService
+    planning: PlanningHost
     cycle: ControlCycle
     on_plan: Callable[[Planned], None] = lambda _planned: None
     monitor: Monitor | None = None
     questions: Questions = field(default_factory=Questions)
     reservations: Reservations = field(default_factory=Reservations)
-    turn: Turn = field(default_factory=Turn)
+    leaving: Callable[[], bool] = lambda: False
+    options: PlanningOptions = USUAL
+    lockstep: bool = True
 
     @property
     def now(self) -> float:
@@ -68,3 +81,30 @@ class TaskContext:
     def offers(self, agent: str, skill: str) -> bool:
         """Tells whether a subsystem is there and has a skill."""
         return agent in self.managers and skill in self.managers[agent].descriptions
+
+    # ------------------------------------------------------------------ answers of planning
+
+    def answer(self, asked: Asked[T], control: Control) -> Execution[Answer[T]]:
+        """Waits for an answer, which is cancelled when it is no longer waited for.
+
+        Args:
+            asked: The request.
+            control: What people want of the task that waits.
+
+        Raises:
+            PlanningError: It broke.
+        """
+        try:
+            self.wait_in_lockstep(asked, control)
+            while not asked.done():
+                yield
+            return asked.result()
+        finally:
+            asked.cancel()
+
+    def wait_in_lockstep(self, asked: Asked[T], control: Control) -> None:
+        """Waits for an answer where simulated time stands still meanwhile; only until the task shall end."""
+        if self.lockstep:
+            with self.cycle.pulse.waiting():
+                while not (asked.done() or self.leaving() or control.stop is not None):
+                    time.sleep(_POLL)

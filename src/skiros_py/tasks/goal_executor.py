@@ -49,8 +49,8 @@ class GoalExecutor:
         self._context = context
         self._skills: dict[str, SkillDescription] = {}
         self._dispatcher = Dispatcher(task, context, self.history, self._skills)
-        self._monitor = PlanMonitor(context, self._dispatcher, self.history, self._skills)
-        self._replanner = Replanner(context, self.history, task.name)
+        self._monitor = PlanMonitor(context, self._dispatcher, self.history, self._skills, task.control)
+        self._replanner = Replanner(context, self.history, task.name, task.control)
         self._report = ReportBuilder(task, context, self.history)
         self._rounds = 0
 
@@ -96,7 +96,7 @@ class GoalExecutor:
             kept = self._report.kept
             if self._all_hold(kept) or (self._report.given_up and not self._task.policy.rest):
                 break
-            if self._monitor.is_right_for(kept):
+            if (yield from self._meanwhile(self._monitor.is_right_for(kept))):
                 self._tell(Happening.RETRIED, f"{self._monitor.trouble}: it is tried again")
             else:
                 planned = yield from self._plan(kept)
@@ -128,7 +128,7 @@ class GoalExecutor:
                 return
             if self._dispatcher.agenda.done or self._monitor.is_misled():
                 return
-            if self._dispatcher.start_ready():
+            if self._monitor.is_sure and self._dispatcher.start_ready():
                 yield  # what was refused now may be possible in the next cycle
                 return
             yield
@@ -163,8 +163,7 @@ class GoalExecutor:
             while True:
                 self._look_after()
                 try:
-                    with self._context.turn.of(self._task.control):
-                        next(work)
+                    next(work)
                 except StopIteration as end:
                     result: T = end.value
                     return result
@@ -182,7 +181,7 @@ class GoalExecutor:
             why = self._monitor.trouble or "the goal does not hold yet"
             self._tell(Happening.REPLANS, f"plans anew: {why}")
         self._skills |= {c.skill.name: c.skill for c in self._context.capabilities}  # managers come and go
-        planning = self._replanner.plan(kept, self._monitor.undoubted, self._skills)
+        planning = self._replanner.plan(kept, self._monitor.undoubted)
         planned = yield from self._meanwhile(planning)
         while self._task.control.mode is Mode.PAUSE:
             self._look_after()
@@ -227,7 +226,7 @@ class GoalExecutor:
         kept: list[Condition] = []
         dropped: dict[Condition, str] = {}
         for condition in goal if len(goal) > 1 else ():
-            planned = yield from self._meanwhile(self._replanner.plan((*kept, condition), (), self._skills))
+            planned = yield from self._meanwhile(self._replanner.plan((*kept, condition)))
             if isinstance(planned.outcome, Plan):
                 kept.append(condition)
             else:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from contextlib import suppress
 from itertools import count, islice
+from typing import TypeVar
 
 from skiros_py.errors import SkirosError
 from skiros_py.execution.contained import words
-from skiros_py.planning.pieces import T, Work, at_once, in_slices
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
@@ -19,12 +19,14 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.sequences import StepCheck, checking_steps
+from skiros_py.tasks.sequences import StepCheck, StepsCheck
 from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
 from skiros_py.tasks.wording import short_step
 
 __all__ = ["SequenceRun"]
+
+T = TypeVar("T")
 
 
 class SequenceRun:
@@ -103,16 +105,13 @@ class SequenceRun:
         return (yield from self._carry_out())
 
     def _checks(self) -> Execution[tuple[StepCheck, ...]]:
-        """Checks all steps as the world is now; of a hundred that takes so long that the cycle goes on in between."""
+        """Checks all steps as the world is now, where planning is done."""
         able = {c.skill.name: c.agents for c in self._context.capabilities}
-        cycle = self._context.cycle
-        work = checking_steps(self._context.world.snapshot(), self._steps, self._skills, able)
-        if cycle.pace is not None:
-            return (yield from self._until_stopped(in_slices(work)))
-        with cycle.pulse.waiting():  # simulated time stands still
-            return at_once(work)
+        asked = self._context.planning.ask(StepsCheck(self._steps, dict(self._skills), able))
+        answer = yield from self._until_stopped(self._context.answer(asked, self._task.control))
+        return answer.value
 
-    def _until_stopped(self, work: Work[T]) -> Work[T]:
+    def _until_stopped(self, work: Execution[T]) -> Execution[T]:
         while True:
             try:
                 next(work)

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName, UsageError
 from skiros_py.planning.domain.needs import needs_of
-from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan_validation import apply_effects
+from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
-from skiros_py.planning.validation import apply_effects
 from skiros_py.skills.conditions import judge
 from skiros_py.skills.inference import applying
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.casting import Cast, cast
 from skiros_py.tasks.wording import short_step
+from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
-__all__ = ["StepCheck", "StepSequence", "check_steps", "checking_steps"]
+__all__ = ["StepCheck", "StepSequence", "StepsCheck", "check_steps"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,22 +205,21 @@ def check_steps(
         skills: The skills there are, by name.
         able: By skill the subsystems that have it now; None where it is enough that there could be one.
     """
-    return at_once(checking_steps(view, steps, skills, able))
-
-
-def checking_steps(
-    view: WorldView,
-    steps: Sequence[Step],
-    skills: Mapping[str, SkillDescription],
-    able: Mapping[str, Collection[str]] | None = None,
-) -> Work[tuple[StepCheck, ...]]:
-    """Checks steps as :func:`check_steps` does, one after each yield; the view must not change meanwhile."""
     overlay = Overlay(with_stock(view, named=tokens_of(steps)))
-    checks = []
-    for step in steps:
-        yield
-        checks.append(_check(overlay, step, skills, able))
-    return tuple(checks)
+    return tuple(_check(overlay, step, skills, able) for step in steps)
+
+
+@dataclass(frozen=True, slots=True)
+class StepsCheck:
+    """Asks planning to check steps; see :func:`check_steps` for its attributes."""
+
+    steps: tuple[Step, ...]
+    skills: Mapping[str, SkillDescription]
+    able: Mapping[str, Collection[str]] | None = None
+
+    def answer(self, state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> tuple[StepCheck, ...]:
+        """Checks the steps."""
+        return check_steps(state, self.steps, self.skills, self.able)
 
 
 def _check(

@@ -11,14 +11,14 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.runtime import Runtime
 from skiros_py.execution.skill_manager import Transport
-from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.requests import PlanningHost, PlanRequest
+from skiros_py.planning.service import USUAL, Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import Questions
 from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.control import Control
 from skiros_py.tasks.goal_executor import GoalExecutor
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
@@ -32,6 +32,9 @@ from skiros_py.world.world import World
 
 __all__ = ["TaskManager"]
 
+_TRIES = {False: (1.0, 4.0), True: (5.0, 10.0)}
+"""How long one planner, and all together, may try out repairs, by whether simulated time stands still [s]."""
+
 
 class TaskManager:
     """Pursues goals with the skill managers that are there.
@@ -39,27 +42,44 @@ class TaskManager:
     Args:
         world: The live world model.
         managers: Skill managers by agent id.
-        planning: Plans.
+        planning: Where it is planned.
         cycle: Runs everything.
         on_plan: Told of every new plan.
         attempts: How often a skill may fail on one target, where nobody says otherwise.
         monitor: Hears of steps that have to wait; None where nobody listens.
         questions: Where a person is asked; None where nobody is.
+        leaving: Tells whether somebody wants everything to stop: then no planner is waited for.
+        options: How to plan.
+        lockstep: True where simulated time stands still while it is planned.
     """
 
     def __init__(
         self,
         world: World,
         managers: Mapping[str, Transport],
-        planning: PlanningService,
+        planning: PlanningHost,
         cycle: ControlCycle,
         *,
         on_plan: Callable[[Planned], None] = lambda _planned: None,
         attempts: int = 3,
         monitor: Monitor | None = None,
         questions: Questions | None = None,
+        leaving: Callable[[], bool] = lambda: False,
+        options: PlanningOptions = USUAL,
+        lockstep: bool = True,
     ) -> None:
-        self._context = TaskContext(world, managers, planning, cycle, on_plan, monitor, questions or Questions())
+        self._context = TaskContext(
+            world,
+            managers,
+            planning,
+            cycle,
+            on_plan,
+            monitor,
+            questions or Questions(),
+            leaving=leaving,
+            options=options,
+            lockstep=lockstep,
+        )
         self._policy = Policy(attempts=attempts)
         self._names = count(1)
         self._active: dict[str, TaskHandle] = {}
@@ -70,7 +90,7 @@ class TaskManager:
     def of(
         cls,
         runtime: Runtime,
-        planners: Planner | Planners,
+        planning: PlanningHost,
         name: str,
         *,
         on_plan: Callable[[Planned], None] = lambda _planned: None,
@@ -82,7 +102,7 @@ class TaskManager:
 
         Args:
             runtime: Runs everything.
-            planners: One planner, or several to choose from; whoever made them closes them.
+            planning: Where it is planned; it is not closed.
             name: Name of what is planned for, for the planner's files.
             on_plan: Told of every new plan.
             attempts: How often a skill may fail on one target before that target is left out of further plans.
@@ -90,15 +110,7 @@ class TaskManager:
             temporal: True to plan in time, with a planner that takes durative actions.
         """
         cycle = runtime.cycle
-        planning = PlanningService(
-            planners,
-            name,
-            lockstep=cycle.pace is None,
-            waiting=cycle.pulse.waiting,
-            leaving=lambda: leaving() or made._context.turn.stop_wanted,
-            temporal=temporal,
-        )
-        made = cls(
+        return cls(
             runtime.world,
             runtime.managers,
             planning,
@@ -107,8 +119,10 @@ class TaskManager:
             attempts=attempts,
             monitor=runtime.monitor,
             questions=runtime.questions,
+            leaving=leaving,
+            options=PlanningOptions(name, temporal, *_TRIES[cycle.pace is None]),
+            lockstep=cycle.pace is None,
         )
-        return made
 
     @property
     def steps(self) -> tuple[StepReport, ...]:
@@ -133,13 +147,9 @@ class TaskManager:
         """Returns the ids of the robots and things that a task has and others may not use; for the control thread."""
         return self._context.reservations.of(name)
 
-    def plan(self, goal: Sequence[Condition]) -> Execution[Planned]:
-        """Plans from what is believed now, without doing anything.
-
-        Raises:
-            PlanningError: The planner broke.
-        """
-        return Replanner(self._context, History(self._context.world, 1), "").plan(goal)
+    def plan_request(self, goal: Sequence[Condition]) -> PlanRequest:
+        """Returns what planning would be asked for a goal now, without doing anything."""
+        return Replanner(self._context, History(self._context.world, 1), "", Control()).request(goal)
 
     # ------------------------------------------------------------------ tasks
 

@@ -13,6 +13,7 @@ from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.service import Planned
+from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.signals import SignalProvider
@@ -103,7 +104,8 @@ class Bench:
         self.context, self.questions, self.monitor = runtime.context, runtime.questions, runtime.monitor
         self.monitor.subscribe(self.events.append)
         self._planner = planner or FastDownward()
-        self.tasks = TaskManager.of(runtime, self._planner, "bench", on_plan=self.plans.append, attempts=attempts)
+        self._planning = ThreadHost(world, self._planner)
+        self.tasks = TaskManager.of(runtime, self._planning, "bench", on_plan=self.plans.append, attempts=attempts)
 
     # ------------------------------------------------------------------ goals
 
@@ -113,7 +115,7 @@ class Bench:
 
     def plan(self, *texts: str) -> Planned:
         """Plans for a goal without doing anything."""
-        return self.cycle.run(self.cycle.start(self.tasks.plan(self.goal(*texts))))
+        return self._planning.ask(self.tasks.plan_request(self.goal(*texts))).result().value
 
     def pursue(self, *texts: str) -> GoalReport:
         """Pursues a goal to its end, or until everything is halted."""
@@ -193,6 +195,7 @@ class Bench:
         """Ends the planner, the watchdog and the cell; may be called twice."""
         self.watchdog.close()
         self._planner.close()
+        self._planning.close()
         self.cell.close()
 
     def __enter__(self) -> Self:

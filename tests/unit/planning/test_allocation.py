@@ -10,6 +10,7 @@ from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.domain.needs import passed_keys
 from skiros_py.planning.domain.pddl import write_pddl
 from skiros_py.planning.plan import Plan, Step, read_plan
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.problem.task import PlanningTask
@@ -17,7 +18,6 @@ from skiros_py.planning.regrounding import pddl_plan
 from skiros_py.planning.robots.allocation import ASSIGNED, deal, shares, teams
 from skiros_py.planning.robots.effort import efforts
 from skiros_py.planning.robots.ordering import makespan, order, schedule
-from skiros_py.planning.validation import replay
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.testing import tiny_task, tiny_world

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+import time
+from collections.abc import Sequence
 from contextlib import closing
+from itertools import count
 
 import pytest
 
 from skiros_py.errors import PlanningError
-from skiros_py.planning.asking import Asking
 from skiros_py.planning.attempts import Wanted, attempts
 from skiros_py.planning.explanation import Trial
-from skiros_py.planning.pieces import Work, at_once, in_slices
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.planner import Answer, Planner
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.prospect import Prospect
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.requests import PlanRequest
+from skiros_py.planning.service import Planned, plan
+from skiros_py.planning.solver_loop import SolverLoop
+from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.ports.pending import Pending
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import SKILLS, GivenPlanner, tiny_world
@@ -71,16 +73,13 @@ def able(world: World) -> tuple[Capability, ...]:
     return tuple(Capability(s.description, world.instances(s.description.agent_class)) for s in SKILLS)
 
 
-def planning(
-    world: World, planner: Planner, goal: Sequence[Condition], *, lockstep: bool = True
-) -> Generator[None, None, Planned]:
-    return PlanningService(planner, lockstep=lockstep).plan(world, able(world), goal)
+def planning(world: World, planner: Planner, goal: Sequence[Condition]) -> Planned:
+    return plan(planner, world, able(world), goal)
 
 
-@pytest.mark.parametrize("lockstep", [True, False])
-def test_what_is_known_to_be_impossible_is_said_though_the_planner_never_answers(lockstep: bool) -> None:
+def test_what_is_known_to_be_impossible_is_said_though_the_planner_never_answers() -> None:
     planner = Failing(*RIGHT, times=1)
-    outcome = at_once(planning(tiny_world(*MUCH), planner, THREE_IN_ONE, lockstep=lockstep)).outcome
+    outcome = planning(tiny_world(*MUCH), planner, THREE_IN_ONE).outcome
 
     assert isinstance(outcome, NoPlan)
     assert "slot_1 takes one" in outcome.reasons[0]
@@ -90,7 +89,7 @@ def test_what_is_known_to_be_impossible_is_said_though_the_planner_never_answers
 @pytest.mark.parametrize("facts", [MUCH, []], ids=["much", "little"])
 def test_what_is_known_to_be_impossible_is_said_though_all_planners_fail(facts: list[str]) -> None:
     goal = IN_CONTAINER("ball_1", "slot_1"), IN_CONTAINER("red_ball_1", "slot_1")
-    outcome = at_once(planning(tiny_world(*facts), Failing(times=1000, error="found no answer in 3 s"), goal)).outcome
+    outcome = planning(tiny_world(*facts), Failing(times=1000, error="found no answer in 3 s"), goal).outcome
 
     assert isinstance(outcome, NoPlan)
     assert "slot_1 takes one" in outcome.reasons[0]
@@ -100,13 +99,12 @@ def test_where_planners_fail_and_nothing_is_known_it_is_their_fault() -> None:
     goal = (IN_CONTAINER("ball_1", "slot_1"),)
 
     with pytest.raises(PlanningError, match="found no answer in 3 s"):
-        at_once(planning(tiny_world(*MUCH), Failing(times=1000, error="found no answer in 3 s"), goal))
+        planning(tiny_world(*MUCH), Failing(times=1000, error="found no answer in 3 s"), goal)
 
 
 def test_a_failure_with_a_few_candidates_lets_more_be_tried() -> None:
-    planned = at_once(
-        planning(tiny_world(*MUCH), Failing(*RIGHT, times=1, error="crashed"), (IN_CONTAINER("ball_1", "slot_1"),))
-    )
+    goal = (IN_CONTAINER("ball_1", "slot_1"),)
+    planned = planning(tiny_world(*MUCH), Failing(*RIGHT, times=1, error="crashed"), goal)
 
     assert isinstance(planned.outcome, Plan)
     assert planned.notes == ("crashed",)
@@ -115,34 +113,21 @@ def test_a_failure_with_a_few_candidates_lets_more_be_tried() -> None:
 def test_a_planner_that_takes_long_with_a_few_candidates_is_stopped_and_asked_with_more() -> None:
     world = tiny_world(*MUCH)
     wanted = Wanted(world, able(world), (IN_CONTAINER("ball_1", "slot_1"),))
-    (few, few_texts), *_, (whole, texts) = (attempt for attempt in attempts(wanted) if attempt is not None)
+    (few, few_texts), *_, (whole, texts) = attempts(wanted)
     slow = Failing(*RIGHT, times=1)
-    asking = Asking(Planners.only(slow), lockstep=True, hurry=0.05)
-    notes: list[str] = []
+    loop = SolverLoop(Planners.only(slow), wanted, hurry=0.05)
 
-    first = at_once(asking.found(wanted, few, few_texts, Prospect(wanted), notes))
-    second = at_once(asking.found(wanted, whole, texts, Prospect(wanted), notes))
+    first = loop.solve(few, few_texts)
+    second = loop.solve(whole, texts)
 
     assert first.plan is None
     assert not first.is_about(few_texts)
-    assert notes == ["given found no plan with what is nearest in 0.05 s"]
+    assert loop.notes == ["given found no plan with what is nearest in 0.05 s"]
     assert slow.calls[0].cancelled
     assert second.plan is not None
 
 
-# ------------------------------------------------------------------ nobody waits
-
-
-def test_planning_lets_others_go_on_between_its_pieces() -> None:
-    work = planning(tiny_world(*MUCH), GivenPlanner(*RIGHT), (IN_CONTAINER("ball_1", "slot_1"),), lockstep=False)
-
-    assert len(list(work)) >= 2
-
-
-def test_while_simulated_time_stands_still_planning_never_yields() -> None:
-    work = planning(tiny_world(*MUCH), GivenPlanner(*RIGHT), (IN_CONTAINER("ball_1", "slot_1"),))
-
-    assert list(work) == []
+# ------------------------------------------------------------------ stopping
 
 
 class Later(GivenPlanner):
@@ -166,31 +151,25 @@ class Later(GivenPlanner):
         return Waiting()
 
 
-def test_trying_something_out_yields_while_the_planner_works() -> None:
-    world = tiny_world()
-    trial = Trial(Planners.only(Later(50)), able(world), each=60.0, lockstep=False)
+def test_trying_something_out_waits_for_the_planner_until_the_answer_is_no_longer_wanted() -> None:
+    world, looks = tiny_world(), count()
+    patient = Trial(Planners.only(Later(50)), able(world), each=60.0)
+    stopped = Trial(Planners.only(Later(10**9)), able(world), each=60.0, stopped=lambda: next(looks) > 20)
 
-    assert len(list(trial(world, (IN_CONTAINER("ball_1", "slot_1"),)))) >= 50
-
-
-def test_slices_of_work_give_what_the_whole_work_gives() -> None:
-    def work(pieces: int) -> Work[int]:
-        for _ in range(pieces):
-            yield
-        return pieces
-
-    assert at_once(in_slices(work(100), 0.0)) == at_once(work(100)) == 100
-    assert len(list(in_slices(work(100), 0.0))) == 100
-    assert list(in_slices(work(100), 60.0)) == []
+    assert patient(world, (IN_CONTAINER("ball_1", "slot_1"),)) is False
+    assert stopped(world, (IN_CONTAINER("ball_1", "slot_1"),)) is None
 
 
-def test_a_closed_plan_ends_the_call_of_the_planner() -> None:
-    planner = Failing(times=1000)
-    with closing(planning(tiny_world(), planner, (IN_CONTAINER("ball_1", "slot_1"),), lockstep=False)) as work:
-        for _ in range(100):
-            next(work)
+def test_a_cancelled_request_ends_the_call_of_the_planner() -> None:
+    planner, world = Failing(times=1000), tiny_world()
+    with closing(ThreadHost(world, planner)) as host:
+        asked = host.ask(PlanRequest((IN_CONTAINER("ball_1", "slot_1"),), able(world)))
+        while not planner.calls:
+            time.sleep(0.001)
+        asked.cancel()
+        with pytest.raises(PlanningError, match="stopped"):
+            asked.result()
 
-    assert planner.calls
     assert all(call.cancelled for call in planner.calls)
 
 
@@ -199,7 +178,7 @@ def test_detours_are_looked_for_in_plans_that_are_not_very_long(rounds: int, ste
     there_and_back = "drive base_1 robot_1 box_b box_a", "drive base_1 robot_1 box_a box_b"
     answer = GivenPlanner(RIGHT[0], *there_and_back * rounds, *RIGHT[1:], "drive base_1 robot_1 box_b box_a")
     goal = IN_CONTAINER("ball_1", "slot_1"), AT_LOCATION("robot_1", "box_b")
-    outcome = at_once(planning(tiny_world(), answer, goal)).outcome
+    outcome = planning(tiny_world(), answer, goal).outcome
 
     assert isinstance(outcome, Plan)
     assert len(outcome.steps) == steps

@@ -19,7 +19,9 @@ from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner, Unsolvable
 from skiros_py.planning.planners.programs import Limits
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.requests import PlanRequest
+from skiros_py.planning.service import Planned
+from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.testing import SKILLS, Bench, tiny_pddl, tiny_world
 from skiros_py.testing.tiny_skills import IN_CONTAINER
 
@@ -300,14 +302,15 @@ def test_what_it_leaves_behind_when_it_ends_is_ended_too(tmp_path: Path, text: s
 def test_a_stop_during_planning_kills_the_planner_at_once(tmp_path: Path) -> None:
     planner = script(tmp_path, f"{STUBBORN}time.sleep(3600)")
     robots = tuple(Capability(skill.description, ("robot_1", "base_1", "arm_1")) for skill in SKILLS)
-    service = PlanningService(planner, lockstep=False)
-    planning = service.plan(tiny_world(), robots, (IN_CONTAINER("ball_1", "slot_1"),))
-    wait_for(lambda: next(planning) or strays(tmp_path))
+    host = ThreadHost(tiny_world(), planner)
+    planning = host.ask(PlanRequest((IN_CONTAINER("ball_1", "slot_1"),), tuple(robots)))
+    wait_for(lambda: strays(tmp_path))
 
-    planning.close()
+    planning.cancel()
 
     wait_for(lambda: not strays(tmp_path))
     planner.close()
+    host.close()
 
 
 def test_closing_twice_and_while_calls_wait_and_run_ends_all_of_them(tmp_path: Path) -> None:

@@ -17,10 +17,10 @@ from skiros_py.planning.domain.literals import negated
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.domain.variants import possible_variants
 from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.problem.task import Capability, PlanningTask
-from skiros_py.planning.service import PlanningService
-from skiros_py.planning.validation import replay
+from skiros_py.planning.service import plan
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Not, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
@@ -119,12 +119,8 @@ def names(world: World, goal: str, *skills: SkillDescription) -> list[str]:
     planner = FastDownward()
     wanted = parse_goal([goal], world, {"Knows": KNOWS, "Alone": CROWDED, **CONDITIONS})
     able = [Capability(skill, world.instances(skill.agent_class)) for skill in skills]
-    planning = PlanningService(planner, "tiny").plan(world, able, wanted)
     try:
-        while True:
-            next(planning)
-    except StopIteration as end:
-        outcome = end.value.outcome
+        outcome = plan(planner, world, able, wanted).outcome
     finally:
         planner.close()
     assert isinstance(outcome, Plan), outcome

@@ -14,7 +14,7 @@ from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.service import PlanningService
+from skiros_py.planning.service import PlanningOptions, plan
 from skiros_py.skills.conditions import AllOf, ConditionType, Exists, Nothing, Related, Role
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import Skill
@@ -306,11 +306,8 @@ def test_a_task_in_time_is_planned_by_a_planner_that_takes_it_and_has_an_order_a
     names = ("fast-downward", "kairos")
 
     with closing(Planners(names, lambda name: FastDownward() if name == "fast-downward" else Kairos())) as planners:
-        planning = PlanningService(planners, temporal=True).plan(world, able, (IN_CONTAINER("ball_1", "slot_1"),))
-        with pytest.raises(StopIteration) as end:
-            next(planning)
+        found = plan(planners, world, able, (IN_CONTAINER("ball_1", "slot_1"),), options=PlanningOptions(temporal=True))
 
-    found = end.value.value
     assert isinstance(found.outcome, Plan)
     assert found.planner == "kairos"
     assert [step.skill for step in found.outcome.steps] == ["drive", "pick", "place"]

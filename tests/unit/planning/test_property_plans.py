@@ -18,10 +18,11 @@ from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.domain.actions import actions_of
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.plan import NoPlan, Plan, Step
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.problem.task import Capability
-from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.validation import replay
+from skiros_py.planning.service import Planned, PlanningOptions
+from skiros_py.planning.service import plan as plan_for
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,
@@ -84,14 +85,9 @@ WORLD = tiny_world(*FACTS, CHARGE)
 
 def planned(view: WorldView, *goal: Condition, skills: Sequence[SkillDescription] = SKILLS) -> Planned:
     planner = FastDownward()
-    service = PlanningService(planner, "doors")
-    planning = service.plan(view, [Capability(s, view.instances("sk:Robot")) for s in skills], goal)
+    able = [Capability(s, view.instances("sk:Robot")) for s in skills]
     try:
-        while True:
-            next(planning)
-    except StopIteration as end:
-        result: Planned = end.value
-        return result
+        return plan_for(planner, view, able, goal, options=PlanningOptions("doors"))
     finally:
         planner.close()
 

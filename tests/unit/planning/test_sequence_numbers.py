@@ -1,9 +1,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import cast
 
 import kairos
 import pytest
@@ -16,21 +15,21 @@ from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.domain.sequencing import in_sequence, with_costs
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.plan import NoPlan, Plan, Step
+from skiros_py.planning.plan_validation import Flaw, out_of_sequence, replay, validate
+from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Answer, Planner, Solved, Unsolvable
 from skiros_py.planning.planners.programs import Ended
 from skiros_py.planning.problem.task import Capability, PlanningTask
-from skiros_py.planning.proving import proved
+from skiros_py.planning.requests import Check
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import order
 from skiros_py.planning.sequence import Round, counts
-from skiros_py.planning.service import Planned, PlanningService
-from skiros_py.planning.validation import out_of_sequence, replay
+from skiros_py.planning.service import plan as plan_for
 from skiros_py.skills.conditions import AllOf, Condition, ConditionType, Exists, Related, Role
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.tasks.plan_checker import PlanChecker
-from skiros_py.testing import CONDITIONS, tiny_task, tiny_world
+from skiros_py.testing import CONDITIONS, GivenPlanner, tiny_task, tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
@@ -65,7 +64,7 @@ def planned(
     answer = (by or FastDownward()).solve(texts.domain, texts.problem).result()
     if isinstance(answer, Unsolvable):
         return None
-    plan = proved(world, task, texts, answer)
+    plan = validate(world, task, texts, answer)
     assert isinstance(plan, Plan), plan
     return plan
 
@@ -150,7 +149,7 @@ def test_a_plan_in_sequence_is_a_plan_of_the_pddl_task_and_gets_a_partial_order(
     texts = write_pddl(task.domain, task.problem, name="round")
     answer = FastDownward().solve(texts.domain, texts.problem).result()
     assert isinstance(answer, Solved)
-    plan = proved(world, task, texts, answer)
+    plan = validate(world, task, texts, answer)
     assert isinstance(plan, Plan)
 
     ordered = order(world, task, texts, plan)
@@ -173,8 +172,8 @@ def test_the_replay_of_the_rest_knows_what_was_reached_and_what_the_present_step
     world = numbered()
 
     assert replay(world, [drive("box_b")], [], SKILLS, reached={"robot_1": 2}) is not None
-    assert PlanChecker(world, (), SKILLS).look([drive("box_a")], [drive("box_b")]) is not None
-    assert PlanChecker(world, (), SKILLS).look([drive("box_b")], [drive("box_a")], {"robot_1": 1}) is None
+    assert checked(world, [drive("box_a")], [drive("box_b")]) is not None
+    assert checked(world, [drive("box_b")], [drive("box_a")], {"robot_1": 1}) is None
 
 
 def test_a_round_tells_how_far_each_robot_came() -> None:
@@ -217,7 +216,7 @@ def test_where_only_the_numbers_stand_in_the_way_the_reason_says_so() -> None:
     texts = write_pddl(task.domain, task.problem, name="round")
     answer = FastDownward().solve(texts.domain, texts.problem).result()
     assert isinstance(answer, Solved)
-    plan = proved(world, task, texts, answer)
+    plan = validate(world, task, texts, answer)
     assert isinstance(plan, Plan)
 
     assert planned(world, BOTH[1], reached={"robot_1": 2}) is None
@@ -263,7 +262,7 @@ def test_sequence_numbers_and_time_go_together() -> None:
     answer = Kairos().solve(texts.domain, texts.problem).result()
 
     assert isinstance(answer, Solved)
-    plan = proved(world, task, texts, answer)
+    plan = validate(world, task, texts, answer)
     assert isinstance(plan, Plan)
     assert visits(plan) == ["box_b", "box_a"]
 
@@ -330,16 +329,18 @@ def test_the_replay_refuses_to_begin_a_kit_too_early_and_says_what_comes_first()
 # ------------------------------------------------------------ said to people
 
 
+def checked(
+    world: World, running: Sequence[Step], rest: Sequence[Step], reached: Mapping[str, int] | None = None
+) -> Flaw | None:
+    check = Check((), tuple(running), tuple(rest), SKILLS, reached or {})
+    return check.answer(world.snapshot(), Planners.only(GivenPlanner()), lambda: False).flaw
+
+
 def outcome(
     world: World, *goal: Condition, reached: Mapping[str, int] | None = None, by: Planner | None = None
 ) -> Plan | NoPlan:
     able = [Capability(skill, tuple(world.instances(skill.agent_class))) for skill in SKILLS.values()]
-    planning = PlanningService(by or FastDownward()).plan(world, able, goal, reached=reached)
-    while True:
-        try:
-            next(planning)
-        except StopIteration as end:
-            return cast(Planned, end.value).outcome
+    return plan_for(by or FastDownward(), world, able, goal, reached=reached).outcome
 
 
 def test_that_sequence_numbers_are_why_there_is_no_plan_is_said_in_words() -> None:

@@ -10,10 +10,10 @@ from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.domain.temporal import write_temporal
 from skiros_py.planning.durations import rates, timed
 from skiros_py.planning.plan import Plan
+from skiros_py.planning.plan_validation import validate
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Solved, Unsolvable
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.proving import proved
 from skiros_py.planning.robots.allocation import deal
 from skiros_py.planning.robots.ordering import makespan, order
 from skiros_py.skills.conditions import Condition
@@ -41,7 +41,7 @@ def test_a_temporal_planner_lets_two_robots_work_side_by_side() -> None:
     world = tiny_world(robots=2)
     task, texts = temporal(world, *BOTH)
     answer = solved(texts)
-    plan = proved(world, task, texts, answer)
+    plan = validate(world, task, texts, answer)
 
     assert isinstance(plan, Plan)
     assert makespan(answer.starts, answer.durations) == pytest.approx(10.0, abs=0.1)
@@ -55,8 +55,8 @@ def test_the_answer_of_a_temporal_planner_is_replayed_like_any_other() -> None:
     answer = solved(texts)
     backwards = replace(answer, steps=tuple(reversed(answer.steps)))
 
-    assert isinstance(proved(world, task, texts, answer), Plan)
-    assert not isinstance(proved(world, task, texts, backwards), Plan)
+    assert isinstance(validate(world, task, texts, answer), Plan)
+    assert not isinstance(validate(world, task, texts, backwards), Plan)
 
 
 def test_nobody_leaves_while_his_arm_needs_him_there() -> None:

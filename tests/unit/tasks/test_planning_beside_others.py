@@ -8,7 +8,7 @@ from collections.abc import Callable
 from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
-from skiros_py.planning.service import PlanningService
+from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.ports.pending import Pending
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
@@ -60,7 +60,13 @@ class Withholding(FastDownward):
 
 def not_in_lockstep(bench: Bench, planner: Withholding) -> TaskManager:
     """Returns a task manager for which time goes on while a planner works."""
-    return TaskManager(bench.world, bench.managers, PlanningService(planner, lockstep=False), bench.cycle)
+    return TaskManager(bench.world, bench.managers, ThreadHost(bench.world, planner), bench.cycle, lockstep=False)
+
+
+def slept() -> bool:
+    """Lets the planner have the processor."""
+    time.sleep(0.002)
+    return True
 
 
 def outcome(task: TaskHandle) -> Outcome | None:
@@ -72,10 +78,10 @@ def test_a_plan_that_another_task_has_outdated_meanwhile_is_made_anew() -> None:
     with Bench(tiny_world(), SLOW, planner=planner) as bench:
         tasks = not_in_lockstep(bench, planner)
         one = tasks.begin(bench.goal("In(ball_1, slot_1)"), name="one")
-        bench.until(lambda: bench.world.related("ball_1", "sk:heldBy", "gripper_1"))
+        bench.until(lambda: slept() and bench.world.related("ball_1", "sk:heldBy", "gripper_1"))
         planner.shown = lambda: one.done
         two = tasks.begin(bench.goal("In(red_ball_1, slot_2)"), name="two")
-        bench.until(lambda: one.done and two.done)
+        bench.until(lambda: slept() and one.done and two.done)
 
     assert (outcome(one), outcome(two)) == (Outcome.REACHED, Outcome.REACHED)
 
@@ -90,7 +96,7 @@ def test_that_there_is_no_plan_is_looked_into_again_where_the_world_has_changed_
         with bench.world.transaction("somebody", "it was in the way") as tx:
             tx.place("giant_1", "sk:in", "box_a")
         freed.append(bench.time)
-        bench.until(lambda: task.done)
+        bench.until(lambda: slept() and task.done)
 
     assert outcome(task) is Outcome.REACHED
     assert not [entry for entry in task.trace.entries if entry.what is Happening.NO_PLAN]

@@ -12,15 +12,14 @@ from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.planning.explanation.found import Found
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.obstacles import Obstacles
-from skiros_py.planning.explanation.relaxation import Relaxation, relaxing
-from skiros_py.planning.pieces import Work, at_once
+from skiros_py.planning.explanation.relaxation import Relaxation, relax
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
 
-__all__ = ["certain_causes", "find_causes", "finding_causes"]
+__all__ = ["certain_causes", "find_causes"]
 
 
 def certain_causes(task: PlanningTask, view: WorldView) -> tuple[Cause, ...]:
@@ -39,26 +38,19 @@ def find_causes(task: PlanningTask, view: WorldView) -> tuple[Found, ...]:
     Each proves by itself that there is no plan. Empty when each condition could hold, and nothing simple keeps them
     from holding together.
     """
-    return at_once(finding_causes(task, view))
-
-
-def finding_causes(task: PlanningTask, view: WorldView) -> Work[tuple[Found, ...]]:
-    """Does what :func:`find_causes` does, in pieces."""
     task = with_everyone(task, view)
-    yield
-    relaxed = yield from relaxing(task, view.ontology)
+    relaxed = relax(task, view.ontology)
     obstacles = Obstacles(relaxed, view)
     missing = [(condition, _first(atoms, relaxed)) for condition, atoms in task.goal]
     found: list[Found] = []
     for condition, atom in missing:
         if atom is not None:
             found.append(_unreachable(condition, obstacles.of(atom), view))
-            yield
-    cleared = yield from _cleared(found, relaxed, view)
+    cleared = _cleared(found, relaxed, view)
     return _main_first(found, Contradictions(cleared, view.ontology).found())
 
 
-def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Work[Relaxation]:
+def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Relaxation:
     """Returns what could become true if the places that are taken were empty: what excludes each other then, does."""
     obstacles = [one.obstacle for one in found if one.obstacle is not None and one.obstacle.kind is CauseKind.FULL]
     empty = [atom for o in obstacles if (atom := o.missing) is not None and not any(map(is_variable, atom.arguments))]
@@ -66,7 +58,7 @@ def _cleared(found: Sequence[Found], relaxed: Relaxation, view: WorldView) -> Wo
         return relaxed
     problem = relaxed.task.problem
     supposed = replace(problem, init=problem.init.union(empty))
-    return (yield from relaxing(replace(relaxed.task, problem=supposed), view.ontology))
+    return relax(replace(relaxed.task, problem=supposed), view.ontology)
 
 
 def _main_first(hopeless: Sequence[Found], together: Sequence[Found]) -> tuple[Found, ...]:

@@ -1,46 +1,90 @@
-"""Explaining as one call: causes, a conflict where there is none, repairs."""
+"""Explains why there is no plan: causes, a conflict where there is none, repairs."""
 
 from __future__ import annotations
 
-from skiros_py.planning.explanation.causes import finding_causes
-from skiros_py.planning.explanation.explanation import Explanation
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.found import Found
 from skiros_py.planning.explanation.pairs import exclusive_conditions
 from skiros_py.planning.explanation.repairs import Solve, find_repairs
-from skiros_py.planning.explanation.subsets import conflict_of, smallest_unsolvable
-from skiros_py.planning.pieces import Work, at_once
+from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.reasons import Cause, CauseKind, Repair
+from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
-__all__ = ["explain", "explaining"]
+__all__ = ["Explanation", "conflict_of", "explain", "smallest_unsolvable"]
+
+Reachable = Callable[[Sequence[Condition]], bool | None]
+"""Tells whether conditions can be reached together, None where that is not known."""
+
+_MOST_CALLS = 16
+"""Planner calls for one explanation, at most."""
 
 
-def explaining(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> Work[Explanation]:
-    """Explains why a task has no plan; yields after each piece of work, so that others can go on in between.
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Why there is no plan, and what would help.
+
+    Attributes:
+        causes: Why; empty where nothing was found.
+        repairs: Smallest changes after which there is a plan, smallest first.
+    """
+
+    causes: tuple[Cause, ...]
+    repairs: tuple[Repair, ...] = ()
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """The causes in the operator's words."""
+        return tuple(cause.text for cause in self.causes)
+
+
+def explain(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> Explanation:
+    """Explains why a task has no plan.
 
     Args:
         task: The task, complete: what was left out of it is not explained.
         view: The world it was made from.
         solve: Tries changed worlds and goals; left out, no conflict is narrowed down and no repair offered.
     """
-    found = yield from finding_causes(task, view)
+    found = find_causes(task, view)
     if not found:
-        yield
         goal = exclusive_conditions(task, view.ontology)
         found = (Found(conflict_of(goal)),) if goal else ()
     if not found:
         goal = task.conditions
         if solve is not None and len(goal) > 1:
-            yield
-            goal = yield from smallest_unsolvable(goal, lambda some: solve(view, some))
+            goal = smallest_unsolvable(goal, lambda some: solve(view, some))
         found = (Found(conflict_of(goal)),)
     causes = tuple(one.cause for one in found)
     if solve is None:
         return Explanation(causes)
-    repairs = yield from find_repairs(found, view, task.conditions, task.capabilities, solve)
-    return Explanation(causes, repairs)
+    return Explanation(causes, find_repairs(found, view, task.conditions, task.capabilities, solve))
 
 
-def explain(task: PlanningTask, view: WorldView, solve: Solve | None = None) -> Explanation:
-    """Explains at once; see :func:`explaining`."""
-    return at_once(explaining(task, view, solve))
+def smallest_unsolvable(goal: Sequence[Condition], reachable: Reachable) -> tuple[Condition, ...]:
+    """Leaves conditions out for as long as the rest still cannot be reached: a minimal unsolvable subset.
+
+    What is known to be unsolvable only counts: where the planner does not know, the condition stays. In a goal of more
+    conditions than calls, the last ones stay.
+    """
+    kept = list(goal)
+    for condition in goal[:_MOST_CALLS]:
+        rest = [other for other in kept if other is not condition]
+        if rest and reachable(rest) is False:
+            kept = rest
+    return tuple(kept)
+
+
+def conflict_of(conditions: Sequence[Condition]) -> Cause:
+    """Returns the cause that conditions cannot be reached together although nothing is lacking for each."""
+    if len(conditions) > 1:
+        why, text = "", f"{listed(map(str, conditions))} could each be reached, but not all of them together"
+    else:
+        why = "whatever is done for it undoes something else that it needs"
+        text = f"{conditions[0]} cannot be reached: {why}"
+    arguments = dict.fromkeys(argument for condition in conditions for argument in condition.arguments)
+    return Cause(CauseKind.CONFLICT, text, tuple(conditions), elements=tuple(arguments), why=why)

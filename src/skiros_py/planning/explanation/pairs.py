@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.explanation.facts import is_variable, solutions
-from skiros_py.planning.explanation.relaxation import Relaxation, relaxing
-from skiros_py.planning.pieces import at_once
+from skiros_py.planning.explanation.relaxation import Relaxation, relax
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.ontology import Ontology
@@ -35,7 +34,7 @@ def exclusive_conditions(task: PlanningTask, ontology: Ontology) -> tuple[Condit
     """
     if len(task.problem.objects) > _OBJECTS:
         return ()
-    relaxed = at_once(relaxing(task, ontology, together=False))
+    relaxed = relax(task, ontology, together=False)
     changing = {atom.predicate for action in task.domain.actions for atom in (*action.add, *action.delete)}
     facts = [atom for atom in relaxed.facts if atom.predicate in changing]
     steps = list(islice(_steps(relaxed, changing), _STEPS + 1))

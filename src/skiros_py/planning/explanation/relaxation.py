@@ -11,20 +11,19 @@ from itertools import islice, product
 
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.explanation.facts import Binding, Facts, is_variable, solutions, unified
-from skiros_py.planning.pieces import Work
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["Relaxation", "relaxing"]
+__all__ = ["Relaxation", "relax"]
 
 _FEW = 40
 """Up to so many objects none are taken together: finding out which are alike would cost more."""
 
 
-def relaxing(task: PlanningTask, ontology: Ontology, *, together: bool = True) -> Work[Relaxation]:
-    """Returns the facts that could ever become true; yields after each."""
+def relax(task: PlanningTask, ontology: Ontology, *, together: bool = True) -> Relaxation:
+    """Returns the facts that could ever become true."""
     relaxed = Relaxation(task, ontology, together=together)
-    yield from relaxed.grow()
+    relaxed.grow()
     return relaxed
 
 
@@ -91,11 +90,10 @@ class Relaxation:
 
     # ------------------------------------------------------------ growing
 
-    def grow(self) -> Work[None]:
-        """Finds all facts; yields after each."""
+    def grow(self) -> None:
+        """Finds all facts."""
         while self._new:
             self._take(self._new.popleft())
-            yield
 
     def _begin(self) -> None:
         for action in self.task.domain.actions:

@@ -9,14 +9,13 @@ from itertools import count
 from math import inf
 
 from skiros_py.errors import SkirosError
-from skiros_py.planning.explanation.causes import finding_causes
+from skiros_py.planning.explanation.causes import find_causes
 from skiros_py.planning.explanation.edits import Add, Move, Remove, SceneEdit
 from skiros_py.planning.explanation.found import Found
 from skiros_py.planning.explanation.hypothetical import HypotheticalView
 from skiros_py.planning.explanation.remedies import Remedy, advice, remedies
 from skiros_py.planning.explanation.room import Room
 from skiros_py.planning.explanation.wording import listed
-from skiros_py.planning.pieces import Work
 from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.planning.reasons import CauseKind, Exchange, Repair
 from skiros_py.skills.conditions import Condition
@@ -24,8 +23,8 @@ from skiros_py.world.view import WorldView
 
 __all__ = ["Solve", "find_repairs"]
 
-Solve = Callable[[WorldView, Sequence[Condition]], Work[bool | None]]
-"""Tells whether a goal has a plan that survives its replay, None when nobody knows; yields while it looks for one."""
+Solve = Callable[[WorldView, Sequence[Condition]], bool | None]
+"""Tells whether a goal has a plan that survives its replay, None where that is not known."""
 
 _OFFERED = 5
 _LOOKED_AT = 32
@@ -112,8 +111,8 @@ def find_repairs(
     goal: Sequence[Condition],
     capabilities: Sequence[Capability],
     solve: Solve,
-) -> Work[tuple[Repair, ...]]:
-    """Finds changes after which there is a plan, smallest first; yields after each piece of work.
+) -> tuple[Repair, ...]:
+    """Finds changes after which there is a plan, smallest first.
 
     Causes are taken one by one: what is done about the first may show another one behind it. A planner is asked only
     where no cause is left.
@@ -128,9 +127,8 @@ def find_repairs(
     search = _Search(view, goal, capabilities, solve)
     search.extend(_Change(), found, view)
     for _ in range(_LOOKED_AT):
-        if not (yield from search.step()):
+        if not search.step():
             break
-        yield
     offers = _simplest(search.offers)
     needed = _outside(found) if not any(repair.edits for repair in offers) else []
     return (*needed, *offers)[:_OFFERED]
@@ -197,7 +195,7 @@ class _Search:
         more = any(change.includes(offer) for offer in self.offers)
         return not more and change.key not in self._seen and len(change.without) < len(self._goal)
 
-    def step(self) -> Work[bool]:
+    def step(self) -> bool:
         """Looks at the most promising change; returns False where there is nothing left to do."""
         if not self._queue or len(_simplest(self.offers)) == _OFFERED or self._tried == _TRIED:
             return False
@@ -205,20 +203,20 @@ class _Search:
         if any(change.includes(offer) for offer in self.offers):
             return True
         try:
-            yield from self._look_at(change)
+            self._look_at(change)
         except SkirosError:  # a change that cannot be made, or after which the goal cannot be said, is no repair
             return True
         return True
 
-    def _look_at(self, change: _Change) -> Work[None]:
+    def _look_at(self, change: _Change) -> None:
         view, goal = self._after(change)
-        left = yield from finding_causes(build_task(view, self._capabilities, goal), view)
+        left = find_causes(build_task(view, self._capabilities, goal), view)
         if left:
             self.extend(change, left, view)
             return
         self._tried += 1
-        if (yield from self._solve(view, goal)):
-            smallest = yield from self._reduced(change)
+        if self._solve(view, goal):
+            smallest = self._reduced(change)
             if not any(smallest.includes(offer) for offer in self.offers):
                 self.offers.append(smallest.repair())
 
@@ -229,15 +227,15 @@ class _Search:
             edit.suppose(view)
         return view, change.wanted(self._goal)
 
-    def _reduced(self, change: _Change) -> Work[_Change]:
+    def _reduced(self, change: _Change) -> _Change:
         """Leaves out of a change that works everything without which it works still."""
         for smaller in change.leaving_out():
-            if not smaller.is_nothing and (yield from self._works(smaller)):
-                return (yield from self._reduced(smaller))
+            if not smaller.is_nothing and self._works(smaller):
+                return self._reduced(smaller)
         return change
 
-    def _works(self, change: _Change) -> Work[bool]:
+    def _works(self, change: _Change) -> bool:
         view, goal = self._after(change)
-        if (yield from finding_causes(build_task(view, self._capabilities, goal), view)):
+        if find_causes(build_task(view, self._capabilities, goal), view):
             return False
-        return bool((yield from self._solve(view, goal)))
+        return bool(self._solve(view, goal))

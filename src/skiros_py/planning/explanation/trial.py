@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import write_pddl
-from skiros_py.planning.pieces import Work
 from skiros_py.planning.plan import Plan
+from skiros_py.planning.plan_validation import validate
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.planner import Answer, Planner, Solved, abandon
 from skiros_py.planning.problem.task import Capability, build_task
-from skiros_py.planning.proving import proving
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
@@ -25,7 +24,7 @@ _GLANCE = 0.0005
 
 
 class Trial:
-    """Asks a quick planner; what :func:`skiros_py.planning.explanation.explaining` wants as ``solve``.
+    """Asks a quick planner; what :func:`skiros_py.planning.explanation.explain` wants as ``solve``.
 
     What takes long is given up: an explanation that comes late is none. That only ever leaves something out of it. How
     much is tried at all is counted by who asks; planners know no bound but time, so these limits are wall time.
@@ -35,7 +34,7 @@ class Trial:
         capabilities: The skills that are there.
         each: Wall time for one answer [s].
         together: Wall time for all planners' answers together [s].
-        lockstep: True to wait for an answer, False to yield while the planner works.
+        stopped: Tells whether the explanation is no longer wanted.
     """
 
     def __init__(
@@ -45,41 +44,37 @@ class Trial:
         *,
         each: float = 1.0,
         together: float = 4.0,
-        lockstep: bool = True,
+        stopped: Callable[[], bool] = lambda: False,
     ) -> None:
         self._planners = planners
         self._capabilities = capabilities
         self._each = each
         self._left = together
-        self._lockstep = lockstep
+        self._stopped = stopped
 
-    def __call__(self, view: WorldView, goal: Sequence[Condition]) -> Work[bool | None]:
+    def __call__(self, view: WorldView, goal: Sequence[Condition]) -> bool | None:
         """Tells whether there is a plan that survives its replay; None when the planner broke or took too long."""
         task = build_task(view, self._capabilities, goal)
-        yield
         texts = write_pddl(task.domain, task.problem, name="trial")
         planner = self._planner_for(texts.requirements)
         if planner is None:
             return None
         try:
-            answer = yield from self._answer(planner, texts.domain, texts.problem)
+            answer = self._answer(planner, texts.domain, texts.problem)
             if isinstance(answer, Solved):
-                plan = yield from proving(view, task, texts, answer)
+                plan = validate(view, task, texts, answer)
                 return True if isinstance(plan, Plan) else None
         except PlanningError:
             return None
         return False if answer is not None and answer.proven else None
 
-    def _answer(self, planner: Planner, domain: str, problem: str) -> Work[Answer | None]:
+    def _answer(self, planner: Planner, domain: str, problem: str) -> Answer | None:
         started = time.perf_counter()
         limit = started + min(self._each, self._left)
         pending = planner.solve(domain, problem)
         try:
-            while not pending.done() and time.perf_counter() < limit:
-                if self._lockstep:
-                    time.sleep(_GLANCE)
-                else:
-                    yield
+            while not (pending.done() or self._stopped() or time.perf_counter() > limit):
+                time.sleep(_GLANCE)
             return pending.result() if pending.done() else None
         finally:
             abandon(pending)

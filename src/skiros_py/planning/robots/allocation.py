@@ -12,14 +12,13 @@ from dataclasses import dataclass, replace
 
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.domain.placing import moved_and_place
-from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.robots.effort import estimating
+from skiros_py.planning.robots.effort import efforts
 from skiros_py.planning.robots.handling import Handling, columns
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
-__all__ = ["ASSIGNED", "Share", "deal", "dealing", "shares", "teams"]
+__all__ = ["ASSIGNED", "Share", "deal", "shares", "teams"]
 
 ASSIGNED = "assigned"
 """Predicate that says that an agent may handle a thing."""
@@ -54,16 +53,11 @@ def deal(view: WorldView, task: PlanningTask) -> PlanningTask:
         view: The world.
         task: Any task; that of one robot comes back as it is.
     """
-    return at_once(dealing(view, task))
-
-
-def dealing(view: WorldView, task: PlanningTask) -> Work[PlanningTask]:
-    """Does what :func:`deal` does; in pieces."""
     robots = teams(view, task)
     if len(robots) < 2:
         return task
     dealt = _Dealing(view, task, robots)
-    yield from dealt.run()
+    dealt.run()
     owners = dict.fromkeys(dealt.surplus, frozenset[str]())
     owners |= {thing: share.agents for share in dealt.shares for thing in share.things}
     return _narrowed(view, task, owners) if owners else task
@@ -78,7 +72,7 @@ def shares(view: WorldView, task: PlanningTask) -> tuple[Share, ...]:
     if len(robots) < 2:
         return ()
     dealt = _Dealing(view, task, robots)
-    at_once(dealt.run())
+    dealt.run()
     return dealt.shares
 
 
@@ -98,7 +92,7 @@ def _wholes(view: WorldView, element: str) -> Iterator[str]:
         yield from _wholes(view, whole)
 
 
-# ------------------------------------------------------------ dealing out
+# ------------------------------------------------------------ deal out
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,10 +140,10 @@ class _Dealing:
         each = zip(self._robots.items(), self._parts, self._things, self._loads, strict=True)
         return tuple(Share(r, a, tuple(sorted(p)), frozenset(t), load) for (r, a), p, t, load in each)
 
-    def run(self) -> Work[None]:
+    def run(self) -> None:
         """Deals everything out."""
         for agents in self._robots.values():
-            self._costs.append((yield from estimating(self._sketch, self._ontology, agents)))
+            self._costs.append(efforts(self._sketch, self._ontology, agents))
         wanted = {group: [self._effort(group, cost) for cost in self._costs] for group in self._groups}
         self._fair = sum(least for efforts in wanted.values() if (least := min(efforts)) < float("inf"))
         self._fair /= len(self._robots)

@@ -14,12 +14,11 @@ from typing import NamedTuple
 
 from skiros_py.geometry import Pose
 from skiros_py.planning.domain.pddl import PddlTexts
-from skiros_py.planning.pieces import Work
 from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.regrounding import in_words
+from skiros_py.planning.regrounding import pddl_plan
 from skiros_py.planning.robots.allocation import teams
-from skiros_py.planning.validation import replaying
 from skiros_py.skills.conditions import Related
 from skiros_py.world.poses import map_pose
 from skiros_py.world.view import WorldView
@@ -37,7 +36,7 @@ Point = tuple[float, float]
 
 def docking_nearer(
     view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan, reached: Mapping[str, int] | None = None
-) -> Work[Plan]:
+) -> Plan:
     """Returns the plan with docking places exchanged as long as the robots drive less and the plan still holds.
 
     Args:
@@ -51,8 +50,8 @@ def docking_nearer(
     docking = _Docking(view, task)
     for _ in range(_MOST):
         for steps in docking.shorter(plan.steps):
-            if (yield from replaying(view, steps, task.conditions, skills, reached=reached)) is None:
-                lines = yield from in_words(task, texts, steps, view.ontology)
+            if replay(view, steps, task.conditions, skills, reached=reached) is None:
+                lines = pddl_plan(task, texts, steps, view.ontology)
                 if lines:
                     plan = replace(plan, steps=steps, pddl=lines)
                     break

@@ -12,11 +12,10 @@ from functools import cache
 
 from skiros_py.planning.domain.literals import CAN
 from skiros_py.planning.domain.model import Action, Atom
-from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["USUAL", "efforts", "estimating"]
+__all__ = ["USUAL", "efforts"]
 
 USUAL = 10.0
 """How long a skill is taken to last of which nobody knows [s]."""
@@ -32,18 +31,11 @@ def efforts(task: PlanningTask, ontology: Ontology, agents: Collection[str] | No
         ontology: Classes.
         agents: Who may do something; everyone where left out.
     """
-    return at_once(estimating(task, ontology, agents))
-
-
-def estimating(
-    task: PlanningTask, ontology: Ontology, agents: Collection[str] | None = None
-) -> Work[Mapping[Atom, float]]:
-    """Does what :func:`efforts` does; yields after each fact."""
     spread = _Spread(task, ontology)
     for atom in sorted(task.problem.init):
         if agents is None or not atom.predicate.startswith(CAN) or atom.arguments[0] in agents:
             spread.offer(atom, 0.0)
-    yield from spread.run()
+    spread.run()
     return spread.settled
 
 
@@ -69,14 +61,13 @@ class _Spread:
             self._best[atom] = cost
             heapq.heappush(self._waiting, (cost, atom))
 
-    def run(self) -> Work[None]:
+    def run(self) -> None:
         while self._waiting:
             cost, atom = heapq.heappop(self._waiting)
             if atom not in self.settled:
                 self._settle(atom, cost)
                 for action, place in self._needs.get(atom.predicate, ()):
                     self._apply(action, place, atom)
-                yield
 
     def _settle(self, atom: Atom, cost: float) -> None:
         self.settled[atom] = cost

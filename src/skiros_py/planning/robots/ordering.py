@@ -13,15 +13,14 @@ from dataclasses import dataclass, replace
 
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch
 from skiros_py.planning.domain.pddl import PddlTexts
-from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Plan
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.validation import replaying
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
-__all__ = ["contrary", "makespan", "order", "ordering", "partial_order", "schedule"]
+__all__ = ["contrary", "makespan", "order", "partial_order", "schedule"]
 
 Order = tuple[frozenset[int], ...]
 """For each step the indices of the steps that must have ended before it starts; only those that no other implies."""
@@ -41,17 +40,12 @@ def order(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> 
         texts: The task as written.
         plan: The steps, replayed and found right, and their PDDL lines.
     """
-    return at_once(ordering(view, task, texts, plan))
-
-
-def ordering(view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan) -> Work[Plan]:
-    """Does what :func:`order` does, in pieces."""
     skills = {c.skill.name: c.skill for c in task.capabilities}
-    after = yield from _partially_ordered(texts, plan.pddl, skills)
+    after = partial_order(texts, plan.pddl, skills)
     if len(after) != len(plan.steps):
         return plan
     other = [plan.steps[index] for index in contrary(after)]
-    if (yield from replaying(view, other, task.conditions, skills)) is not None:
+    if replay(view, other, task.conditions, skills) is not None:
         return plan
     return replace(plan, after=after, starts=_starts(texts, plan, after))
 
@@ -71,11 +65,6 @@ def partial_order(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, S
         lines: The plan, "(drive base_1 robot_1 box_a)" each; the task's bookkeeping is looked through.
         skills: What is known of each skill: which of its parameters are devices.
     """
-    return at_once(_partially_ordered(texts, lines, skills))
-
-
-def _partially_ordered(texts: PddlTexts, lines: Sequence[str], skills: Mapping[str, SkillDescription]) -> Work[Order]:
-    """Does what :func:`partial_order` does; yields after each action."""
     actions = _only_changing([_ground(texts, line, skills) for line in lines])
     before: list[int] = []  # for each action those that precede it, as bits
     for index, action in enumerate(actions):
@@ -84,7 +73,6 @@ def _partially_ordered(texts: PddlTexts, lines: Sequence[str], skills: Mapping[s
             if not known >> earlier & 1 and _interfere(actions[earlier], action):
                 known |= before[earlier] | 1 << earlier
         before.append(known)
-        yield
     steps = [index for index, action in enumerate(actions) if action.is_step]
     return tuple(_nearest(index, steps, before) for index in steps)
 

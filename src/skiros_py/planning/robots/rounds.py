@@ -12,19 +12,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from skiros_py.planning.domain.pddl import PddlTexts
-from skiros_py.planning.pieces import Work, at_once
 from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan_validation import replay
 from skiros_py.planning.problem.task import PlanningTask
-from skiros_py.planning.regrounding import TaskState, in_words
+from skiros_py.planning.regrounding import TaskState, pddl_plan
 from skiros_py.planning.robots.allocation import teams
 from skiros_py.planning.robots.docks import docking_nearer
 from skiros_py.planning.robots.handling import Handling
 from skiros_py.planning.robots.ordering import makespan, partial_order, schedule
-from skiros_py.planning.validation import replaying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
-__all__ = ["arranged", "arranging"]
+__all__ = ["arranged"]
 
 _MOST_ROUNDS = 40
 """Plans of more rounds stay as they are: to try them out would take seconds."""
@@ -52,24 +51,17 @@ def arranged(
         plan: The steps, replayed and found right.
         reached: The highest sequence number that each robot has visited in this task.
     """
-    return at_once(arranging(view, task, texts, plan, reached))
-
-
-def arranging(
-    view: WorldView, task: PlanningTask, texts: PddlTexts, plan: Plan, reached: Mapping[str, int] | None = None
-) -> Work[Plan]:
-    """Does what :func:`arranged` does, in pieces."""
-    plan = yield from docking_nearer(view, task, texts, plan, reached)
+    plan = docking_nearer(view, task, texts, plan, reached)
     arrangement = _Arrangement(view, task, texts, plan)
     rounds = arrangement.rounds
     if len({round_.robot for round_ in rounds}) < 2 or len(rounds) > _MOST_ROUNDS:
         return plan
-    steps = yield from arrangement.best()
+    steps = arrangement.best()
     if steps is None:
         return plan
-    if (yield from replaying(view, steps, task.conditions, arrangement.skills, reached=reached)) is not None:
+    if replay(view, steps, task.conditions, arrangement.skills, reached=reached) is not None:
         return plan
-    other = Plan(steps, (yield from in_words(task, texts, steps, view.ontology)))
+    other = Plan(steps, pddl_plan(task, texts, steps, view.ontology))
     return other if 0.0 < arrangement.lasts(other.pddl) < arrangement.lasts(plan.pddl) else plan
 
 
@@ -90,7 +82,7 @@ class _Arrangement:
         durations = self._durations(lines)
         return makespan(schedule(after, durations), durations)
 
-    def best(self) -> Work[tuple[Step, ...] | None]:
+    def best(self) -> tuple[Step, ...] | None:
         """Arranges the rounds; None where they cannot follow each other in any of the ways that were tried."""
         left = list(self.rounds)
         state, steps, lines = TaskState(self._task, self._ontology), list[Step](), list[str]()
@@ -98,7 +90,7 @@ class _Arrangement:
         while left:
             found = None
             for robot in _free_first(ends, left):
-                found = found or (yield from self._next(state, lines, left, robot))
+                found = found or self._next(state, lines, left, robot)
             if found is None:
                 return None
             round_, state, lines, ends[round_.robot] = found
@@ -108,12 +100,9 @@ class _Arrangement:
 
     def _next(
         self, state: TaskState, lines: list[str], left: Sequence[_Round], robot: str
-    ) -> Work[tuple[_Round, TaskState, list[str], float] | None]:
+    ) -> tuple[_Round, TaskState, list[str], float] | None:
         """Returns the round of a robot that ends soonest when it comes next, with what is then the case."""
-        tried: list[tuple[_Round, TaskState, list[str], float] | None] = []
-        for round_ in (round_ for round_ in left if round_.robot == robot):
-            tried.append(self._after(state, lines, round_))
-            yield
+        tried = [self._after(state, lines, round_) for round_ in left if round_.robot == robot]
         return min(filter(None, tried), key=lambda found: found[3], default=None)
 
     def _after(

@@ -1,8 +1,8 @@
 """Patterns over the world: the one thing a condition is made of.
 
 Everything is derived from the pattern: checking it with reasons (:meth:`Pattern.evaluate`), simulating it
-(:mod:`skiros_py.planning.validation`), and writing it as PDDL (:mod:`skiros_py.planning.domain.literals`). Variables
-are names; a binding gives each the id of an element.
+(:mod:`skiros_py.planning.plan_validation`), and writing it as PDDL (:mod:`skiros_py.planning.domain.literals`).
+Variables are names; a binding gives each the id of an element.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Previews: goals that are planned and not done, each in a thread of its own over the world as it was just then."""
+"""Previews: goals that are planned and not done, about the world as it was just then."""
 
 from __future__ import annotations
 
@@ -6,28 +6,25 @@ import threading
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
-from contextlib import closing
 from dataclasses import dataclass, field
 
-from skiros_py.errors import Busy, PlanningError, SkirosError, UnknownName
+from skiros_py.errors import Busy, SkirosError, UnknownName
 from skiros_py.planning.plan import NoPlan, Plan
-from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.planning.problem.task import Capability
 from skiros_py.planning.reasons import Repair
-from skiros_py.planning.service import Planned, PlanningService
+from skiros_py.planning.requests import Asked, PlanRequest
+from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
-from skiros_py.station.session import Options, Session
-from skiros_py.world.index import Index
+from skiros_py.station.session import Session
 
 __all__ = ["Preview", "Previews", "is_applicable"]
 
 _AT_ONCE = 2
 """Planners take a core each."""
 _KEPT = 100
-_PAUSE = 0.0005
-"""Time between two pieces of work: others want the interpreter too [s]."""
 _RETRY_AFTER = 5.0
+_EACH, _TOGETHER = 1.0, 4.0
+"""How long one planner, and all together, may try out repairs [s]."""
 
 
 @dataclass
@@ -39,11 +36,9 @@ class Preview:
         goal: Its texts.
         conditions: The same, as they were understood.
         world: Version of the world for which it is planned.
-        view: That world; None when the work is over.
         asked: When it was asked for [s since 1970].
         planned: The answer; None while there is none.
         fault: Why there is none and will be none; empty in good times.
-        unwanted: True when nobody wants the answer any more.
         ended: Set when there will be no other answer.
     """
 
@@ -51,11 +46,9 @@ class Preview:
     goal: tuple[str, ...]
     conditions: tuple[Condition, ...]
     world: int
-    view: Index | None
     asked: float
     planned: Planned | None = None
     fault: str = ""
-    unwanted: bool = False
     ended: threading.Event = field(default_factory=threading.Event)
 
     @property
@@ -92,8 +85,8 @@ class Previews:
 
     def __init__(self) -> None:
         self._previews: OrderedDict[str, Preview] = OrderedDict()
+        self._under_way: dict[str, Asked[Planned]] = {}
         self._guard = threading.Lock()
-        self._threads: set[threading.Thread] = set()
         self._last = 0
         self._closed = False
 
@@ -109,19 +102,18 @@ class Previews:
             UsageError: The goal cannot be understood.
             Busy: Enough is being planned already.
         """
-        version, view = session.world.state()
         conditions = session.parse(goal)
+        options = PlanningOptions("preview", session.options.temporal, _EACH, _TOGETHER)
+        request = PlanRequest(conditions, tuple(capabilities), options=options)
         with self._guard:
-            if self._closed or len(self._threads) >= _AT_ONCE:
+            if self._closed or len(self._under_way) >= _AT_ONCE:
                 raise Busy(f"{_AT_ONCE} previews are being planned: ask again later", retry_after=_RETRY_AFTER)
             self._last += 1
-            preview = Preview(str(self._last), goal, conditions, version, view, time.time())
+            preview = Preview(str(self._last), goal, conditions, session.world.version, time.time())
+            asked = session.planning.ask(request)
             self._keep(preview)
-            thread = threading.Thread(
-                target=self._work, args=(preview, session, tuple(capabilities)), name=f"skiros-preview-{preview.id}"
-            )
-            self._threads.add(thread)
-            thread.start()
+            self._under_way[preview.id] = asked
+        asked.when_done(lambda asked: self._answered(preview, asked))
         return preview
 
     def find(self, id_: str) -> Preview:
@@ -148,7 +140,7 @@ class Previews:
             self._previews.clear()
 
     def close(self) -> None:
-        """Ends what is being planned, and waits for that; may be called twice."""
+        """Ends what is being planned; may be called twice."""
         self._closed = True
         self._end()
 
@@ -160,56 +152,21 @@ class Previews:
 
     def _end(self) -> None:
         with self._guard:
-            threads = tuple(self._threads)
-            for preview in self._previews.values():
-                preview.unwanted = True
-        for thread in threads:
-            thread.join()
+            under_way = tuple(self._under_way.values())
+        for asked in under_way:
+            asked.cancel()
 
-    # ------------------------------------------------------------------ in a thread of its own
-
-    def _work(self, preview: Preview, session: Session, capabilities: Sequence[Capability]) -> None:
+    def _answered(self, preview: Preview, asked: Asked[Planned]) -> None:
         try:
-            with closing(_planners(session)) as planners:
-                preview.planned = _planned(preview, planners, session.options, capabilities)
+            answer = asked.result()
+            preview.world, preview.planned = answer.version, answer.value
         except SkirosError as error:
             preview.fault = str(error)
-        except Exception as error:  # noqa: BLE001 - a plug-in's condition may raise anything; it is said, not hidden
-            preview.fault = f"planning broke: {type(error).__name__}: {error}"
-        finally:
-            preview.view = None
-            with self._guard:
-                self._threads.discard(threading.current_thread())
-            preview.ended.set()
-
-
-def _planned(preview: Preview, planners: Planners, options: Options, capabilities: Sequence[Capability]) -> Planned:
-    """Plans, until the answer is there or nobody wants it any more.
-
-    Raises:
-        PlanningError: The planners broke, or nobody wants it any more.
-    """
-    assert preview.view is not None  # until the work is over
-    service = PlanningService(planners, "preview", lockstep=False, temporal=options.temporal)
-    with closing(service.plan(preview.view, capabilities, preview.conditions)) as work:
-        while not preview.unwanted:
-            try:
-                next(work)
-            except StopIteration as end:
-                planned: Planned = end.value
-                return planned
-            time.sleep(_PAUSE)
-    raise PlanningError("planning was stopped: the station ends, or another scene is loaded")
+        with self._guard:
+            self._under_way.pop(preview.id, None)
+        preview.ended.set()
 
 
 def is_applicable(repair: Repair) -> bool:
     """Tells whether there is anything of a repair to be made in the world; what it changes in the goal is not."""
     return bool(repair.edits)
-
-
-def _planners(session: Session) -> Planners:
-    """Makes planners of our own: those of the station may be at work."""
-    options = session.options
-    if options.planner_command is not None:
-        return Planners.only(CommandPlanner("command", options.planner_command, supports=EVERYTHING))
-    return session.catalogue.choice_of_planners(options.planner)

@@ -10,7 +10,6 @@ import pytest
 from mutations import IN_TRAY
 
 from skiros_py.planning.explanation import Trial, certain_causes
-from skiros_py.planning.pieces import at_once
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.problem.task import Capability
@@ -95,7 +94,7 @@ def test_a_goal_with_a_certain_cause_has_no_plan(seed: int, planners: Planners) 
 
     found = certain_causes(tiny_task(world, *goal), world)
 
-    assert not found or at_once(Trial(planners, skills, each=30.0, together=30.0)(world, goal)) is not True, found
+    assert not found or Trial(planners, skills, each=30.0, together=30.0)(world, goal) is not True, found
 
 
 def drawn_balls(random: Random) -> list[str]:

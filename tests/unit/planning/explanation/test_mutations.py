@@ -8,7 +8,6 @@ import pytest
 from mutations import Mutation, mutations
 
 from skiros_py.planning.explanation import Trial, explain
-from skiros_py.planning.pieces import at_once
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.problem.task import build_task
@@ -39,7 +38,7 @@ def test_the_cause_is_how_the_task_was_spoilt_and_every_repair_works(mutation: M
         goal = [condition for condition in fresh.goal if condition not in repair.without]
         if repair.edits or repair.without:
             assert goal
-            assert at_once(trial(fresh.world, goal)), repair.text
+            assert trial(fresh.world, goal), repair.text
 
 
 def test_one_seed_draws_the_same_tasks_again() -> None:
@@ -54,4 +53,4 @@ def test_an_unspoilt_task_is_what_a_mutation_starts_from(planners: Planners) -> 
         rest = [condition for condition in mutation.goal if condition not in mutation.spoilt]
         if rest:
             trial = Trial(planners, mutation.capabilities, each=30.0)
-            assert at_once(trial(mutation.world, rest)), mutation.name
+            assert trial(mutation.world, rest), mutation.name

@@ -6,7 +6,6 @@ from skiros_py.errors import WorldError
 from skiros_py.planning.explanation import Explanation, explain
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation.hypothetical import HypotheticalView
-from skiros_py.planning.pieces import Work
 from skiros_py.planning.reasons import Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing import tiny_task, tiny_world
@@ -20,8 +19,7 @@ def explained(world: World, *goal: Condition, works: bool | None = True) -> Expl
     return explain(tiny_task(world, *goal), world, lambda _view, _goal: answering(works))
 
 
-def answering(works: bool | None) -> Work[bool | None]:
-    yield
+def answering(works: bool | None) -> bool | None:
     return works
 
 

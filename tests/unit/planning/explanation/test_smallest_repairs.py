@@ -10,7 +10,6 @@ from mutations import IN_TRAY
 from skiros_py.planning.explanation import Explanation, Trial, explain, find_causes
 from skiros_py.planning.explanation.edits import Move
 from skiros_py.planning.explanation.repairs import find_repairs
-from skiros_py.planning.pieces import at_once
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.problem.task import Capability
@@ -107,7 +106,7 @@ def test_what_a_repair_does_not_need_is_left_out_of_it(planners: Planners) -> No
     other, wanted = (parse_goal([text], world, WORDS) for text in ("Free(tray_1_1)", "Free(slot_1)"))
     found = find_causes(tiny_task(world, *other), world)
 
-    repairs = at_once(find_repairs(found, world, wanted, able(world), trial(world, planners)))
+    repairs = find_repairs(found, world, wanted, able(world), trial(world, planners))
 
     assert [repair.text for repair in repairs] == [
         "put ball_9 in box_a",

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.planning.explanation.subsets import conflict_of, smallest_unsolvable
-from skiros_py.planning.pieces import Work, at_once
+from skiros_py.planning.explanation.explaining import conflict_of, smallest_unsolvable
 from skiros_py.skills.conditions import Condition
 from skiros_py.testing.tiny_skills import FREE
 
@@ -14,11 +13,10 @@ GOAL = tuple(FREE(f"slot_{n}") for n in range(8))
 
 
 def smallest(goal: Sequence[Condition], bad: Sequence[Condition], *, known: bool = True) -> tuple[Condition, ...]:
-    def reachable(some: Sequence[Condition]) -> Work[bool | None]:
-        yield
+    def reachable(some: Sequence[Condition]) -> bool | None:
         return not set(bad) <= set(some) if known else None
 
-    return at_once(smallest_unsolvable(goal, reachable))
+    return smallest_unsolvable(goal, reachable)
 
 
 @given(st.sets(st.sampled_from(GOAL), min_size=1))
@@ -34,12 +32,11 @@ def test_a_planner_is_asked_a_bounded_number_of_times() -> None:
     calls: list[Sequence[Condition]] = []
     many = tuple(FREE(f"slot_{n}") for n in range(100))
 
-    def reachable(some: Sequence[Condition]) -> Work[bool | None]:
+    def reachable(some: Sequence[Condition]) -> bool | None:
         calls.append(some)
-        yield
         return False
 
-    at_once(smallest_unsolvable(many, reachable))
+    smallest_unsolvable(many, reachable)
 
     assert len(calls) <= 16
 

@@ -1,8 +1,13 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from skiros_py.planning.plan import Step
-from skiros_py.tasks.plan_checker import PlanChecker, supposing
-from skiros_py.testing import tiny_world
+from skiros_py.planning.plan_validation import Flaw
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.requests import Check, supposing
+from skiros_py.tasks.plan_monitor import Staleness
+from skiros_py.testing import GivenPlanner, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 
@@ -15,8 +20,28 @@ REST = (
 )
 
 
-def checker(world: World) -> PlanChecker:
-    return PlanChecker(world, (IN_CONTAINER("ball_1", "slot_1"),), SKILLS)
+class Watch:
+    """Checks the rest of a plan as the plan monitor does."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._stale = Staleness(world)
+        self.close = self._stale.close
+
+    @property
+    def stale(self) -> bool:
+        return bool(self._stale)
+
+    def look(self, running: Sequence[Step], rest: Sequence[Step]) -> Flaw | None:
+        self._stale.asked()
+        version, state = self._world.state()
+        check = Check((IN_CONTAINER("ball_1", "slot_1"),), tuple(running), tuple(rest), SKILLS)
+        found = check.answer(state, Planners.only(GivenPlanner()), lambda: False)
+        self._stale.read(found.keys, version)
+        return found.flaw
+
+
+checker = Watch
 
 
 def move(world: World, what: str, relation: str, place: str) -> None:

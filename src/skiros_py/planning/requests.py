@@ -1,0 +1,252 @@
+"""What planning is asked: requests are plain data, answered from one state of the world, in any process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import CancelledError, Future
+from dataclasses import dataclass, field, replace
+from typing import Generic, Protocol, TypeVar
+
+from skiros_py.errors import PlanningError, SkirosError
+from skiros_py.interruptions import Interruption
+from skiros_py.planning.domain.needs import with_defaults
+from skiros_py.planning.plan import Plan, Step
+from skiros_py.planning.plan_validation import Flaw, apply_effects, replay
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.problem.stock import tokens_of, with_stock
+from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.sequence import Round
+from skiros_py.planning.service import USUAL, Planned, PlanningOptions, plan
+from skiros_py.skills.conditions import Condition, Verdict
+from skiros_py.skills.conditions.reads import Key, ReadingView
+from skiros_py.skills.skill import SkillDescription
+from skiros_py.skills.surroundings import owner
+from skiros_py.world.index import Index
+from skiros_py.world.overlay import FilteredView, Overlay
+from skiros_py.world.sensors import NO_SENSORS
+from skiros_py.world.view import WorldView
+
+__all__ = [
+    "Answer", "Asked", "Check", "Checked", "PlanRequest", "PlanningHost", "Request", "answered", "supposing",
+]  # fmt: skip
+
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+
+class Request(Protocol[T_co]):
+    """Something that is worked out from one state of the world. Conditions see no sensors there."""
+
+    def answer(self, state: Index, planners: Planners, stopped: Callable[[], bool]) -> T_co:
+        """Works the answer out.
+
+        Args:
+            state: The world.
+            planners: The planners to choose from.
+            stopped: Tells whether the answer is no longer wanted.
+
+        Raises:
+            SkirosError: There is none.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Answer(Generic[T]):
+    """An answer, and the version of the world that it is about."""
+
+    version: int
+    value: T
+
+
+class Asked(Generic[T]):
+    """A request under way; a :class:`~skiros_py.ports.pending.Pending`.
+
+    Args:
+        future: The answer.
+        stop: Ends the work; called in any thread, also where the answer is there.
+    """
+
+    latency = 0.0
+
+    def __init__(self, future: Future[Answer[T]], stop: Callable[[], None]) -> None:
+        self._future = future
+        self._stop = stop
+
+    def done(self) -> bool:
+        """Returns True when :meth:`result` will not block."""
+        return self._future.done()
+
+    def result(self) -> Answer[T]:
+        """Waits for the answer.
+
+        Raises:
+            SkirosError: There is none: planning broke, or was stopped.
+        """
+        try:
+            return self._future.result()
+        except CancelledError:
+            raise PlanningError("planning was stopped") from None
+
+    def when_done(self, callback: Callable[[Asked[T]], None]) -> None:
+        """Calls back, in whatever thread that is, when the answer is there."""
+        self._future.add_done_callback(lambda _future: callback(self))
+
+    def cancel(self) -> None:
+        """Ends the work; does nothing where the answer is there."""
+        if not self._future.done():
+            self._stop()
+            self._future.cancel()
+
+
+class PlanningHost(Protocol):
+    """Where requests are answered: a thread or a process. Any thread may ask."""
+
+    def ask(self, request: Request[T]) -> Asked[T]:
+        """Begins to answer a request about the world as it is now, and returns at once.
+
+        Raises:
+            PlanningError: It was closed, or the request cannot travel to where it would be answered.
+        """
+        ...
+
+    def close(self) -> None:
+        """Ends everything that is under way; may be called twice."""
+        ...
+
+
+def answered(request: Request[T], state: Index, planners: Planners, stopped: Callable[[], bool]) -> T:
+    """Answers a request; what authors' conditions raise becomes a fault of planning.
+
+    Raises:
+        SkirosError: There is no answer.
+    """
+    try:
+        return request.answer(state, planners, stopped)
+    except (SkirosError, KeyboardInterrupt, Interruption):
+        raise
+    except SystemExit as error:
+        raise PlanningError(f"planning broke: it tried to end the program: sys.exit({error.code!r})") from error
+    except BaseException as error:
+        raise PlanningError(f"planning broke: {type(error).__name__}: {error}") from error
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """Asks for a plan.
+
+    Attributes:
+        goal: What shall hold, all of it.
+        capabilities: What can be done.
+        reached: The highest sequence number that each robot has visited in this task.
+        left_out: Elements that no plan may use.
+        busy: Robots and things that other tasks use: planned with only where there is no other way.
+        running: Steps that run on, and will have ended well.
+        options: How to plan.
+    """
+
+    goal: tuple[Condition, ...]
+    capabilities: tuple[Capability, ...]
+    reached: Mapping[str, int] = field(default_factory=dict)
+    left_out: frozenset[str] = frozenset()
+    busy: frozenset[str] = frozenset()
+    running: tuple[Step, ...] = ()
+    options: PlanningOptions = USUAL
+
+    def answer(self, state: Index, planners: Planners, stopped: Callable[[], bool]) -> Planned:
+        """Plans."""
+        if self.busy:
+            free = tuple(one for c in self.capabilities if (one := self._free(c, state)).agents)
+            planned = self._plan(state, self.left_out | self.busy, free, planners, stopped)
+            if isinstance(planned.outcome, Plan):
+                return planned
+        return self._plan(state, self.left_out, self.capabilities, planners, stopped)
+
+    def _plan(
+        self,
+        state: Index,
+        without: frozenset[str],
+        capabilities: Sequence[Capability],
+        planners: Planners,
+        stopped: Callable[[], bool],
+    ) -> Planned:
+        view: WorldView = FilteredView(state, without) if without else state
+        reached = self.reached
+        if self.running:
+            skills = {c.skill.name: c.skill for c in self.capabilities}
+            view, reached = supposing(view, self.running, skills, reached)
+        return plan(planners, view, capabilities, self.goal, reached=reached, options=self.options, stopped=stopped)
+
+    def _free(self, capability: Capability, view: WorldView) -> Capability:
+        """Returns a capability of those subsystems only whose robots nobody else uses."""
+        robots = {agent: (owner(view, agent) if view.has(agent) else None) or agent for agent in capability.agents}
+        return replace(capability, agents=tuple(agent for agent in capability.agents if robots[agent] not in self.busy))
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """Whether the rest of a plan leads to its goal.
+
+    Attributes:
+        flaw: What keeps it from that; None where nothing does.
+        keys: What was read of the world: where none of that changes, the answer stays the same.
+    """
+
+    flaw: Flaw | None
+    keys: frozenset[Key]
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """Asks whether the rest of a plan still leads to its goal, if what runs succeeds.
+
+    Attributes:
+        goal: What the plan shall lead to.
+        running: The steps that run.
+        rest: The steps that have not started, in order.
+        skills: The skills of all these, by name.
+        reached: The highest sequence number that each robot has visited in this task.
+    """
+
+    goal: tuple[Condition, ...]
+    running: tuple[Step, ...]
+    rest: tuple[Step, ...]
+    skills: Mapping[str, SkillDescription]
+    reached: Mapping[str, int] = field(default_factory=dict)
+
+    def answer(self, state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> Checked:
+        """Replays the steps."""
+        view = ReadingView(state, NO_SENSORS)
+        return Checked(self._flaw(view), frozenset(view.keys))
+
+    def _flaw(self, view: WorldView) -> Flaw | None:
+        stocked = with_stock(view, self.goal, tokens_of(self.rest))
+        for index, step in enumerate(self.rest):
+            gone = [name for name in tokens_of((step,)) if not stocked.has(name)]
+            if gone:
+                return Flaw(index, Verdict(False, f"nothing is left in stock for {gone[0]}"))
+        overlay, visited = supposing(stocked, self.running, self.skills, self.reached)
+        return replay(overlay, self.rest, self.goal, self.skills, reached=visited)
+
+
+def supposing(
+    view: WorldView,
+    steps: Sequence[Step],
+    skills: Mapping[str, SkillDescription],
+    reached: Mapping[str, int] | None = None,
+) -> tuple[Overlay, Mapping[str, int]]:
+    """Returns the world as it will be when some steps that run have ended well.
+
+    Args:
+        view: The world now.
+        steps: What runs.
+        skills: The skills there are, by name.
+        reached: The highest sequence number that each robot has visited in this task; returned as it will be.
+    """
+    overlay, round_ = Overlay(view), Round(view, (), reached)
+    for step in steps:
+        skill = skills[step.skill]
+        values = with_defaults(skill, step.arguments)
+        round_.take(overlay, skill, values)
+        apply_effects(overlay, skill.post, values)
+    return overlay, round_.reached
