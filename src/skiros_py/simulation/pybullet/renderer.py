@@ -26,6 +26,7 @@ T = TypeVar("T")
 
 _FLOOR = Solid.box(40.0, 40.0, 0.1)
 _FLOOR_COLOUR: Colour = (0.80, 0.81, 0.80, 1.0)
+_NOTHING = 1.0 - 1e-6  # the buffer where nothing is in range, but for its rounding
 _LIGHT = (1.5, -2.0, 4.0)
 
 
@@ -139,5 +140,5 @@ def _metres(buffer: Array, view: View) -> Array:
     """Turns a depth buffer (0 near, 1 far, uneven in between) into distances along the optical axis [m]."""
     near, far = view.near, view.far
     depth = far * near / (far - (far - near) * buffer)
-    depth[buffer >= 1.0] = np.inf
+    depth[buffer >= _NOTHING] = np.inf
     return np.asarray(depth)
