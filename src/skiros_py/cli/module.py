@@ -9,7 +9,7 @@ import click
 
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import CONFIG, JSON, PACE
+from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, JSON, PACE
 from skiros_py.cli.output import answer
 from skiros_py.errors import UnknownName, UsageError
 
@@ -89,8 +89,9 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
 @_choice
 @click.option("--seed", type=click.IntRange(0), default=0, help="Seed of every random choice.  [default: 0]")
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
-@click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
-@click.option("--gui", is_flag=True, help="Open PyBullet's window.")
+@DRIVER
+@ENGINE
+@click.option("--gui", is_flag=True, help="Open the simulation's window.")
 @PACE
 @CONFIG
 @click.option("--repeat", type=click.IntRange(1), default=1, help="How often.  [default: 1]")
@@ -104,6 +105,7 @@ def run(
     seed: int,
     fake: bool,
     driver: str | None,
+    engine: str,
     gui: bool,
     pace: float | None,
     config: dict[str, str],
@@ -116,7 +118,7 @@ def run(
     from skiros_py.skills.outcome import Success
     from skiros_py.station.session import Options, Session
 
-    options = Options(seed=seed, fake=fake, gui=gui, driver=driver, pace=pace, config=config)
+    options = Options(seed=seed, fake=fake, gui=gui, driver=driver, engine=engine, pace=pace, config=config)
     with Session(scene, options) as session:
         given, manager = _given(params), _manager(session, name, agent)
         before = manager.panel(name, given)

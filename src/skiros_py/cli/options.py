@@ -19,6 +19,8 @@ __all__ = [
     "AUTHOR",
     "CONFIG",
     "DATA",
+    "DRIVER",
+    "ENGINE",
     "JSON",
     "PACE",
     "Seconds",
@@ -52,6 +54,17 @@ def open_existing(data: Path) -> DataDirectory:
     from skiros_py.station.session import open_data
 
     return open_data(data, create=False)
+
+
+DRIVER = click.option(
+    "--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation."
+)
+"""The option that names a cell driver."""
+
+ENGINE = click.option(
+    "--engine", default="pybullet", show_default=True, metavar="NAME", help="Physics engine of the simulation."
+)
+"""The option that names a physics engine."""
 
 
 class Seconds(click.FloatRange):

@@ -16,7 +16,7 @@ import click
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.ending import end_unless
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import CONFIG, PACE, data_option, planner_options
+from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, PACE, data_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.errors import UsageError
@@ -41,7 +41,7 @@ __all__ = ["command", "stopping"]
 )
 @click.option("--robot", metavar="NAME", help="Robot to use; needed where the scene has several.")
 @PACE
-@click.option("--gui", is_flag=True, help="Open PyBullet's window.")
+@click.option("--gui", is_flag=True, help="Open the simulation's window.")
 @click.option(
     "--record",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -50,7 +50,8 @@ __all__ = ["command", "stopping"]
 )
 @data_option(required=False)
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
-@click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
+@DRIVER
+@ENGINE
 @CONFIG
 @planner_options
 @ask_option
@@ -66,6 +67,7 @@ def command(
     data: Path | None,
     fake: bool,
     driver: str | None,
+    engine: str,
     config: dict[str, str],
     planner: str | None,
     planner_command: str | None,
@@ -91,6 +93,7 @@ def command(
         gui=gui,
         goal=goals,
         driver=driver,
+        engine=engine,
         config=config,
         planner=planner,
         planner_command=planner_command,

@@ -17,7 +17,7 @@ import click
 from skiros_py.cli.ending import end_now, end_unless
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.nothing_left import nothing_left_of
-from skiros_py.cli.options import CONFIG, JSON, data_option, pace_option, planner_options
+from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, JSON, data_option, pace_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS
 from skiros_py.cli.text import escaped
@@ -60,7 +60,8 @@ Examples:
 @click.option("--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="0 for any free one.")
 @pace_option("real")
 @click.option("--fake", is_flag=True, help="No physics: skills pretend.")
-@click.option("--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation.")
+@DRIVER
+@ENGINE
 @click.option("--robot", metavar="NAME", help="The robot to use.  [default: all robots of the scene]")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of every random choice.")
 @CONFIG
@@ -87,6 +88,7 @@ def command(
     pace: float | None,
     fake: bool,
     driver: str | None,
+    engine: str,
     robot: str | None,
     seed: int,
     config: dict[str, str],
@@ -126,6 +128,7 @@ def command(
         fake=fake,
         pace=pace,
         driver=driver,
+        engine=engine,
         config=config,
         planner=planner,
         planner_command=planner_command,

@@ -325,7 +325,8 @@ class EngineContract:
         assert side.point == pytest.approx((0.9, 0.0, 0.55), abs=2e-3)
         assert side.normal == pytest.approx((-1.0, 0.0, 0.0), abs=1e-3)
         assert down is not None
-        assert (down.body, down.fraction) == (FLOOR, pytest.approx(0.5, abs=1e-3))
+        assert down.body == FLOOR
+        assert down.fraction == pytest.approx(0.5, abs=1e-3)
 
     def test_rendered_depth_is_the_distance_along_the_optical_axis(self, engine: Engine) -> None:
         engine.add_body("box", _BOX, Pose(), colour=_GREY)
