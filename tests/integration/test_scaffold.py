@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.cli.main import main
-from skiros_py.config import ontology_paths
+from skiros_py.plugins import find_plugin
 from skiros_py.scaffold import (
     Knowledge,
     NewPackage,
@@ -215,7 +215,7 @@ def test_a_robot_is_the_one_shipped_but_for_its_names(package: Path, skiros: Ski
             line for line in text.splitlines() if "sk:" in line and "<http" not in line and not line.startswith("#")
         ]
 
-    shipped = (ontology_paths()[0] / "robots" / "mobile_panda.ttl").read_text(encoding="utf-8")
+    shipped = find_plugin("skiros.robots", "mobile_panda").individuals.read_text(encoding="utf-8")
     own = (package / "src" / "my_scanning" / "robots" / "panda.ttl").read_text(encoding="utf-8")
     renamed = re.sub(r"scene:panda_(\w+)", r"scene:\1_1", own).replace("scene:panda ", "scene:robot_1 ")
     assert facts(renamed) == facts(shipped)

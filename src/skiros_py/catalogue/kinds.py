@@ -13,6 +13,7 @@ from skiros_py.errors import SkirosError
 from skiros_py.plugins import Plugin
 from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.kinds import device_problem
+from skiros_py.ports.models import RobotModel
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import params_of
@@ -149,7 +150,11 @@ KINDS: Mapping[str, Kind] = {
         Kind("skiros.signals", "a function of the cell that returns signal providers", callable),
         Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),
         Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_path),
-        Kind("skiros.robots", "a package with Turtle files, or a Path", _is_path),
+        Kind(
+            "skiros.robots",
+            "a RobotModel, a package with Turtle files, or a Path",
+            lambda value: isinstance(value, RobotModel) or _is_path(value),
+        ),
         Kind("skiros.scenes", "a package with scene files, or a Path", _is_path),
         Kind("skiros.pages", "the Path of a folder of built web pages", lambda value: isinstance(value, Path)),
     )

@@ -44,14 +44,19 @@ def load_plugins(group: str) -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...
     return plugins, (*twins, *(one for one in loaded if isinstance(one, PluginFault)))
 
 
-def find_plugin(group: str, name: str) -> Any:
+def find_plugin(group: str, name: str, *, kind: str = "") -> Any:
     """Loads the one entry point of a group that has a name, and returns what it names.
+
+    Args:
+        group: The group ("skiros.engines").
+        name: Name of the entry point.
+        kind: Its kind, for messages; that of the group ("engine") where left out.
 
     Raises:
         UnknownName: There is none.
         UsageError: It cannot be loaded; the text says why, and where it is from.
     """
-    kind = group.partition(".")[2].removesuffix("s")
+    kind = kind or group.partition(".")[2].removesuffix("s")
     entries, faults = unambiguous(installation().of(group))
     entry = next((entry for entry in entries if entry.name == name), None)
     found = load(entry) if entry is not None else next((fault for fault in faults if fault.name == name), None)

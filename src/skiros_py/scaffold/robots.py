@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.plugins import PluginFault, installation
+from skiros_py.ports.models import GROUP
 from skiros_py.world.names import SCENE, STANDARD_PREFIXES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
-from skiros_py.world.scene.robots import GROUP, documents_of
+from skiros_py.world.scene.robots import documents_of
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
 __all__ = ["RobotFile", "find_robot"]

@@ -1,17 +1,19 @@
-"""The robot's model file: one file for simulation and kinematics, complete and mended."""
+"""A robot model is found by its entry point, and is one URDF file for all who need it."""
 
-import xml.etree.ElementTree as ET
-from pathlib import Path
+from typing import Any
 
 import pytest
 
-from skiros_py.errors import UnknownName
+from skiros_py.errors import UnknownName, UsageError
 from skiros_py.ports.models import write_robot_urdf
 
-
-@pytest.fixture
-def model(tmp_path):
-    return ET.parse(write_robot_urdf("mobile_panda", tmp_path)).getroot()
+CODE = """
+from pathlib import Path
+from skiros_py.ports.models import RobotModel
+WRITTEN = RobotModel("written", lambda: "<robot name='written'/>")
+FILE = RobotModel("file", Path(__file__).parent / "own.urdf")
+FOLDER = Path(__file__).parent
+"""
 
 
 def test_an_unknown_model_is_refused_with_the_known_ones(tmp_path):
@@ -19,35 +21,24 @@ def test_an_unknown_model_is_refused_with_the_known_ones(tmp_path):
         write_robot_urdf("mobile_pandas", tmp_path)
 
 
-def test_the_links_make_one_tree_from_the_map(model):
-    links = {link.get("name") for link in model.iter("link")}
-    children = [joint.find("child").get("link") for joint in model.iter("joint")]
-
-    assert links - set(children) == {"map"}
-    assert len(children) == len(set(children))
-    assert {joint.find("parent").get("link") for joint in model.iter("joint")} <= links
-    assert {"base_link", "tcp", "camera_optical"} <= links
-
-
-def test_every_mesh_exists_and_is_named_absolutely(model):
-    paths = [Path(mesh.get("filename")) for mesh in model.iter("mesh")]
-
-    assert len(paths) > 20
-    assert all(path.is_absolute() and path.is_file() for path in paths)
+@pytest.fixture
+def robots(site: Any) -> Any:
+    """A distribution with a robot whose URDF is composed, one whose URDF is a file, and individuals alone."""
+    names = {"written": "sk_robots:WRITTEN", "file": "sk_robots:FILE", "folder": "sk_robots:FOLDER"}
+    files = {"sk_robots/__init__.py": CODE, "sk_robots/own.urdf": "<robot name='own'/>"}
+    site.install("sk-robots", {"robots": names}, files)
+    return site
 
 
-def test_every_link_has_mass_and_no_finger_the_inertia_of_an_arm(model):
-    masses = [float(link.find("inertial/mass").get("value")) for link in model.iter("link")]
-    fingers = [link for link in model.iter("link") if "finger" in link.get("name")]
+def test_a_urdf_that_is_composed_is_written_and_a_file_stays_where_it_is(robots, tmp_path):
+    written, file = write_robot_urdf("written", tmp_path), write_robot_urdf("file", tmp_path)
 
-    assert min(masses) > 0.0
-    assert [float(f.find("inertial/inertia").get("ixx")) for f in fingers] == [1e-4, 1e-4]
-    assert not [finger for finger in fingers if finger.find("contact") is not None]
+    assert written == tmp_path / "written.urdf"
+    assert written.read_text() == "<robot name='written'/>"
+    assert file.parent != tmp_path
+    assert file.read_text() == "<robot name='own'/>"
 
 
-def test_two_runs_write_the_same_model(tmp_path):
-    for name in ("a", "b"):
-        (tmp_path / name).mkdir()
-    first, second = (write_robot_urdf("mobile_panda", tmp_path / name).read_bytes() for name in ("a", "b"))
-
-    assert first == second
+def test_individuals_alone_are_no_model(robots, tmp_path):
+    with pytest.raises(UsageError, match="robot model 'folder' has no URDF"):
+        write_robot_urdf("folder", tmp_path)

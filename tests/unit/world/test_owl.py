@@ -7,7 +7,7 @@ import owlready2
 import pytest
 import rdflib
 
-FILES = ("core.ttl", "kitting.ttl", "robots/mobile_panda.ttl")
+FILES = ("core.ttl", "kitting.ttl", "../robots/src/skiros_robots/mobile_panda.ttl")
 
 
 @pytest.mark.parametrize("last", range(1, len(FILES) + 1))

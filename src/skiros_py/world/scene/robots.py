@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from skiros_py.errors import FileError
-from skiros_py.plugins import Entry, PluginFault, fault_of, files_of, installation, unambiguous
+from skiros_py.plugins import Entry, Plugin, PluginFault, fault_of, files_of, installation, load, unambiguous
+from skiros_py.ports.models import GROUP, RobotModel
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 
-__all__ = ["GROUP", "documents_of", "robot_document"]
-
-GROUP = "skiros.robots"
-"""Entry points of this group name files with the individuals of robots, in the manner of ontologies."""
+__all__ = ["documents_of", "robot_document"]
 
 
 def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
@@ -38,15 +37,23 @@ def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
 
 def documents_of(entry: Entry) -> Iterator[Document | PluginFault]:
     """Yields the files that an entry point brings, read; and what is wrong with it."""
-    paths = files_of(entry)
+    paths = _files(entry)
     if isinstance(paths, PluginFault):
         yield paths
         return
     files = rdf_files(paths)
-    if not files:
+    if paths and not files:
         yield fault_of(entry, f"there is no Turtle file below {paths[0]}")
     for file in files:
         try:
             yield read_document(file)
         except FileError as error:
             yield fault_of(entry, str(error))
+
+
+def _files(entry: Entry) -> tuple[Path, ...] | PluginFault:
+    plugin = load(entry) if entry.attribute else None
+    if isinstance(plugin, Plugin) and isinstance(plugin.value, RobotModel):
+        individuals = plugin.value.individuals
+        return () if individuals is None else (individuals,)
+    return files_of(entry)

@@ -41,19 +41,37 @@ def test_the_shipped_scenes_load_with_their_robot_and_goals(ontology: Ontology, 
     )
 
 
-def test_an_import_is_found_among_other_files_at_hand(root: Path) -> None:
-    ontology = Ontology.load([root / "ontologies" / "core.ttl", root / "ontologies" / "kitting.ttl"])
+CRANE = """@prefix owl: <http://www.w3.org/2002/07/owl#> . @prefix sk: <https://w3id.org/skiros-py/core#> .
+@prefix scene: <https://w3id.org/skiros-py/scene#> .
+<http://example.org/robots/crane> a owl:Ontology .
+scene:crane_1 a sk:Robot ; sk:at scene:floor ; sk:startLocation scene:floor .
+"""
+WITH_CRANE = """<> a owl:Ontology ; owl:imports <http://example.org/robots/crane> .
+"""
 
-    world = load_scene(ontology, root / "scenes" / "kitting.ttl", [root / "ontologies"])
+
+def test_an_import_is_found_among_other_files_at_hand(ontology: Ontology, tmp_path: Path) -> None:
+    folder = tmp_path / "robots"
+    folder.mkdir()
+    (folder / "crane.ttl").write_text(CRANE)
+    (tmp_path / "mine.ttl").write_text(HEADER + WITH_CRANE)
+
+    world = load_scene(ontology, tmp_path / "mine.ttl", [folder])
+
+    assert world.has("crane_1")
+
+
+def test_the_individuals_of_a_robot_are_found_by_its_entry_point(ontology: Ontology, root: Path) -> None:
+    world = load_scene(ontology, root / "scenes" / "kitting.ttl")
 
     assert world.has("gripper_1")
 
 
-def test_an_import_that_is_not_at_hand_is_refused(root: Path) -> None:
-    ontology = Ontology.load([root / "ontologies" / "core.ttl", root / "ontologies" / "kitting.ttl"])
+def test_an_import_that_is_not_at_hand_is_refused(ontology: Ontology, tmp_path: Path) -> None:
+    (tmp_path / "mine.ttl").write_text(HEADER + WITH_CRANE)
 
-    with pytest.raises(FileError, match=r"kitting\.ttl:12: imports <.*mobile_panda>, which no file at hand declares"):
-        load_scene(ontology, root / "scenes" / "kitting.ttl")
+    with pytest.raises(FileError, match=r"mine\.ttl:\d+: imports <.*robots/crane>, which no file at hand declares"):
+        load_scene(ontology, tmp_path / "mine.ttl")
 
 
 def test_a_saved_scene_is_the_same_world_and_the_same_file(world: World, ontology: Ontology, tmp_path: Path) -> None:
