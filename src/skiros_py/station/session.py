@@ -231,7 +231,8 @@ class Session:
     def _robots(self, world: WorldView) -> tuple[str, ...]:
         robots = world.instances(ROBOT)
         if not robots:
-            raise UsageError(f"scene '{self.scene}' has no robot: import one, such as robots/mobile_panda.ttl")
+            iri = "https://w3id.org/skiros-py/robots/mobile_panda"
+            raise UsageError(f"scene '{self.scene}' has no robot: import one, such as <{iri}>")
         wanted = self.options.robot
         if wanted is None:
             return robots

@@ -47,7 +47,7 @@ def test_it_is_the_same_to_a_driver_but_for_names_and_where_it_starts() -> None:
         other.of(CameraSpec)[0].width,
     )
     assert other.of(GripperSpec)[0].arm == "arm_2"
-    assert (one.base.start.position, other.base.start.position) == ((0.0, 0.0, 0.0), (0.0, 2.0, 0.0))
+    assert (one.start.position, other.start.position) == ((0.0, 0.0, 0.0), (0.0, 2.0, 0.0))
 
 
 def test_what_the_scene_says_of_the_copy_counts() -> None:
