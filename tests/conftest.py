@@ -2,6 +2,10 @@
 
 Numerics run on one thread, as in the worker processes: results do not depend on the number of cores. That is set before
 any test module loads a numerical library, which read it once.
+
+``pytest`` alone runs the whole suite on several cores: a file with the fixtures of its module stays in one process, and
+so do all tests with physics and all tests in a browser, which would take each other's time. A run of named files or
+folders stays in one process unless ``-n`` is given.
 """
 
 import os
@@ -9,8 +13,40 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
+from xdist.remote import Producer
+from xdist.scheduler import LoadScopeScheduling
 
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+
+_MOST_WORKERS = 4
+"""Each has servers and simulations of its own, with up to 2 GB."""
+_ONE_BY_ONE = ("tests/scenario/", "tests/web/")
+"""Folders whose tests run one after the other: physics, and a browser."""
+
+
+class _Scheduler(LoadScopeScheduling):
+    """Gives a process whole files, or all of a folder whose tests run one after the other."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return next((folder for folder in _ONE_BY_ONE if nodeid.startswith(folder)), nodeid.partition("::")[0])
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadScopeScheduling:
+    return _Scheduler(config, log)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """Returns the number of processes for the whole suite; 0 for a part of it, which runs in this one."""
+    whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS
+    return max(2, min(_MOST_WORKERS, len(os.sched_getaffinity(0)))) if whole else 0
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Begins with what takes longest in one process where there are several."""
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: not item.nodeid.startswith(_ONE_BY_ONE))
 
 
 class Site:
