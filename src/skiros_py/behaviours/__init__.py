@@ -3,6 +3,7 @@
 from skiros_py.behaviours.assert_effects import AssertEffects
 from skiros_py.behaviours.check import Check
 from skiros_py.behaviours.do import Do
+from skiros_py.behaviours.document import DocumentFault, DocumentKind, PaletteEntry
 from skiros_py.behaviours.fallback import Fallback
 from skiros_py.behaviours.for_each import ForEach
 from skiros_py.behaviours.guard import Guard
@@ -20,12 +21,15 @@ __all__ = [
     "Call",
     "Check",
     "Do",
+    "DocumentFault",
+    "DocumentKind",
     "Edge",
     "Fallback",
     "ForEach",
     "Guard",
     "Out",
     "P",
+    "PaletteEntry",
     "Parallel",
     "Policy",
     "Repeat",

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from skiros_py.behaviours.document import DocumentKind
 from skiros_py.errors import DescriptionError, DeviceError, PlanningError, SkirosError, UnknownName, UsageError
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.plugins import LazyPlugins, PluginFault
@@ -40,6 +41,7 @@ class Catalogue:
         reasoners: Reasoners that worlds are opened with.
         drivers: What makes a cell driver, by name; each is loaded when it is first asked for.
         behaviours: Kinds of node by name; each is loaded when it is first asked for.
+        documents: Kinds of document by name; each is loaded when it is first asked for.
         signals: What makes signal providers of a cell, by name.
     """
 
@@ -52,6 +54,7 @@ class Catalogue:
     reasoners: Reasoners = NO_REASONERS
     drivers: Mapping[str, Any] = field(default_factory=dict)
     behaviours: Mapping[str, type[Behaviour]] = field(default_factory=dict)
+    documents: Mapping[str, type[DocumentKind]] = field(default_factory=dict)
     signals: Mapping[str, Any] = field(default_factory=dict)
 
     @property

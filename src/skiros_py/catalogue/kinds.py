@@ -9,6 +9,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
+from skiros_py.behaviours.document import DocumentKind
 from skiros_py.errors import SkirosError
 from skiros_py.plugins import Plugin
 from skiros_py.ports.device import DeviceSpec
@@ -126,6 +127,12 @@ KINDS: Mapping[str, Kind] = {
             "skiros.behaviours",
             "a subclass of Behaviour",
             lambda value: isinstance(value, type) and issubclass(value, Behaviour),
+            _wrong_behaviour,
+        ),
+        Kind(
+            "skiros.documents",
+            "a subclass of DocumentKind",
+            lambda value: isinstance(value, type) and issubclass(value, DocumentKind),
             _wrong_behaviour,
         ),
         Kind(

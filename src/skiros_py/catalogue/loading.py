@@ -39,6 +39,7 @@ def load_catalogue() -> Catalogue:
     planners, drivers = found.entries("planners"), found.entries("drivers")
     signals = found.entries("signals")
     primitives, behaviours = found.entries("primitives"), found.entries("behaviours")
+    documents = found.entries("documents")
     skills = found.skills()
     conditions = found.conditions()
     of_skills, of_primitives = clashes_of_modules(skills, primitives)
@@ -55,6 +56,7 @@ def load_catalogue() -> Catalogue:
         drivers=_lazy(drivers),
         signals=_lazy(signals),
         behaviours=_lazy(behaviours),
+        documents=_lazy(documents),
     )
 
 

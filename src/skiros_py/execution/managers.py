@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from skiros_py.errors import UnknownName, UsageError
+from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.execution.claims import Claims
 from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.directory import Directory
@@ -33,6 +34,9 @@ class Managers(Mapping[str, SkillManager]):
         monitor: Takes module events.
         driver: Kind of cell driver.
         config: Values of configuration parameters by "module.key".
+
+    Attributes:
+        documents: Documents that every manager runs as modules, by name: what is put here runs from its next start on.
     """
 
     def __init__(
@@ -54,6 +58,7 @@ class Managers(Mapping[str, SkillManager]):
         self._monitor = monitor
         self._driver = driver
         self._config = config or {}
+        self.documents: dict[str, RunnableDocument] = {}
         self._watches = Watches(context.world)
         self._directory: Directory[Modules] = Directory(context.world)
         self._watching = False
@@ -103,6 +108,7 @@ class Managers(Mapping[str, SkillManager]):
             watches=self._watches,
             directory=self._directory,
             config=self._config,
+            documents=self.documents,
         )
         manager.register(adopt=agent not in self._seen)
         self._seen.add(agent)

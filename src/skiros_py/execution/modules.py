@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from skiros_py.errors import UnknownName
+from skiros_py.execution.behaviour_run import BehaviourRun, RunnableDocument
 from skiros_py.execution.claims import Claim, Claims
 from skiros_py.execution.directory import Directory
 from skiros_py.execution.loader import Loader
@@ -30,7 +31,7 @@ class ModuleInfo:
 
     Attributes:
         name: Its name.
-        kind: "skill" or "primitive".
+        kind: "skill", "primitive" or "document".
         help: One sentence.
         params: Its parameters.
         version: Version of the (first) implementation.
@@ -70,6 +71,7 @@ class Modules:
         claims: Who may use which device.
         board: Whose commands are limited to what was taken.
         directory: Who runs what is called and is not here.
+        documents: Documents that run as modules, by name; they may be exchanged at any time.
     """
 
     def __init__(
@@ -81,6 +83,7 @@ class Modules:
         claims: Claims,
         board: DeviceBoard,
         directory: Directory[Modules],
+        documents: Mapping[str, RunnableDocument],
     ) -> None:
         self.agent = agent
         self.skills = skills
@@ -89,9 +92,10 @@ class Modules:
         self._claims = claims
         self._board = board
         self._directory = directory
+        self.documents = documents
 
     def kind(self, module: str) -> str:
-        """Returns "skill" or "primitive".
+        """Returns "skill", "primitive" or "document".
 
         Raises:
             UnknownName: There is no such module.
@@ -100,7 +104,10 @@ class Modules:
             return "skill"
         if module in self.primitives:
             return "primitive"
-        raise UnknownName("module", module, [*self.skills, *self.primitives], where=f"of {self.agent}")
+        if module in self.documents:
+            return "document"
+        known = [*self.skills, *self.primitives, *self.documents]
+        raise UnknownName("module", module, known, where=f"of {self.agent}")
 
     def info(self, module: str) -> ModuleInfo:
         """Describes one module.
@@ -108,7 +115,11 @@ class Modules:
         Raises:
             UnknownName: There is no such module.
         """
-        if self.kind(module) == "skill":
+        kind = self.kind(module)
+        if kind == "document":
+            found = self.documents[module]
+            return ModuleInfo(module, kind, found.help, (), str(found.revision))
+        if kind == "skill":
             ways = self.skills[module]
             first, labels = ways[0], tuple(skill.label for skill in ways)
             return ModuleInfo(module, "skill", first.description.help, first.description.params, first.version, labels)
@@ -138,7 +149,10 @@ class Modules:
         able = self._directory.who_runs(module, arguments, self)
         if able is not self:
             return able.run(module, arguments, replace(scope, agent=able.agent, modules=able), run)
-        if self.kind(module) == "skill":
+        kind = self.kind(module)
+        if kind == "document":
+            return BehaviourRun(module, self.documents[module], arguments, scope, run).execute()
+        if kind == "skill":
             return self.skill_run(module, arguments, scope, run).execute()
         loaded = self._loader.get(module, scope.context)
         if isinstance(loaded, Failure):
@@ -181,8 +195,11 @@ class Modules:
         seen.add((able.agent, module))
         if module not in able.skills and module in able.primitives:
             able._loader.prepare(module, context)  # noqa: SLF001 - one of the same class
-        for skill in able.skills.get(module, ()):
-            for call in calls_of(*skill.nodes):
+        bodies = [skill.nodes for skill in able.skills.get(module, ())]
+        if module in able.documents:
+            bodies.append((able.documents[module].behaviour,))
+        for nodes in bodies:
+            for call in calls_of(*nodes):
                 able._prepare(call.module, call.arguments, context, seen)  # noqa: SLF001 - one of the same class
 
 

@@ -40,7 +40,7 @@ class ModuleEvent:
 
     Attributes:
         time: Run time [s].
-        kind: "skill", "primitive", or "node" for what is said of a node in a skill's body.
+        kind: "skill", "primitive", "document", or "node" for what is said of a node in a skill's body.
         module: Its name; of a node, the module that it is part of.
         status: Its state.
         code: Progress code; negative for an error.

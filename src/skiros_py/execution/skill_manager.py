@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from skiros_py.errors import UnknownName, UsageError
+from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.execution.claims import Claims
 from skiros_py.execution.clock import RunClock
 from skiros_py.execution.cycle import ControlCycle
@@ -98,6 +99,7 @@ class SkillManager:
         watches: Conditions under watch.
         directory: Who runs what is called, over all managers of the cell.
         config: Values of configuration parameters by "module.key".
+        documents: Documents that run as modules, by name.
     """
 
     def __init__(
@@ -114,6 +116,7 @@ class SkillManager:
         watches: Watches,
         directory: Directory[Modules],
         config: Mapping[str, Any],
+        documents: Mapping[str, RunnableDocument],
     ) -> None:
         self.agent = agent
         self.lost = ""
@@ -123,7 +126,7 @@ class SkillManager:
         self._watches = watches
         chosen = _choose(skills, context, agent, driver)
         loader = Loader(primitives, config, cycle.pulse)
-        self._modules = Modules(agent, chosen, primitives, loader, claims, context.board, directory)
+        self._modules = Modules(agent, chosen, primitives, loader, claims, context.board, directory, documents)
         self._directory = directory
         directory.enter(self._modules)
         self._running: dict[str, RunningModule] = {}

@@ -50,7 +50,7 @@ def teller(
     """Returns how a run in a scope reports to the monitor.
 
     Args:
-        kind: "skill" or "primitive".
+        kind: "skill", "primitive" or "document".
         name: The module.
         scope: What it runs in.
         run: Id of the run.

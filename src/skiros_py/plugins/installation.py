@@ -18,8 +18,8 @@ from skiros_py.plugins.plugin import Distribution, Entry, PluginFault
 __all__ = ["GROUPS", "Installation", "canonical", "installation"]
 
 _KINDS = (
-    "skills", "primitives", "behaviours", "conditions", "reasoners", "planners", "devices", "drivers", "engines",
-    "signals", "ontologies", "robots", "scenes", "pages",
+    "skills", "primitives", "behaviours", "documents", "conditions", "reasoners", "planners", "devices", "drivers",
+    "engines", "signals", "ontologies", "robots", "scenes", "pages",
 )  # fmt: skip
 GROUPS = tuple(f"skiros.{kind}" for kind in _KINDS)
 """The groups of entry points by which this platform is extended."""

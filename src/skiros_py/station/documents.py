@@ -24,8 +24,15 @@ CREATE TABLE documents (
 CREATE TABLE versions (last INTEGER NOT NULL);
 INSERT INTO versions VALUES (0);
 """
+_REVISIONS = """
+CREATE TABLE revisions (
+    kind TEXT NOT NULL, name TEXT NOT NULL, version INTEGER NOT NULL, data TEXT NOT NULL,
+    PRIMARY KEY (kind, name, version)
+) WITHOUT ROWID;
+INSERT INTO revisions SELECT kind, name, version, data FROM documents;
+"""
 
-_SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES,))
+_SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES, _REVISIONS))
 """Such a file is marked "sksv"."""
 
 
@@ -91,6 +98,13 @@ class DocumentStore:
             raise UnknownName(kind, name, [document.name for document in self.all(kind)])
         return found
 
+    def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
+        """Returns all revisions of a document, the oldest first, also of one that was removed."""
+        rows = self._database.rows(
+            "SELECT version, data FROM revisions WHERE kind = ? AND name = ? ORDER BY version", (kind, name)
+        )
+        return tuple(self._document(kind, name, *row) for row in rows)
+
     def put(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:
         """Writes a document, new or instead of the one that is there; when this returns, it is on the disk.
 
@@ -111,6 +125,7 @@ class DocumentStore:
                 "INSERT OR REPLACE INTO documents (kind, name, version, data) VALUES (?, ?, ?, ?)",
                 (kind, name, version, text),
             )
+            connection.execute("INSERT INTO revisions VALUES (?, ?, ?, ?)", (kind, name, version, text))
         document = Document(kind, name, int(version), data)
         self._tell("written", document)
         return document

@@ -1,0 +1,123 @@
+"""Kinds of document: trees, nets and graphs that people edit and robots run."""
+
+from __future__ import annotations
+
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
+from skiros_py.skills.behaviour import Behaviour, walk
+from skiros_py.skills.plain import Reader
+from skiros_py.skills.references import check_references
+
+__all__ = ["DocumentFault", "DocumentKind", "PaletteEntry"]
+
+
+@dataclass(frozen=True, slots=True)
+class DocumentFault:
+    """Something that is wrong with a document.
+
+    Attributes:
+        place: Where in the document ("children[1].module"); empty for the whole.
+        text: What is wrong, in a sentence.
+    """
+
+    place: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.text}" if self.place else self.text
+
+
+@dataclass(frozen=True, slots=True)
+class PaletteEntry:
+    """A node that an editor offers.
+
+    Attributes:
+        kind: What it is called in a document.
+        help: One sentence.
+        fields: Its fields with their types, in order.
+    """
+
+    kind: str
+    help: str
+    fields: Mapping[str, str]
+
+
+class DocumentKind(ABC):
+    """A kind of document, found by the entry-point group ``skiros.documents``.
+
+    A document is plain data; it is stored with its revisions, checked whenever it is written, and runs as a module
+    called ``{kind}:{id}`` from its next start on.
+
+    Class attributes:
+        kind: Name of its entry point.
+        formats: In which text formats it is imported and exported.
+    """
+
+    kind: ClassVar[str]
+    formats: ClassVar[tuple[str, ...]] = ("json",)
+
+    @abstractmethod
+    def behaviour(self, document: Any, reader: Reader) -> Behaviour:
+        """Returns what a document does.
+
+        Args:
+            document: The document, as plain data.
+            reader: Reads behaviours in it.
+
+        Raises:
+            DescriptionError: Something in it is wrong; the text begins with the place.
+        """
+
+    def check(self, document: Any, reader: Reader) -> tuple[DocumentFault, ...]:
+        """Returns what is wrong with a document; nothing where it can run."""
+        try:
+            found = self.behaviour(document, reader)
+            check_references(found, {name for node in walk(found) for name in node.uses().writes}, "of the document")
+        except DescriptionError as error:
+            place, colon, text = str(error).partition(": ")
+            return (DocumentFault(place, text) if colon else DocumentFault("", place),)
+        except SkirosError as error:
+            return (DocumentFault("", str(error)),)
+        except Exception as error:  # noqa: BLE001 - somebody else's parser: its mistake is a fault of this document
+            return (DocumentFault("", f"{self.kind} cannot be read: {type(error).__name__}: {error}"),)
+        return ()
+
+    def palette(self, reader: Reader) -> Sequence[PaletteEntry]:
+        """Returns the nodes that an editor offers; by default all kinds of behaviour that are dataclasses."""
+        entries = []
+        for name in sorted(reader.kinds):
+            cls = reader.kinds[name]
+            fields = getattr(cls, "__dataclass_fields__", {})
+            shown = {key: str(one.type) for key, one in fields.items() if one.init and key != "kind"}
+            entries.append(PaletteEntry(name, (cls.__doc__ or "").strip().partition("\n")[0], shown))
+        return tuple(entries)
+
+    def parse(self, text: str, format_: str = "json") -> Any:
+        """Imports a document.
+
+        Raises:
+            UsageError: It is not well-formed; the text names line and column.
+        """
+        self._require_format(format_)
+        try:
+            return json.loads(text)
+        except json.JSONDecodeError as error:
+            raise UsageError(f"line {error.lineno}, column {error.colno}: {error.msg}") from error
+
+    def export(self, document: Any, format_: str = "json") -> str:
+        """Exports a document as text.
+
+        Raises:
+            UnknownName: There is no such format.
+        """
+        self._require_format(format_)
+        return json.dumps(document, indent=2, ensure_ascii=False)
+
+    def _require_format(self, format_: str) -> None:
+        if format_ not in self.formats:
+            raise UnknownName("format", format_, self.formats, where=f"of {self.kind} documents")

@@ -1,0 +1,335 @@
+"""A net with two tokens and a reactive node from an outside wheel: edited as documents, reloaded, drawn, recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skiros_py.errors import StaleVersion, UnknownName, UsageError
+from skiros_py.execution.monitor import ModuleEvent, Status
+from skiros_py.skills.behaviour import nodes_of
+from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.station.documents import DocumentStore
+from skiros_py.station.runnable import RunnableDocuments
+from skiros_py.station.session import Options, Session
+from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
+
+WHEEL = '''
+from collections import Counter
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from skiros_py.behaviours import Behaviour, DocumentKind, Edge, Uses
+from skiros_py.errors import DescriptionError
+from skiros_py.skills.execution import tick
+from skiros_py.skills.outcome import Failure, Success
+from skiros_py.skills.parameters import param
+from skiros_py.skills.primitive import Primitive
+
+
+class Note(Primitive):
+    """Announces a text."""
+
+    name = "note"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        text: str = param("text", "What is announced.")
+
+    def execute(self):
+        self.emit("noted", self.params.text)
+        yield
+        return Success(self.params.text)
+
+
+@dataclass(frozen=True, slots=True)
+class Net(Behaviour):
+    """A place/transition net; it ends when its goal place holds enough tokens, or nothing can fire."""
+
+    kind = "net"
+    transitions: object
+    inputs: object
+    outputs: object
+    tokens: object
+    goal: str
+    wanted: int
+
+    @property
+    def title(self):
+        return f"net, until {self.wanted} in {self.goal}"
+
+    def named_children(self):
+        return self.transitions
+
+    def edges(self):
+        return [
+            Edge(one, other, place)
+            for one in self.transitions for place in self.outputs[one]
+            for other in self.transitions if place in self.inputs[other]
+        ]
+
+    def run(self, scope):
+        tokens, running = Counter(self.tokens), {}
+        with scope.apart() as inner:
+            try:
+                while tokens[self.goal] < self.wanted:
+                    for name in self.transitions:
+                        if name not in running and all(tokens[p] > 0 for p in self.inputs[name]):
+                            tokens.subtract(self.inputs[name])
+                            inner.emit("fires", {"transition": name, "tokens": {p: n for p, n in tokens.items() if n}})
+                            running[name] = inner.run(self.transitions[name], name)
+                    if not running:
+                        return Failure(f"nothing can fire: {dict(tokens)}")
+                    for name, one in list(running.items()):
+                        outcome = tick(one)
+                        if isinstance(outcome, Failure):
+                            return outcome
+                        if outcome is not None:
+                            del running[name]
+                            tokens.update(self.outputs[name])
+                    yield
+            finally:
+                for one in running.values():
+                    one.close()
+            yield from inner.recover()
+        return Success("reached")
+
+
+class NetDocument(DocumentKind):
+    """A place/transition net."""
+
+    kind = "net"
+
+    def behaviour(self, document, reader):
+        parts = {}
+        for name, one in document["transitions"].items():
+            for place in (*one["from"], *one["to"]):
+                if place not in document["places"]:
+                    raise DescriptionError(f"transitions.{name}: there is no place '{place}'")
+            parts[name] = reader.behaviour(one["do"])
+        inputs = {name: tuple(one["from"]) for name, one in document["transitions"].items()}
+        outputs = {name: tuple(one["to"]) for name, one in document["transitions"].items()}
+        return Net(MappingProxyType(parts), inputs, outputs, document["places"], document["goal"], document["wanted"])
+
+
+@dataclass(frozen=True, slots=True)
+class React(Behaviour):
+    """In each cycle the first child whose quantity of the base is there; the others are cancelled."""
+
+    kind = "react"
+    child: Behaviour
+    otherwise: Behaviour
+    place: str
+
+    @property
+    def title(self):
+        return f"react to being at {self.place}"
+
+    def named_children(self):
+        return {"there": self.child, "away": self.otherwise}
+
+    def edges(self):
+        return [Edge("", "there", "at"), Edge("", "away", "else"), Edge("away", "", "again")]
+
+    def run(self, scope):
+        chosen, run = None, None
+        with scope.apart() as inner:
+            try:
+                while True:
+                    at = scope.context.world.objects("robot_1", "sk:at")[0] == self.place
+                    if chosen is not at:
+                        if run is not None:
+                            run.close()
+                            yield from inner.recover()
+                        chosen = at
+                        run = inner.run(self.child, "there") if at else inner.run(self.otherwise, "away")
+                    outcome = tick(run)
+                    if outcome is not None:
+                        return outcome
+                    yield
+            finally:
+                if run is not None:
+                    run.close()
+'''
+POINTS = """[skiros.primitives]
+note = net_of_a_test:Note
+
+[skiros.behaviours]
+net = net_of_a_test:Net
+react = net_of_a_test:React
+
+[skiros.documents]
+net = net_of_a_test:NetDocument
+tree = skiros_py.behaviours.tree:Tree
+"""
+
+
+def note(text: str) -> dict[str, Any]:
+    return {"type": "do", "module": "note", "arguments": {"text": text}}
+
+
+def net(wanted: int = 2) -> dict[str, Any]:
+    """Two tokens go round: what is made is packed, and the free hand makes again."""
+    return {
+        "places": {"free": 2, "made": 0, "packed": 0},
+        "transitions": {
+            "make": {"from": ["free"], "to": ["made"], "do": note("make")},
+            "pack": {"from": ["made"], "to": ["free", "packed"], "do": note("pack")},
+        },
+        "goal": "packed",
+        "wanted": wanted,
+    }
+
+
+class Cell:
+    """A session with the wheel, its documents, and what was said."""
+
+    def __init__(self, session: Session, store: DocumentStore) -> None:
+        self.session = session
+        self.documents = RunnableDocuments(store, session)
+        self.events: list[ModuleEvent] = []
+        session.monitor.subscribe(self.events.append, nodes=True)
+
+    def run(self, module: str, agent: str = "base_1", cycles: int = 400) -> Outcome:
+        running = self.session.managers[agent].start(module, {})
+        for _ in range(cycles):
+            self.session.cycle.step()
+            if running.done:
+                break
+        return running.result
+
+    def noted(self) -> list[Any]:
+        return [event.value for event in self.events if event.event == "noted"]
+
+
+@pytest.fixture
+def cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cell]:
+    monkeypatch.setenv("SKIROS_ONTOLOGIES", str(TINY_ONTOLOGY))
+    site = tmp_path / "site"
+    info = site / "net_of_a_test-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: net-of-a-test\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(POINTS.replace("tree = skiros_py.behaviours.tree:Tree\n", ""))
+    (site / "net_of_a_test.py").write_text(WHEEL)
+    monkeypatch.syspath_prepend(str(site))
+    scene = tiny_scene(tmp_path)
+    store = DocumentStore(tmp_path / "documents.sqlite")
+    with Session(str(scene), Options(fake=True)) as session:
+        yield Cell(session, store)
+    store.close()
+
+
+def test_a_cyclic_net_with_two_tokens_runs_as_a_document(cell: Cell) -> None:
+    document = cell.documents.write("net", "line", net(wanted=4))
+
+    outcome = cell.run("net:line")
+
+    assert outcome == Success("reached")
+    assert cell.noted().count("pack") >= 4
+    starts = [e for e in cell.events if e.kind == "document" and e.status is Status.STARTED]
+    assert [(e.module, e.path, e.implementation) for e in starts] == [
+        ("net:line", "net:line", f"revision {document.version}")
+    ]
+    fired = [e.value["transition"] for e in cell.events if e.event == "fires"]
+    assert fired[:3] == ["make", "pack", "make"] or fired[:2] == ["make", "make"]
+    paths = {e.path for e in cell.events if e.module == "note"}
+    assert paths == {"net:line/body/make", "net:line/body/pack"}
+    ids = [e.id for e in cell.events if e.module == "note" and e.status is Status.STARTED]
+    assert len(ids) == len(set(ids))
+
+
+def test_a_net_is_drawn_with_its_ring_and_labels(cell: Cell) -> None:
+    cell.documents.write("net", "line", net())
+
+    root, *_ = nodes_of(cell.session.managers.documents["net:line"].behaviour, "body")
+
+    drawn = {(edge.source, edge.target, edge.label) for edge in root.edges}
+    assert drawn == {("body/make", "body/pack", "made"), ("body/pack", "body/make", "free")}
+
+
+def test_a_fault_is_refused_with_its_place_and_changes_nothing(cell: Cell) -> None:
+    before = cell.documents.write("net", "line", net())
+    broken = net()
+    broken["transitions"]["pack"]["from"] = ["mad"]
+
+    with pytest.raises(UsageError, match=r"transitions\.pack: there is no place 'mad'"):
+        cell.documents.write("net", "line", broken)
+
+    assert cell.documents.find("net", "line") == before
+    faults = cell.documents.check("tree", {"type": "sequence", "children": [note("a"), {"type": "nix"}]})
+    assert [fault.place for fault in faults] == ["children[1]"]
+
+
+def test_a_reactive_node_in_a_tree_is_edited_while_the_session_runs(cell: Cell) -> None:
+    tree = {"type": "react", "place": "box_a", "child": note("there"), "otherwise": note("away")}
+    first = cell.documents.write("tree", "watch", tree)
+    cell.run("tree:watch")
+    second = cell.documents.write("tree", "watch", {**tree, "otherwise": note("far")}, expects=first.version)
+    cell.run("tree:watch")
+
+    assert cell.noted() == ["away", "far"]
+    revisions = [e.implementation for e in cell.events if e.kind == "document" and e.status is Status.STARTED]
+    assert revisions == [f"revision {first.version}", f"revision {second.version}"]
+    assert [one.data["otherwise"] for one in cell.documents.revisions("tree", "watch")] == [note("away"), note("far")]
+    with pytest.raises(StaleVersion):
+        cell.documents.write("tree", "watch", tree, expects=first.version)
+
+
+def test_a_reactive_node_cancels_one_child_for_the_other(cell: Cell) -> None:
+    long = {"type": "sequence", "children": [note("away"), {"type": "wait", "seconds": 60}]}
+    tree = {"type": "react", "place": "box_a", "child": note("there"), "otherwise": long}
+    cell.documents.write("tree", "watch", tree)
+    running = cell.session.managers["base_1"].start("tree:watch", {})
+    for _ in range(20):
+        cell.session.cycle.step()
+    with cell.session.world.transaction("test", "it arrives") as tx:
+        tx.place("robot_1", "sk:at", "box_a")
+    for _ in range(20):
+        cell.session.cycle.step()
+
+    assert running.result == Success("there")
+    assert cell.noted() == ["away", "there"]
+    cancelled = [e.path for e in cell.events if e.status is Status.PREEMPTED]
+    assert "tree:watch/body/away" in cancelled
+
+
+def test_a_document_calls_another_one_and_a_removed_one_is_gone(cell: Cell) -> None:
+    cell.documents.write("tree", "inner", note("deep"))
+    cell.documents.write("tree", "outer", {"type": "do", "module": "tree:inner"})
+    cell.run("tree:outer")
+    cell.documents.remove("tree", "inner")
+
+    assert cell.noted() == ["deep"]
+    assert {e.path for e in cell.events if e.module == "note"} == {"tree:outer/body/body"}
+    assert isinstance(cell.run("tree:outer"), Failure)
+    with pytest.raises(UnknownName):
+        cell.session.managers["base_1"].start("tree:inner", {})
+
+
+def test_documents_are_offered_again_by_the_next_session(cell: Cell) -> None:
+    cell.documents.write("tree", "hello", note("hello"))
+    cell.session.managers.documents.clear()
+
+    RunnableDocuments(cell.documents._store, cell.session)
+
+    assert cell.run("tree:hello") == Success("hello")
+
+
+def test_a_document_is_exported_and_imported_as_text(cell: Cell) -> None:
+    cell.documents.write("tree", "hello", note("hello"))
+
+    again = cell.documents.read("tree", "copy", cell.documents.text("tree", "hello"))
+
+    assert again.data == note("hello")
+    with pytest.raises(UsageError, match="line 2, column"):
+        cell.documents.read("tree", "copy", '{"type": "do",\n "module" "note"}')
+
+
+def test_the_palette_names_nodes_from_outside_with_their_fields(cell: Cell) -> None:
+    entries = {entry.kind: entry for entry in cell.documents.palette("tree")}
+
+    assert set(entries["react"].fields) == {"child", "otherwise", "place"}
+    assert entries["wait"].help == "Lets so many seconds of run time pass."
