@@ -128,11 +128,12 @@ class PyBulletRobot:
 
     def positions(self) -> tuple[float, ...]:
         """Returns the positions of all movable joints."""
-        states = self.model.client.getJointStates(self.model.body, self.model.movable)
-        return tuple(state[0] for state in states)
+        return self.motion()[::2]
 
     def motion(self) -> tuple[float, ...]:
-        """Returns positions and velocities of all movable joints."""
+        """Returns position and velocity of each movable joint in turn."""
+        if not self.model.movable:
+            return ()
         states = self.model.client.getJointStates(self.model.body, self.model.movable)
         return tuple(value for state in states for value in state[:2])
 
