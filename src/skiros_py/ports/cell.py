@@ -60,6 +60,8 @@ class RobotSpec:
         devices: Its devices.
         place: Pose in the map where it stands, for a robot that nothing moves.
         footprint: Corners of its outline on the floor [m], counter-clockwise, for a robot that nothing moves.
+        driver: Name of its driver; empty for that of the cell.
+        address: Where the driver reaches the hardware, as the driver wants it.
     """
 
     id: str
@@ -67,6 +69,8 @@ class RobotSpec:
     devices: tuple[DeviceSpec[Any, Any], ...] = ()
     place: Pose = field(default_factory=Pose)
     footprint: tuple[tuple[float, float], ...] = ()
+    driver: str = ""
+    address: str = ""
 
     def of(self, type_: type[SpecT]) -> tuple[SpecT, ...]:
         """Returns its devices of a kind."""
@@ -136,6 +140,25 @@ class CellSpec:
     def groups(self) -> tuple[RobotSpec, ...]:
         """The robots, and the devices that belong to none."""
         return (*self.robots, *self.single)
+
+    def by_driver(self) -> dict[str, CellSpec]:
+        """Returns what each driver brings up, by its name; that of the cell, which has the empty name, is the first.
+
+        The driver of the cell has the bodies, without those that devices of another driver carry.
+        """
+        away = {device.id for group in self.groups if group.driver for device in group.devices}
+        gone = {body.id for body in self.bodies if body.carrier in away}
+        while more := {body.id for body in self.bodies if body.place in gone} - gone:
+            gone |= more
+        bodies = tuple(body for body in self.bodies if body.id not in gone)
+        return {
+            driver: CellSpec(
+                () if driver else bodies,
+                tuple(group for group in self.robots if group.driver == driver),
+                tuple(group for group in self.single if group.driver == driver),
+            )
+            for driver in dict.fromkeys(("", *(group.driver for group in self.groups)))
+        }
 
     @property
     def devices(self) -> dict[str, DeviceSpec[Any, Any]]:

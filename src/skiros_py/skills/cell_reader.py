@@ -210,7 +210,8 @@ def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:
 
 def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
     """Reads a robot; one that nothing moves stands where its own pose says."""
-    spec = RobotSpec(robot, _text(view, robot, v.MODEL), _devices(view, _structure(view, robot), kinds))
+    devices = _devices(view, _structure(view, robot), kinds)
+    spec = RobotSpec(robot, _text(view, robot, v.MODEL), devices, **_driven(view, robot))
     carriers = [device for device in spec.devices if isinstance(device, MobileSpec)]
     if len(carriers) > 1:
         raise DescriptionError(f"{robot} is moved by {' and '.join(c.id for c in carriers)}: one can carry it")
@@ -233,10 +234,16 @@ def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:
         if owner(view, device) is None and not _is_part_of_device(view, device):
             model = view.value(device, v.MODEL)
             devices = _devices(view, [device, *_structure(view, device)], kinds)
-            group = RobotSpec(device, model if isinstance(model, str) else "", devices)
+            group = RobotSpec(device, model if isinstance(model, str) else "", devices, **_driven(view, device))
             if devices:
                 groups.append(group if group.carrier is not None else _standing(view, group))
     return tuple(groups)
+
+
+def _driven(view: WorldView, group: str) -> dict[str, Any]:
+    """Reads which driver a robot or device has, and at which address."""
+    individual = _Individual(view, group)
+    return {"driver": individual.text(v.DRIVER, ""), "address": individual.text(v.ADDRESS, "")}
 
 
 def _is_part_of_device(view: WorldView, element: str) -> bool:

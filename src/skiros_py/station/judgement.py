@@ -61,7 +61,7 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
         else:
             real.place(part, _relation(view, place), place if view.has(place) else _floor(view))
     for robot in spec.robots:
-        if robot.carrier is not None:
+        if robot.carrier is not None and robot.carrier.id in cell.devices:  # others are not simulated
             real.place(robot.id, AT, _location(view, truth, robot.carrier.id))
     unknown = {part for part in view.instances(MANIPULATABLE) if part not in types}
     can_tell = (_is_physical(c.pattern, view) and unknown.isdisjoint(c.arguments) for c in goal)

@@ -25,6 +25,7 @@ from skiros_py.planning.service import Planned
 from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.plugins import PluginFault
 from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.composite import CompositeDriver
 from skiros_py.ports.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
@@ -259,18 +260,27 @@ class Session:
         return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
 
     def _start_cell(self) -> CellDriver:
-        if self.options.driver is not None:
-            driver = self.catalogue.driver(self.options.driver, self.spec, seed=self.options.seed)
-            return self._stack.enter_context(closing(driver))
+        """Starts the driver of the cell, and those that robots and devices of it have of their own."""
         if self.options.fake:
             from skiros_py.simulation.fake.cell import FakeCell
 
             return self._stack.enter_context(closing(FakeCell(self.spec, seed=self.options.seed)))
+        parts = self.spec.by_driver()
+        cell = self._start_own(parts.pop(""))
+        others = [self._start_named(driver, part) for driver, part in parts.items()]
+        return CompositeDriver([cell, *others]) if others else cell
+
+    def _start_own(self, spec: CellSpec) -> CellDriver:
+        options = self.options
+        if options.driver is not None:
+            return self._start_named(options.driver, spec)
         from skiros_py.simulation.cell import SimulatedCell
 
-        options = self.options
-        cell = SimulatedCell(self.spec, seed=options.seed, engine=options.engine, gui=options.gui)
+        cell = SimulatedCell(spec, seed=options.seed, engine=options.engine, gui=options.gui)
         return self._stack.enter_context(closing(cell))
+
+    def _start_named(self, driver: str, spec: CellSpec) -> CellDriver:
+        return self._stack.enter_context(closing(self.catalogue.driver(driver, spec, seed=self.options.seed)))
 
     def _planners(self) -> Planners:
         if self.options.planner_command is not None:
@@ -473,9 +483,10 @@ class Session:
         """
         from skiros_py.simulation.cell import SimulatedCell
 
-        if not isinstance(self.cell, SimulatedCell):
+        cell = self.cell.drivers[0] if isinstance(self.cell, CompositeDriver) else self.cell
+        if not isinstance(cell, SimulatedCell):
             raise UsageError("there is no simulation behind this robot: leave out --fake and --driver")
-        return self.cell
+        return cell
 
     # ------------------------------------------------------------------ digest and end
 

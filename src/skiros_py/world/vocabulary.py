@@ -10,6 +10,7 @@ from skiros_py.world.words import ClassName, PropertyName, RelationName
 
 __all__ = [
     "ABOVE",
+    "ADDRESS",
     "AGENT",
     "APPLIES_TO",
     "ARM",
@@ -25,6 +26,7 @@ __all__ = [
     "DECK",
     "DEPTH_NOISE",
     "DEVICE",
+    "DRIVER",
     "DRIVING_POSE",
     "ELEMENT",
     "FITS_IN",
@@ -244,14 +246,19 @@ COMMENT: Final = PropertyName("rdfs:comment")
 """What people note about it."""
 LABEL: Final = PropertyName("rdfs:label")
 """What people call it."""
+ADDRESS: Final = PropertyName("sk:address")
+"""Where the driver reaches the hardware: a host, a port, a serial number, as the driver wants it."""
 APPLIES_TO: Final = PropertyName("sk:appliesTo")
 """Of something that was learned: the class of things that it is about."""
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise [m]."""
+DRIVER: Final = PropertyName("sk:driver")
+"""Name of the driver of a robot, or of a device that belongs to none, where it is not that of the cell."""
 DRIVING_POSE: Final = PropertyName("sk:drivingPose")
 """Where a robot base docks to work here: its pose in this element's own frame [m, rad]."""
 FOOTPRINT: Final = PropertyName("sk:footprint")
-"""Corners x y x y … of the outline on the floor in the base frame, counter-clockwise [m]."""
+"""Corners x y x y … of the outline on the floor, counter-clockwise, in the frame of the device that carries the
+robot, or of a robot that nothing moves [m]."""
 FRAME: Final = PropertyName("sk:frame")
 """URDF link that the device's readings refer to; for a camera, its optical frame."""
 GOAL: Final = PropertyName("sk:goal")
@@ -295,7 +302,7 @@ MISSED_LOOKS: Final = PropertyName("sk:missedLooks")
 MISSING: Final = PropertyName("sk:missing")
 """True when it was looked for where it should be and not seen."""
 MODEL: Final = PropertyName("sk:model")
-"""Name of the robot model that drivers know how to build."""
+"""Name of the model that drivers know how to build: of a robot, or of a device that belongs to none."""
 MODULE_DESCRIPTION: Final = PropertyName("sk:moduleDescription")
 """What a person needs to know to start the module: its help, its parameters, its implementations."""
 OF_SKILL: Final = PropertyName("sk:ofSkill")

@@ -1,0 +1,49 @@
+"""One robot of a scene is simulated, the other has a driver of its own, at the address that its individual states."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skiros_py.config import find_scene
+from skiros_py.devices.base import BaseTwist
+from skiros_py.station.session import Options, Session
+
+CODE = """
+from skiros_py.simulation.fake.cell import FakeCell
+
+ADDRESSES = []
+
+class Real(FakeCell):
+    kind = "real"
+
+    def __init__(self, spec, *, seed):
+        super().__init__(spec, seed=seed)
+        ADDRESSES.extend(robot.address for robot in spec.robots)
+"""
+
+
+@pytest.mark.physics
+def test_a_cell_mixes_simulated_and_real_robots(site: Any, tmp_path: Path) -> None:
+    site.install("sk-real", {"drivers": {"real": "sk_real:Real"}}, {"sk_real.py": CODE})
+    text = find_scene("kitting_two").read_text(encoding="utf-8")
+    said = 'sk:builtLike scene:robot_1 ; sk:driver "real" ; sk:address "10.0.0.7"'
+    (tmp_path / "mixed.ttl").write_text(text.replace("sk:builtLike scene:robot_1", said), encoding="utf-8")
+
+    with Session(str(tmp_path / "mixed.ttl"), Options(seed=1)) as session:
+        import sk_real  # type: ignore[import-not-found]
+
+        before = session.cell.read()
+        for _ in range(100):
+            after = session.cell.exchange({"base_1": BaseTwist(0.2, 0.0), "base_2": BaseTwist(0.2, 0.0)})
+        moved = {base: before.devices[base].pose.distance(after.devices[base].pose) for base in ("base_1", "base_2")}
+        simulated, bodies = set(session.simulation.devices), session.simulation.scene.bodies
+
+    assert sk_real.ADDRESSES == ["10.0.0.7"]
+    assert moved["base_2"] == pytest.approx(0.1, abs=1e-6)  # at once, as that driver does
+    assert 0.01 < moved["base_1"] < 0.095  # it has to accelerate
+    assert "base_1" in simulated
+    assert "base_2" not in simulated
+    assert "starter_1" in bodies
