@@ -81,6 +81,9 @@ _TABLE = {
         /tasks/{name}/trace GET
         /sequences GET
         /sequences/{id} GET
+        /devices GET
+        /devices/{id} GET
+        /devices/{id}/state GET
         /robots GET
         /robots/{id} GET
         /robots/{id}/state GET

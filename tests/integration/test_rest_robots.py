@@ -12,7 +12,7 @@ from support.serving import Served, serving
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, JogBase, JogGripper, JogJoints, Teach
 from skiros_py.client.call import Call
-from skiros_py.client.calls import modules, robot_models, robots
+from skiros_py.client.calls import devices, modules, robot_models, robots
 
 OVER = ("succeeded", "failed", "stopped")
 STEP = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2)
@@ -59,10 +59,31 @@ def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> N
     assert (robot.base.id, robot.agents) == ("base_1", ("arm_1", "base_1"))
 
 
+def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> None:
+    told = {device.id: device for device in done(api, devices.list_devices())}
+    gripper = done(api, devices.get_device("gripper_1"))
+    reading = done(api, devices.get_device_state("gripper_1"))
+
+    assert {id_: device.kind for id_, device in told.items()} == {
+        "base_1": "base",
+        "arm_1": "arm",
+        "gripper_1": "gripper",
+        "camera_1": "camera",
+    }
+    assert gripper == told["gripper_1"]
+    assert (gripper.robot, gripper.jog, gripper.description["max_gap"]) == ("robot_1", "gripper_control", 0.08)
+    assert {signal.name: signal.unit for signal in gripper.signals} == {"gap": "m", "force": "N", "still": ""}
+    assert reading.state is not None
+    assert reading.signals["gap"] == reading.state["gap"]
+    assert done(api, devices.get_device_state("camera_1")).state is None
+    assert sent(api, devices.get_device_state("nobody")).status_code == 404
+
+
 def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
     state = done(api, robots.get_robot_state("robot_1"))
 
     assert state.base.pose.position[:2] == pytest.approx((0.0, 0.0), abs=0.5)
+    assert state.pose == state.base.pose
     tool = state.arms["arm_1"].tool
     assert tool is not None
     assert tool.position[2] > 0.5

@@ -102,7 +102,11 @@ class RobotInfo(Answer):
     id: str = Field(description="Its id.", examples=["robot_1"])
     label: str = Field(description="Its name for people.", examples=["robot"])
     model: str = Field(description="Name of its model.", examples=["mobile_panda"])
-    base: BaseDescription = Field(description="Its base.")
+    base: BaseDescription | None = Field(
+        description="Its base; null for a robot that stands still, or that something else moves."
+    )
+    place: PoseInfo | None = Field(description="Where in the map a robot stands that nothing moves; null for others.")
+    footprint: tuple[tuple[float, float], ...] = Field(description="Corners of its outline on the floor [m].")
     arms: tuple[ArmDescription, ...] = Field(description="Its arms.")
     grippers: tuple[GripperDescription, ...] = Field(description="Its grippers.")
     cameras: tuple[CameraDescription, ...] = Field(description="Its cameras.")
@@ -123,7 +127,8 @@ class RobotReading(Answer):
     cycle: int = Field(description="Number of the control cycle.", examples=[9160])
     halted: str = Field(description="Why everything is halted; empty while it is not.", examples=[""])
     at: str = Field(description="Id of the place where it is believed to be; empty for none.", examples=["pallet_a"])
-    base: BaseInfo = Field(description="Its base.")
+    base: BaseInfo | None = Field(description="Its base; null where it has none.")
+    pose: PoseInfo = Field(description="Where the robot is in the map, as localised.")
     arms: dict[str, ArmReading] = Field(description="Its arms by id.")
     grippers: dict[str, GripperInfo] = Field(description="Its grippers by id.")
 

@@ -11,6 +11,7 @@ from skiros_py.client.call import AsyncSender, Method, Sender, Topic
 from skiros_py.client.calls import (
     alarms,
     audit,
+    devices,
     elements,
     events,
     goals,
@@ -43,6 +44,7 @@ from skiros_py.client.waiting import is_over, wait_for, wait_for_async
 __all__ = [
     "Alarms",
     "Audit",
+    "Devices",
     "Elements",
     "Events",
     "Goals",
@@ -338,6 +340,14 @@ class Robots(Topic[C]):
     home = Method(robots.home_robot)
 
 
+class Devices(Topic[C]):
+    """Devices of any kind, and what they say."""
+
+    list = Method(devices.list_devices)
+    get = Method(devices.get_device)
+    state = Method(devices.get_device_state)
+
+
 class Sequences(Topic[C]):
     """Sequences of steps that somebody puts together."""
 
@@ -388,6 +398,7 @@ class Topics(Generic[C]):
         modules: Skills and primitives by themselves, and who runs them.
         plugins: Plug-ins that are installed, and their faults.
         robots: Robots: looked at, moved by hand, taught.
+        devices: Devices of any kind, and what they say.
         sequences: Sequences of steps that somebody puts together.
         tasks: Goals that are pursued at this moment.
     """
@@ -415,5 +426,6 @@ class Topics(Generic[C]):
         self.modules = Modules(client)
         self.plugins = Plugins(client)
         self.robots = Robots(client)
+        self.devices = Devices(client)
         self.sequences = Sequences(client)
         self.tasks = Tasks(client)

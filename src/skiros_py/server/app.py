@@ -15,6 +15,7 @@ from skiros_py.server.problems import PROBLEMS, add_problem_handlers
 from skiros_py.server.routes import (
     alarms,
     audit,
+    devices,
     elements,
     events,
     goals,
@@ -48,7 +49,8 @@ __all__ = ["PREFIX", "create_app"]
 PREFIX = "/api/v1"
 _TOPICS = (
     jobs, goals, templates, previews, world, view, elements, ontology, queries, learned, locks, scenes, simulation,
-    modules, plugins, tasks, sequences, robots, robot_models, stop, events, alarms, webhooks, keys, session, audit,
+    modules, plugins, tasks, sequences, robots, robot_models, devices, stop, events, alarms, webhooks, keys, session,
+    audit,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 

@@ -11,7 +11,7 @@ export function clock(seconds: number): string {
 interface Robot {
   id: string;
   label: string;
-  base: { id: string };
+  base: { id: string } | null;
   arms: { id: string }[];
   grippers: { id: string }[];
 }
@@ -27,7 +27,7 @@ export function movingRobots(state: StationState | null, robots: readonly Robot[
 
 function moves({ arms, bases, grippers }: StationState, robot: Robot): boolean {
   return (
-    bases[robot.base.id]?.still === false ||
+    (robot.base !== null && bases[robot.base.id]?.still === false) ||
     robot.arms.some(({ id }) => arms[id]?.still === false) ||
     robot.grippers.some(({ id }) => grippers[id]?.still === false)
   );

@@ -1524,6 +1524,54 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_devices"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_device"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{id}/state": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_device_state"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/stop": {
         parameters: {
             query?: never;
@@ -2269,6 +2317,30 @@ export interface components {
         };
         /** @enum {string} */
         DeliveryState: "pending" | "done" | "dead";
+        DeviceInfo: {
+            id: string;
+            kind: string;
+            robot: string | null;
+            description: {
+                [key: string]: unknown;
+            };
+            signals: components["schemas"]["SignalInfo"][];
+            commanded: boolean;
+            jog: string;
+            teach: string;
+        };
+        DeviceReading: {
+            id: string;
+            time: number;
+            cycle: number;
+            still: boolean;
+            state: {
+                [key: string]: unknown;
+            } | null;
+            signals: {
+                [key: string]: boolean | number | number[];
+            };
+        };
         ElementDetails: {
             id: string;
             class: string;
@@ -3237,7 +3309,12 @@ export interface components {
             id: string;
             label: string;
             model: string;
-            base: components["schemas"]["BaseDescription"];
+            base: components["schemas"]["BaseDescription"] | null;
+            place: components["schemas"]["PoseInfo"] | null;
+            footprint: [
+                number,
+                number
+            ][];
             arms: components["schemas"]["ArmDescription"][];
             grippers: components["schemas"]["GripperDescription"][];
             cameras: components["schemas"]["CameraDescription"][];
@@ -3254,7 +3331,8 @@ export interface components {
             cycle: number;
             halted: string;
             at: string;
-            base: components["schemas"]["BaseInfo"];
+            base: components["schemas"]["BaseInfo"] | null;
+            pose: components["schemas"]["PoseInfo"];
             arms: {
                 [key: string]: components["schemas"]["ArmReading"];
             };
@@ -3378,6 +3456,12 @@ export interface components {
         };
         /** @enum {string} */
         Severity: "critical" | "high" | "medium" | "low";
+        SignalInfo: {
+            name: string;
+            unit: string;
+            frame: string;
+            help: string;
+        };
         SimulatedBody: {
             id: string;
             type: string;
@@ -7301,6 +7385,91 @@ export interface operations {
                 };
                 content: {
                     "model/stl": unknown;
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    list_devices: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DeviceInfo"][];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_device: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DeviceInfo"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    get_device_state: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DeviceReading"];
                 };
             };
             default: {

@@ -26,6 +26,7 @@ from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.models import BASE_JOINTS
+from skiros_py.ports.values import Snapshot
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Wish
 from skiros_py.station.robots.kinematics import RobotModel, robot_model
@@ -52,18 +53,14 @@ def robot_of(session: Session, id_: str) -> RobotSpec:
 
 def info(session: Session, robot: RobotSpec) -> RobotInfo:
     """Describes a robot; in any thread."""
-    base, model, view = robot.of(BaseSpec)[0], _model(robot), session.world.snapshot()
+    model, view = _model(robot), session.world.snapshot()
     return RobotInfo(
         id=robot.id,
         label=view.element(robot.id).label if view.has(robot.id) else "",
         model=robot.model,
-        base=BaseDescription(
-            id=base.id,
-            joints=tuple(name for name in BASE_JOINTS if model is not None and model.joint(name) is not None),
-            max_linear=base.max_linear,
-            max_angular=base.max_angular,
-            footprint=base.footprint,
-        ),
+        base=_base(robot, model),
+        place=_pose(robot.place) if robot.carrier is None else None,
+        footprint=robot.outline,
         arms=tuple(_arm(arm, model) for arm in robot.of(ArmSpec)),
         grippers=tuple(
             GripperDescription(id=g.id, arm=g.arm, joints=g.joints, max_gap=g.max_gap, max_force=g.max_force)
@@ -75,6 +72,18 @@ def info(session: Session, robot: RobotSpec) -> RobotInfo:
         ),
         agents=_agents(session, robot),
     )
+
+
+def _base(robot: RobotSpec, model: RobotModel | None) -> BaseDescription | None:
+    for base in robot.of(BaseSpec):
+        return BaseDescription(
+            id=base.id,
+            joints=tuple(name for name in BASE_JOINTS if model is not None and model.joint(name) is not None),
+            max_linear=base.max_linear,
+            max_angular=base.max_angular,
+            footprint=base.footprint,
+        )
+    return None
 
 
 def _model(robot: RobotSpec) -> RobotModel | None:
@@ -107,7 +116,7 @@ def _agents(session: Session, robot: RobotSpec) -> tuple[str, ...]:
 def reading(session: Session, robot: RobotSpec) -> RobotReading:
     """Tells where a robot is at this moment; quick, and for any thread."""
     snapshot, view = session.cycle.board.snapshot, session.world.snapshot()
-    base = snapshot.state(robot.of(BaseSpec)[0].id, BaseState)
+    place = robot.pose(snapshot)
     placement = view.placement(robot.id) if view.has(robot.id) else None
     grippers = {g.id: snapshot.state(g.id, GripperState) for g in robot.of(GripperSpec)}
     return RobotReading(
@@ -116,8 +125,9 @@ def reading(session: Session, robot: RobotSpec) -> RobotReading:
         cycle=snapshot.cycle,
         halted=session.cycle.halted,
         at=placement.place if placement else "",
-        base=BaseInfo(pose=_pose(base.pose), linear=base.linear, angular=base.angular, still=base.still),
-        arms={arm.id: _arm_reading(arm, robot, snapshot.state(arm.id, ArmState), base) for arm in robot.of(ArmSpec)},
+        base=_base_reading(robot, snapshot),
+        pose=_pose(place),
+        arms={arm.id: _arm_reading(arm, robot, snapshot.state(arm.id, ArmState), place) for arm in robot.of(ArmSpec)},
         grippers={
             id_: GripperInfo(
                 gap=g.gap, force=g.force, still=g.still, holds=next(iter(view.subjects(HELD_BY, id_)), None)
@@ -127,14 +137,21 @@ def reading(session: Session, robot: RobotSpec) -> RobotReading:
     )
 
 
-def _arm_reading(arm: ArmSpec, robot: RobotSpec, state: ArmState, base: BaseState) -> ArmReading:
+def _base_reading(robot: RobotSpec, snapshot: Snapshot) -> BaseInfo | None:
+    for base in robot.of(BaseSpec):
+        now = snapshot.state(base.id, BaseState)
+        return BaseInfo(pose=_pose(now.pose), linear=now.linear, angular=now.angular, still=now.still)
+    return None
+
+
+def _arm_reading(arm: ArmSpec, robot: RobotSpec, state: ArmState, place: Pose) -> ArmReading:
     model = _model(robot)
     tool = model.tool(arm, state.positions) if model is not None else None
     return ArmReading(
         positions=state.positions,
         velocities=state.velocities,
         still=state.still,
-        tool=_pose(base.pose @ tool) if tool is not None else None,
+        tool=_pose(place @ tool) if tool is not None else None,
     )
 
 
@@ -166,7 +183,11 @@ def jog(robot: RobotSpec, wanted: Jog) -> tuple[str, dict[str, Any]]:
         return "jog_tool", {"arm": arm, **tool.model_dump(mode="json", exclude={"arm"}, exclude_none=True)}
     if wanted.base is not None:
         _require_short("dx, dy", (wanted.base.dx, wanted.base.dy), 0.2, "m")
-        return "jog_base", {"base": robot.of(BaseSpec)[0].id, "robot": robot.id, **wanted.base.model_dump()}
+        return "jog_base", {
+            "base": _one("base", None, [base.id for base in robot.of(BaseSpec)]),
+            "robot": robot.id,
+            **wanted.base.model_dump(),
+        }
     assert wanted.gripper is not None
     gripper = _one("gripper", wanted.gripper.gripper, [gripper.id for gripper in robot.of(GripperSpec)])
     return "gripper_control", {"gripper": gripper, "gap": wanted.gripper.width}

@@ -74,9 +74,11 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
             <GripperJog robot={robot.id} gripper={gripper} disabled={disabled} />
           </Section>
         ))}
-        <Section value="base" title={t("jog.base", { base: robot.base.id })}>
-          <BaseJog robot={robot.id} base={robot.base.id} disabled={disabled} />
-        </Section>
+        {robot.base && (
+          <Section value="base" title={t("jog.base", { base: robot.base.id })}>
+            <BaseJog robot={robot.id} base={robot.base.id} disabled={disabled} />
+          </Section>
+        )}
         <Section value="teach" title={t("teach.title")}>
           <Teach robot={robot} disabled={disabled} />
         </Section>

@@ -18,9 +18,9 @@ export function Axes() {
   return (
     <>
       <axesHelper args={[2 * LONG]} />
-      {robots.map(({ base }) => (
-        <Cross key={base.id} where={(into) => frameInMap({ on: "base", id: base.id }, into)} />
-      ))}
+      {robots.map(
+        ({ base }) => base && <Cross key={base.id} where={(into) => frameInMap({ on: "base", id: base.id }, into)} />,
+      )}
       {robots.flatMap(({ grippers }) =>
         grippers.map(({ id }) => <Cross key={id} where={(into) => frameInMap({ on: "tool", id }, into)} />),
       )}

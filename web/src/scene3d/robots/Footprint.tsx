@@ -24,7 +24,7 @@ export function Footprint({ robot, palette, solid }: Props) {
   const hovered = useSelection((state) => state.hovered === robot.id);
   const corners = useMemo(() => outline(robot), [robot]);
   useFrame(() => {
-    const [x = 0, y = 0, heading = 0] = devices.bases[robot.base.id] ?? [];
+    const [x = 0, y = 0, heading = 0] = whereabouts(robot);
     group.current?.position.set(x, y, 0);
     group.current?.rotation.set(0, 0, heading);
   }, -2);
@@ -38,9 +38,18 @@ export function Footprint({ robot, palette, solid }: Props) {
   );
 }
 
+/** Where a robot is on the floor: x, y [m] and heading [rad]. */
+function whereabouts({ base, place }: RobotInfo): readonly number[] {
+  if (base) return devices.bases[base.id] ?? [];
+  if (!place) return [];
+  const [x, y] = place.position;
+  const [qx, qy, qz, qw] = place.orientation;
+  return [x, y, Math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))];
+}
+
 function Body({ robot, palette }: { robot: RobotInfo; palette: Palette }) {
   const geometry = useMemo(() => {
-    const shape = new Shape(robot.base.footprint.map(([x, y]) => new Vector2(x, y)));
+    const shape = new Shape(robot.footprint.map(([x, y]) => new Vector2(x, y)));
     return new ExtrudeGeometry(shape, { depth: HEIGHT, bevelEnabled: false });
   }, [robot]);
   return (
@@ -51,6 +60,6 @@ function Body({ robot, palette }: { robot: RobotInfo; palette: Palette }) {
 }
 
 function outline(robot: RobotInfo): [number, number, number][] {
-  const corners = robot.base.footprint.map(([x, y]): [number, number, number] => [x * MARGIN, y * MARGIN, 0.01]);
+  const corners = robot.footprint.map(([x, y]): [number, number, number] => [x * MARGIN, y * MARGIN, 0.01]);
   return [...corners, ...corners.slice(0, 1)];
 }

@@ -21,6 +21,7 @@ export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }
   });
   useEffect(() => bearTools(robot, model ?? null), [robot, model]);
   useEffect(() => {
+    if (!robot.base) return;
     baseOf.set(robot.id, robot.base.id);
     return () => void baseOf.delete(robot.id);
   }, [robot]);
@@ -55,7 +56,7 @@ function bearTools(robot: RobotInfo, model: URDFRobot | null): () => void {
 }
 
 /** Puts the joints of a model where the devices are. */
-function pose(model: URDFRobot, { arms, base, grippers }: RobotInfo): void {
+function pose(model: URDFRobot, { arms, base, grippers, place }: RobotInfo): void {
   for (const { id, joints } of arms) {
     const angles = devices.arms[id];
     if (angles !== undefined) joints.forEach(({ name }, i) => model.setJointValue(name, angles[i] ?? 0));
@@ -64,7 +65,11 @@ function pose(model: URDFRobot, { arms, base, grippers }: RobotInfo): void {
     const gap = devices.grippers[id]?.[0] ?? 0;
     for (const name of joints) model.setJointValue(name, gap / 2);
   }
-  const place = devices.bases[base.id];
-  if (place !== undefined) base.joints?.forEach((name, i) => model.setJointValue(name, place[i] ?? 0));
+  const localised = base ? devices.bases[base.id] : undefined;
+  if (localised !== undefined) base?.joints?.forEach((name, i) => model.setJointValue(name, localised[i] ?? 0));
+  if (place) {
+    model.position.fromArray(place.position);
+    model.quaternion.fromArray(place.orientation);
+  }
   model.updateMatrixWorld();
 }

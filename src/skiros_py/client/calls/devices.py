@@ -1,0 +1,25 @@
+"""Devices of any kind."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+
+from skiros_py.api.devices import DeviceInfo, DeviceReading
+from skiros_py.client.call import Call
+
+__all__ = ["get_device", "get_device_state", "list_devices"]
+
+
+def list_devices() -> Call[list[DeviceInfo]]:
+    """Lists the devices with the values that each offers."""
+    return Call("GET", "/devices", list[DeviceInfo])
+
+
+def get_device(device: str) -> Call[DeviceInfo]:
+    """Describes a device."""
+    return Call("GET", f"/devices/{quote(device, safe='')}", DeviceInfo)
+
+
+def get_device_state(device: str) -> Call[DeviceReading]:
+    """Reads a device."""
+    return Call("GET", f"/devices/{quote(device, safe='')}/state", DeviceReading)
