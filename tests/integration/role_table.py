@@ -31,6 +31,7 @@ _TABLE = {
         /jobs/{id}/report GET+
         /jobs/{id}/transitions GET+
         /jobs/{id}/replay GET
+        /jobs/{id}/recording GET
         /jobs/{id}/explanation GET+
         /jobs/{job}/events GET+
         /goals GET+

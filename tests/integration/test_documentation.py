@@ -49,9 +49,12 @@ def test_python_examples_run_as_printed(page, tmp_path):
 def test_the_record_of_a_run_is_read_as_the_manual_says(tmp_path):
     cli.main(args=["run", "kitting", "--fake", "--data", str(tmp_path)], standalone_mode=False)
     example = {}
-    exec(blocks(ROOT / "docs" / "how-to" / "records.md", "python")[0], example)
+    exec("\n".join(blocks(ROOT / "docs" / "how-to" / "records.md", "python")), example)
 
     way = example["path_of"]("base_1", tmp_path)
+    said = example["captions"](next((tmp_path / "runs").iterdir()))
+
+    assert any("drive" in sentence for sentence in said)
 
     assert len(way) > 1
     assert all(len(place) == 2 for place in way)

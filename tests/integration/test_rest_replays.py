@@ -10,6 +10,7 @@ from typing import Any
 
 import httpx2
 import pytest
+from mcap.reader import make_reader
 from support.serving import Served, serving
 
 from skiros_py.api.replays import Replay
@@ -95,9 +96,21 @@ def test_a_replay_is_compressed_for_those_who_take_that(server: Served, replay: 
     assert Replay.model_validate_json(plain.content) == replay
 
 
+def test_the_recording_itself_is_downloaded_whole_or_in_ranges(server: Served, replay: Replay, tmp_path: Path) -> None:
+    with api(server) as http:
+        whole = http.get("/jobs/kit/recording")
+        part = http.get("/jobs/kit/recording", headers={"Range": "bytes=0-7"})
+    (tmp_path / "kit.mcap").write_bytes(whole.content)
+    with (tmp_path / "kit.mcap").open("rb") as file:
+        topics = {channel.topic for _, channel, _ in make_reader(file, validate_crcs=True).iter_messages()}
+    assert {"/frames", "/scene", "/view", "/runs", "/trace", "/log", "/devices/arm_1"} <= topics
+    assert (part.status_code, part.content) == (206, b"\x89MCAP0\r\n")
+
+
 def test_the_client_reads_a_replay(server: Served, replay: Replay) -> None:
     with Client(server.url) as client:
         assert client.jobs.replay("kit") == replay
+        assert client.jobs.recording("kit").startswith(b"\x89MCAP0\r\n")
 
 
 def test_a_job_that_has_not_begun_has_no_replay_and_the_answer_says_why(server: Served) -> None:
@@ -114,11 +127,11 @@ def test_a_replay_goes_with_its_job(tmp_path: Path) -> None:
         http.put("/jobs/kit", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
         awaited(http, "kit", "Ended")
         written(http, "kit")
-        kept = list((tmp_path / "replays").iterdir())
+        kept = list((tmp_path / "recordings").iterdir())
         http.post("/jobs/kit/clear").raise_for_status()
         assert http.get("/jobs/kit/replay").status_code == 404
     assert len(kept) == 1
-    assert list((tmp_path / "replays").iterdir()) == []
+    assert list((tmp_path / "recordings").iterdir()) == []
 
 
 def test_a_replay_that_is_kept_no_longer_is_said_to_be_so(tmp_path: Path) -> None:
@@ -126,7 +139,7 @@ def test_a_replay_that_is_kept_no_longer_is_said_to_be_so(tmp_path: Path) -> Non
         http.put("/jobs/kit", json={"goal": "InKit(Starter, kit_1)"}).raise_for_status()
         awaited(http, "kit", "Ended")
         written(http, "kit")
-        for file in (tmp_path / "replays").iterdir():
+        for file in (tmp_path / "recordings").iterdir():
             file.unlink()
         answer = http.get("/jobs/kit/replay")
     assert (answer.status_code, answer.json()["code"]) == (404, "NoReplay")

@@ -1,4 +1,4 @@
-"""A run in physics leaves a record with pictures, and is the same run with and without one."""
+"""A run in physics leaves a recording with pictures, and is the same run with and without one."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from skiros_py.recording import run_recorder
-from skiros_py.records import Record, find_record
+from skiros_py.recording import Recording, find_recording
+from skiros_py.station.recordings.runs import run_recorder
 from skiros_py.station.session import Session
 
 
@@ -27,8 +27,8 @@ def test_a_recorded_drive_has_pictures_and_the_path_and_the_same_digest(
         report = session.run()
         recorder.conclude(report)
 
-    with Record(find_record(tmp_path)) as record:
-        bases = [frame.bases["base_1"] for frame in record.frames()]
+    with Recording(find_recording(tmp_path)) as record:
+        bases = [frame.devices["base_1"]["pose"]["position"] for frame in record.frames()]
         pictures = list(record.pictures())
         digest = record.meta["digest"]
     assert report.digest == plain.digest == digest

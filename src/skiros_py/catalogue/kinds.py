@@ -164,6 +164,7 @@ KINDS: Mapping[str, Kind] = {
         ),
         Kind("skiros.scenes", "a package with scene files, or a Path", _is_path),
         Kind("skiros.pages", "the Path of a folder of built web pages", lambda value: isinstance(value, Path)),
+        Kind("skiros.topics", "a function that takes a Recorder", callable),
     )
 }
 """By group."""

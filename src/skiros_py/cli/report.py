@@ -20,24 +20,33 @@ __all__ = ["command"]
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE.html",
-    help="Where the page goes.  [default: the record's name in the present folder]",
+    help="File for the page.  [default: the recording's name in the present folder]",
+)
+@click.option(
+    "--mcap",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.mcap",
+    help="Write a copy of the recording instead, complete with its index even where the run was cut off.",
 )
 @JSON
-def command(run: Path, output: Path | None, as_json: bool) -> int:
-    """Makes a page about RUN: a record, or a data directory for the record of its latest run.
+def command(run: Path, output: Path | None, mcap: Path | None, as_json: bool) -> int:
+    """Makes a page about RUN: a recording, or a data directory for the recording of its latest run.
 
-    With --json the record's content is printed as data instead; a page is written where --output asks for one.
+    With --json the recording's content is printed as data instead; a page is written only where --output asks for one.
     """
-    from skiros_py.records import Record, find_record, report_page
+    from skiros_py.recording import Recording, find_recording, report_page
+    from skiros_py.recording.writer import export
 
-    with Record(find_record(run)) as record:
-        page = output or (None if as_json else Path(f"{record.path.stem}.html"))
+    with Recording(find_recording(run)) as recording:
+        page = output or (None if as_json or mcap else Path(f"{recording.path.stem}.html"))
         if page is not None:
-            _write(page, report_page(record))
+            _write(page, report_page(recording))
+        if mcap is not None:
+            export(recording, mcap)
         if as_json:
-            answer(record.as_json())
+            answer(recording.as_json())
         else:
-            click.echo(f"{page}")
+            click.echo("\n".join(str(path) for path in (page, mcap) if path is not None))
     return REACHED
 
 

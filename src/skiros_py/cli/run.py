@@ -76,11 +76,11 @@ def command(
     as_json: bool,
 ) -> int:
     """Plans and does the goal of SCENE (a name, or a path to a .ttl file)."""
-    from skiros_py.recording import check_recording
+    from skiros_py.recording.pictures import check_pictures
     from skiros_py.system import check_display
 
     if record is not None:
-        check_recording(record, fake=fake)
+        check_pictures(record, fake=fake)
     if gui:
         check_display(os.environ.get("DISPLAY"))
     from skiros_py.station.session import Options, Session
@@ -108,9 +108,14 @@ def command(
 
 def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bool) -> int:
     from skiros_py.cli.display import RunDisplay
-    from skiros_py.recording import RunPictures, run_recorder
+    from skiros_py.recording.pictures import RunPictures
+    from skiros_py.station.recordings.runs import run_recorder
+    from skiros_py.station.recordings.sources import camera_of
 
-    pictures = RunPictures(session, record) if record is not None else None
+    camera = camera_of(session)
+    if record is not None and camera is None:
+        raise UsageError("--record needs the simulation: nothing else can be seen from outside")
+    pictures = RunPictures(session.runtime, camera, record) if record is not None and camera is not None else None
     data = session.options.data
     kept = run_recorder(session, data) if data is not None else None
     with (
@@ -125,7 +130,7 @@ def _run(session: Session, record: Path | None, *, ask: bool | None, as_json: bo
     display.show_report(report)
     if kept is not None:
         fault = kept.writer.fault
-        display.say(f"warning not recorded: {fault}" if fault else f"record  {kept.writer.path}")
+        display.say(f"warning not recorded: {fault}" if fault else f"recording  {kept.writer.path}")
     if pictures is not None:
         try:
             pictures.write()

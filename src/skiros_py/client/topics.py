@@ -207,6 +207,7 @@ class Jobs(Topic[C]):
     trace = Method(jobs.get_job_trace)
     report = Method(jobs.get_job_report)
     replay = Method(jobs.get_job_replay)
+    recording = Method(jobs.get_job_recording)
     transitions = Method(jobs.get_job_transitions)
     explanation = Method(jobs.get_job_explanation)
     start = Method(jobs.start_job)

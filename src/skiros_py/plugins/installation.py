@@ -20,6 +20,7 @@ __all__ = ["GROUPS", "Installation", "canonical", "installation"]
 _KINDS = (
     "skills", "primitives", "behaviours", "documents", "conditions", "reasoners", "planners", "devices", "drivers",
     "engines", "signals", "ontologies", "robots", "scenes", "pages",
+    "topics",
 )  # fmt: skip
 GROUPS = tuple(f"skiros.{kind}" for kind in _KINDS)
 """The groups of entry points by which this platform is extended."""

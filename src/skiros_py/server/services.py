@@ -18,8 +18,6 @@ from skiros_py.server.access.setup import set_up_access
 from skiros_py.server.events.streams import Streams
 from skiros_py.server.logs import job_events_logged
 from skiros_py.server.metrics import Metrics
-from skiros_py.server.replays.recorder import ReplayRecorder
-from skiros_py.server.replays.shelf import ReplayShelf
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.simulation import Simulation
 from skiros_py.server.webhooks.office import WebhookOffice
@@ -37,6 +35,7 @@ from skiros_py.station.halt_mark import HaltMark
 from skiros_py.station.jobs.waiting import JobDesk
 from skiros_py.station.modules.runs import ModuleRuns
 from skiros_py.station.queries import Queries
+from skiros_py.station.recordings.jobs import JobRecordings
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.station.robots.motions import Motions
@@ -73,7 +72,7 @@ class Services:
         looks: What the cameras saw last.
         motions: What the robots are about to do.
         live: What the robots do at this moment.
-        replays: What jobs looked like.
+        recordings: The recordings of jobs.
         alarms: What stopped a robot, or waits for a person.
         stops: Halts and resets everything.
         modules: What was started by itself, apart from tasks.
@@ -120,9 +119,9 @@ class Services:
         ):
             self.control.on_open(part.open)
             self.control.on_close(part.close)
-        self.replays = ReplayRecorder(ReplayShelf(data / "replays"))
-        self.control.on_open(self.replays.open)
-        self.control.on_close(self.replays.close_session)
+        self.recordings = JobRecordings(data / "recordings")
+        self.control.on_open(self.recordings.open)
+        self.control.on_close(self.recordings.close_session)
         self.documents: DocumentStore
         self.desk = JobDesk(settings.open_jobs)
         self.control.on_open(self.desk.open)
@@ -158,8 +157,7 @@ class Services:
         """
         try:
             self.keys, self.doorkeeper, self.audit = set_up_access(self.settings, self.data, self._stack)
-            self._stack.callback(self.replays.close)
-            self.replays.start()
+            self._stack.callback(self.recordings.close)
             self._stack.callback(self.robot_models.close)
             self._stack.callback(self.control.close)
             self.stops.restore()

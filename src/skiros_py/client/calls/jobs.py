@@ -40,6 +40,7 @@ __all__ = [
     "get_job",
     "get_job_explanation",
     "get_job_plan",
+    "get_job_recording",
     "get_job_replay",
     "get_job_report",
     "get_job_response",
@@ -175,6 +176,11 @@ def get_job_report(job: str) -> Call[JobReport]:
 def get_job_replay(job: str) -> Call[Replay]:
     """Shows what a job looked like."""
     return Call("GET", f"{_path(job)}/replay", Replay)
+
+
+def get_job_recording(job: str) -> Call[bytes]:
+    """Downloads the recording of a job: an MCAP file."""
+    return Call("GET", f"{_path(job)}/recording", lambda r: r.content)
 
 
 def get_job_transitions(job: str) -> Call[JobTransitions]:

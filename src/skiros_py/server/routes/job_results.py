@@ -8,17 +8,19 @@ import time
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
+from fastapi.responses import FileResponse
 
 from skiros_py.api.jobs import JobExplanation, JobPlan, JobReport, JobResponse, JobTrace, JobTransitions
 from skiros_py.api.replays import Replay
+from skiros_py.errors import FileError
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.job_faults import job_faults
 from skiros_py.server.problems import Problem
-from skiros_py.server.replays.answer import replay_text
 from skiros_py.server.routes.job_access import JobId, JobsDep
 from skiros_py.server.services import ServicesDep
 from skiros_py.station.jobs.accounts import explanation_of, plan_of, planned_steps, report_of, response_of
 from skiros_py.station.jobs.views import transitions_view
+from skiros_py.station.recordings.replay import replay_text
 from skiros_py.tasks.jobs import Job
 
 __all__ = ["router"]
@@ -105,14 +107,39 @@ def get_job_replay(
     with job_faults():
         job = jobs.job(id)
     try:
-        text = replay_text(services.replays.lines(job.number), over=not job.state.is_open)
-    except (OSError, ValueError, KeyError) as error:
+        with services.recordings.read(job.number) as recording:
+            text = replay_text(recording, over=not job.state.is_open)
+    except (FileError, ValueError, KeyError) as error:
         raise _no_replay(job, error) from None
     headers = {"Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if _GZIP.search(accept_encoding):
         text = gzip.compress(text, _LEVEL)
         headers["Content-Encoding"] = "gzip"
     return Response(text, media_type="application/json", headers=headers)
+
+
+@router.get(
+    "/jobs/{id}/recording",
+    summary="The recording of a job",
+    dependencies=[needs(Role.VIEWER)],
+    response_class=FileResponse,
+    responses={200: {"content": {"application/octet-stream": {}}, "description": "An MCAP file."}},
+)
+def get_job_recording(
+    id: JobId,  # noqa: A002 - the name in the address
+    jobs: JobsDep,
+    services: ServicesDep,
+) -> FileResponse:
+    """Downloads the recording of a job that runs or ran, for Foxglove and other programs; takes requests for ranges.
+
+    Of a job that runs, the last second may be missing, and the file has no index yet. It is deleted with the job.
+    """
+    with job_faults():
+        job = jobs.job(id)
+    path = services.recordings.path(job.number)
+    if not path.is_file():
+        raise _no_replay(job, FileError(path, "there is no such recording"))
+    return FileResponse(path, media_type="application/octet-stream", filename=f"{job.number:09d}.mcap")
 
 
 def _no_replay(job: Job, error: Exception) -> Problem:

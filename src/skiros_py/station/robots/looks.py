@@ -15,13 +15,13 @@ from skiros_py.api.state import PoseInfo
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.execution.library_monitor import LibraryCall
-from skiros_py.geometry import Pose
+from skiros_py.geometry import Array, Pose
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
 from skiros_py.ports.values import DepthImage
 from skiros_py.station.session import Session
 
-__all__ = ["MOST_POINTS", "Looks"]
+__all__ = ["MOST_POINTS", "Looks", "points_of"]
 
 MOST_POINTS = 20_000
 """Points of one look."""
@@ -122,27 +122,33 @@ def _last(shots: deque[_Shot] | tuple[()]) -> _Shot | None:
 def _look(camera: str, shot: _Shot) -> Look:
     request = shot.call.request
     assert isinstance(request, LookRequest | RegistrationRequest)
-    points, colours = _points(request.image, request.camera_pose)
+    points, colours = points_of(request.image, request.camera_pose)
     return Look(
         number=shot.number,
         camera=camera,
         time=shot.time,
         pose=_pose(request.camera_pose),
-        points=points,
-        colours=colours,
+        points=_text(points.tobytes()),
+        colours=_text(colours.tobytes()),
         seen=_seen(shot),
         purpose="parts" if isinstance(request, LookRequest) else "kit",
     )
 
 
-def _points(image: DepthImage, camera: Pose) -> tuple[str, str]:
-    """Returns points in the map and their colours, as text."""
-    step = max(1, math.ceil(math.sqrt(np.count_nonzero(image.depth) / MOST_POINTS)))
+def points_of(image: DepthImage, camera: Pose, most: int = MOST_POINTS) -> tuple[Array, Array]:
+    """Returns points in the map [m] and their colours (red, green, blue from 0 to 255).
+
+    Args:
+        image: The image.
+        camera: Pose of the optical frame in the map.
+        most: Number of points at most.
+    """
+    step = max(1, math.ceil(math.sqrt(np.count_nonzero(image.depth) / most)))
     thin = _thinned(image, step)
     colours = thin.colour[thin.depth > 0.0]
-    every = max(1, math.ceil(len(colours) / MOST_POINTS))  # where the measured ones lie in the pattern of the step
+    every = max(1, math.ceil(len(colours) / most))  # where the measured ones lie in the pattern of the step
     points = camera.apply(thin.points()[::every]).astype("<f4") if len(colours) else np.empty((0, 3), "<f4")
-    return _text(points.tobytes()), _text(np.ascontiguousarray(colours[::every], dtype=np.uint8).tobytes())
+    return points, np.ascontiguousarray(colours[::every], dtype=np.uint8)
 
 
 def _thinned(image: DepthImage, step: int) -> DepthImage:

@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.errors import FileError
-from skiros_py.ports.pending import Done
-from skiros_py.records import Record, RecordWriter, report_page
-from skiros_py.records.drawing import draw
-from skiros_py.records.timeline import lanes, span
+from skiros_py.recording import Recording, RecordingWriter, Schema, Topic, report_page
+from skiros_py.recording.drawing import draw
+from skiros_py.recording.pictures import OVERVIEW
+from skiros_py.recording.timeline import lanes, span
 from skiros_py.world.change import Change, ElementEdit, PropertyEdit
 from skiros_py.world.element import Element
 
@@ -24,6 +24,10 @@ _EVIL = "<img src=x onerror=alert(1)>\"'&</style></svg><script>alert(2)</script>
 _EVENT = {"kind": "skill", "module": "pick", "code": 0, "text": "", "target": "", "agent": "arm_1", "caller": ""}
 _ENTRY: dict[str, Any] = {"what": "started", "text": "", "step": 1, "skill": "pick", "arguments": {}, "agent": "arm_1"}
 _REPORT: dict[str, Any] = {"steps": [], "simulated": 2.0, "wall": 1.0, "no_plan": [], "fault": "", "outcome": "reached"}
+_ANY = Schema("any", {"type": "object"})
+_RUNS, _TRACE, _TASKS, _CHANGES, _PICTURES = (
+    Topic(name, _ANY) for name in ("/runs", "/trace", "/tasks", "/world/changes", OVERVIEW)
+)
 _CONDITION: dict[str, Any] = {"believed": True, "true": None, "tries": 1, "simulated": 1.5}
 
 
@@ -60,26 +64,25 @@ class _Page(HTMLParser):
 @pytest.fixture(scope="module")
 def evil(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The page about a run in which every text is an attack."""
-    path = tmp_path_factory.mktemp("runs") / "evil.record"
-    writer = RecordWriter(path)
-    for key in ("scene", "digest", "driver", "planner"):
-        writer.put_meta(key, _EVIL)
-    writer.put_meta("robots", {_EVIL: [_EVIL, _EVIL]})
-    writer.put_meta("versions", {_EVIL: _EVIL})
+    path = tmp_path_factory.mktemp("runs") / "evil.mcap"
+    writer = RecordingWriter(path)
+    writer.put_metadata("run", dict.fromkeys(("scene", "digest", "driver", "planner"), _EVIL))
+    writer.put_metadata("run", {"robots": {_EVIL: [_EVIL, _EVIL]}, "versions": {_EVIL: _EVIL}})
     words = dict.fromkeys(("module", "text", "target", "agent"), _EVIL)
-    writer.put_event(0.0, {**_EVENT, **words, "status": "started"})
-    writer.put_event(1.0, {**_EVENT, **words, "status": "error"})
-    writer.put_trace(0.5, 1, {**_ENTRY, "time": 0.5, "what": "waits", "text": _EVIL, "agent": _EVIL, "skill": _EVIL})
+    writer.put(_RUNS, 0.0, {**_EVENT, **words, "time": 0.0, "status": "started"})
+    writer.put(_RUNS, 1.0, {**_EVENT, **words, "time": 1.0, "status": "error"})
+    waits = {"what": "waits", "text": _EVIL, "agent": _EVIL, "skill": _EVIL}
+    writer.put(_TRACE, 0.5, {**_ENTRY, **waits, "task": 1, "time": 0.5})
     report = {**_REPORT, "fault": _EVIL, "no_plan": [_EVIL], "outcome": _EVIL}
     report["conditions"] = [{**_CONDITION, "condition": _EVIL, "reason": _EVIL}]
-    writer.put_task(1, {"name": _EVIL, "goal": [_EVIL], "report": report})
+    writer.put(_TASKS, 2.0, {"number": 1, "name": _EVIL, "goal": [_EVIL], "report": report})
     ball = Element("ball_1", "tiny:Ball", _EVIL, {})
     edits = (ElementEdit("ball_1", None, ball), PropertyEdit("ball_1", "rdfs:label", "", _EVIL))
-    writer.put_change(Change(1, _EVIL, _EVIL, 0.2, edits))
-    writer.put_picture(1.0, _EVIL, Done(np.zeros((6, 8, 3), dtype=np.uint8)))
-    writer.put_meta("ended", {"time": 2.0, "wall": 1.0, "fault": _EVIL})
+    writer.put(_CHANGES, 0.2, Change(1, _EVIL, _EVIL, 0.2, edits).as_json())
+    writer.put(_PICTURES, 1.0, {"caption": _EVIL, "data": ""})
+    writer.put_metadata("run", {"ended": {"time": 2.0, "wall": 1.0, "fault": _EVIL}})
     writer.close()
-    with Record(path) as record:
+    with Recording(path) as record:
         return report_page(record)
 
 
@@ -101,27 +104,27 @@ def test_a_page_loads_nothing_from_elsewhere(evil: str) -> None:
     assert "@import" not in evil
 
 
-def test_a_page_tells_the_outcome_what_failed_and_that_the_record_is_not_finished(tmp_path: Path) -> None:
-    path = tmp_path / "one.record"
-    writer = RecordWriter(path)
-    writer.put_event(0.0, {**_EVENT, "target": "starter_1", "status": "started"})
-    writer.put_event(1.0, {**_EVENT, "target": "starter_1", "status": "error", "text": "the gripper is empty"})
+def test_a_page_tells_the_outcome_what_failed_and_that_the_recording_is_not_finished(tmp_path: Path) -> None:
+    path = tmp_path / "one.mcap"
+    writer = RecordingWriter(path)
+    writer.put(_RUNS, 0.0, _event(0.0, "started", target="starter_1"))
+    writer.put(_RUNS, 1.0, _event(1.0, "error", target="starter_1", text="the gripper is empty"))
     missing = {**_CONDITION, "condition": "In(a, b)", "believed": False, "reason": "b is full"}
     report = {**_REPORT, "conditions": [missing], "outcome": "not reached"}
-    writer.put_task(1, {"name": "task 1", "goal": [], "report": report})
+    writer.put(_TASKS, 1.0, {"number": 1, "name": "task 1", "goal": [], "report": report})
     writer.close()
 
-    with Record(path) as record:
+    with Recording(path) as record:
         text = _Page(report_page(record)).text
     for told in ("task 1: not reached", "In(a, b)", "b is full", "the gripper is empty", "was not finished"):
         assert told in text
 
 
-def test_an_empty_record_makes_a_page(tmp_path: Path) -> None:
-    writer = RecordWriter(tmp_path / "one.record")
+def test_an_empty_recording_makes_a_page(tmp_path: Path) -> None:
+    writer = RecordingWriter(tmp_path / "one.mcap")
     writer.close()
 
-    with Record(tmp_path / "one.record") as record:
+    with Recording(tmp_path / "one.mcap") as record:
         assert "No task was begun" in report_page(record)
 
 
@@ -202,16 +205,15 @@ def test_whatever_is_told_bars_never_cover_each_other_and_stay_on_the_page(event
     assert all(box.y + drawing.row <= drawing.height for box in boxes)
 
 
-def test_a_record_with_damage_anywhere_is_a_page_or_a_message(tmp_path: Path) -> None:
-    path = tmp_path / "one.record"
-    writer = RecordWriter(path)
-    writer.put_meta("layout", {"arms": [["arm_1", 2]], "grippers": [], "bases": []})
-    writer.put_frames([0.0, 0.1], [[1.0, 2.0], [1.1, 2.1]])
+def test_a_recording_with_damage_anywhere_is_a_page_or_a_message(tmp_path: Path) -> None:
+    path = tmp_path / "one.mcap"
+    writer = RecordingWriter(path)
     for number in range(40):
-        writer.put_event(number, {**_EVENT, "target": f"ball_{number}", "status": "started"})
-        writer.put_trace(number, 1, {**_ENTRY, "time": number})
-        writer.put_change(Change(number, "pick", "why", number, (PropertyEdit("ball_1", "sk:mass", 1.0, 2.0),)))
-    writer.put_task(1, {"name": "task", "goal": [], "report": {**_REPORT, "conditions": []}})
+        writer.put(_RUNS, number, _event(number, "started", target=f"ball_{number}"))
+        writer.put(_TRACE, number, {**_ENTRY, "task": 1, "time": number})
+        change = Change(number, "pick", "why", number, (PropertyEdit("ball_1", "sk:mass", 1.0, 2.0),))
+        writer.put(_CHANGES, number, change.as_json())
+    writer.put(_TASKS, 40.0, {"number": 1, "name": "task", "goal": [], "report": {**_REPORT, "conditions": []}})
     writer.close()
     whole, random = path.read_bytes(), np.random.default_rng(5)
 
@@ -220,7 +222,7 @@ def test_a_record_with_damage_anywhere_is_a_page_or_a_message(tmp_path: Path) ->
         damage = random.bytes(12)
         path.write_bytes(whole[:at] + damage + whole[at + len(damage) :])
         try:
-            with Record(path) as record:
+            with Recording(path) as record:
                 report_page(record)
                 record.as_json()
             outcomes.add("page")

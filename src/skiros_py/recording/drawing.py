@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from skiros_py.records.timeline import Bar, Lane
+from skiros_py.recording.timeline import Bar, Lane
 
 __all__ = ["Band", "Box", "Drawing", "draw"]
 

@@ -12,10 +12,10 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, UndefinedError
 
 from skiros_py.errors import FileError
-from skiros_py.records.drawing import draw
-from skiros_py.records.edits import edit_sentence
-from skiros_py.records.reader import Picture, Record
-from skiros_py.records.timeline import lanes, span
+from skiros_py.recording.drawing import draw
+from skiros_py.recording.edits import edit_sentence
+from skiros_py.recording.reader import Picture, Recording
+from skiros_py.recording.timeline import lanes, span
 
 __all__ = ["report_page"]
 
@@ -26,38 +26,38 @@ _MOST_EDITS = 12
 _KIND_OF_TASK = {"reached": "good", "held already": "good", "partly reached": "part", "stopped": "part"}
 
 
-def report_page(record: Record) -> str:
+def report_page(recording: Recording) -> str:
     """Returns the page about a run as HTML.
 
     Raises:
         FileError: The record is damaged.
     """
     try:
-        return _page(record)
+        return _page(recording)
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, UndefinedError) as error:
-        raise FileError(record.path, f"the record is damaged: {type(error).__name__}: {error}") from error
+        raise FileError(recording.path, f"the recording is damaged: {type(error).__name__}: {error}") from error
 
 
-def _page(record: Record) -> str:
-    meta, events, trace = record.meta, record.events, record.trace
-    ended = meta.get("ended", {})
+def _page(recording: Recording) -> str:
+    meta, events, trace = recording.meta, recording.events, recording.trace
+    ended = meta.get("ended") or {}
     begin, end = span(events, trace, meta.get("start", 0.0), ended.get("time"))
-    pictures = _spread(list(record.pictures()), _MOST_PICTURES)
+    pictures = _spread(list(recording.pictures()), _MOST_PICTURES)
     rows = lanes(events, trace, meta.get("robots", {}), end)
-    changes, more_changes = _first(record.changes(), _MOST_ROWS)
+    changes, more_changes = _first(recording.changes(), _MOST_ROWS)
     sentences, more_sentences = _first(trace, _MOST_ROWS)
     return (
         _environment()
         .get_template("report.html.j2")
         .render(
             meta=meta,
-            record=record.path.name,
-            complete=record.complete,
+            record=recording.path.name,
+            complete=recording.complete,
             fault=ended.get("fault", ""),
             lasted=end - begin,
             wall=_wall(meta),
             began=_clock(meta.get("wall")),
-            tasks=[_task(task) for task in record.tasks],
+            tasks=[_task(task) for task in recording.tasks],
             drawing=draw(rows, begin, end, [shot.time for shot in pictures]),
             failures=[(lane, bar) for lane in rows for bar in lane.bars if bar.how == "bad"],
             trace=sentences,
@@ -65,7 +65,7 @@ def _page(record: Record) -> str:
             changes=[_change(change) for change in changes],
             more_changes=more_changes,
             pictures=[(number, shot, _inline(shot)) for number, shot in enumerate(pictures, 1)],
-            forgotten=record.forgotten,
+            forgotten=recording.left_out,
         )
     )
 
@@ -73,7 +73,7 @@ def _page(record: Record) -> str:
 @cache
 def _environment() -> Environment:
     return Environment(
-        loader=PackageLoader("skiros_py.records"),
+        loader=PackageLoader("skiros_py.recording"),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -113,7 +113,7 @@ def _inline(picture: Picture) -> str:
 
 
 def _wall(meta: Mapping[str, Any]) -> float | None:
-    ended = meta.get("ended", {})
+    ended = meta.get("ended") or {}
     return ended["wall"] - meta["wall"] if "wall" in ended and "wall" in meta else None
 
 

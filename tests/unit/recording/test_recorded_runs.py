@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import logging
+from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,8 @@ import pytest
 from skiros_py.devices.arm import ArmState
 from skiros_py.errors import FileError
 from skiros_py.ports.pending import Done
-from skiros_py.records import Record, RunRecorder
+from skiros_py.recording import Recorder, Recording, RecordingWriter
+from skiros_py.recording.pictures import record_pictures
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.index import Index
 
@@ -19,29 +22,32 @@ GOAL = "In(Ball, slot_1)"
 PICTURE = np.zeros((6, 8, 3), dtype=np.uint8)
 
 
+def recording_of(bench: Bench, path: Path, *sources: Callable[[Recorder], None], **about: object) -> Recorder:
+    def tasks(recorder: Recorder) -> None:
+        recorder.on_end(bench.tasks.on_begin(recorder.follow))
+
+    return Recorder(RecordingWriter(path), bench.runtime, about, (tasks, *sources))
+
+
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Bench, Path]]:
-    path = tmp_path_factory.mktemp("runs") / "one.record"
+    path = tmp_path_factory.mktemp("runs") / "one.mcap"
     with Bench(tiny_world()) as bench:
-        recorder = RunRecorder(
-            path,
-            bench.runtime,
-            bench.tasks,
-            {"scene": "tiny"},
-            camera=lambda _snapshot, _agent: Done(PICTURE),
-        )
-        with recorder:
+        pictures = record_pictures(lambda _snapshot, _agent: Done(PICTURE))
+        with recording_of(bench, path, pictures, scene="tiny") as recorder:
             recorder.conclude(bench.pursue(GOAL))
         yield bench, path
 
 
 @pytest.fixture
-def record(run: tuple[Bench, Path]) -> Iterator[Record]:
-    with Record(run[1]) as record:
+def record(run: tuple[Bench, Path]) -> Iterator[Recording]:
+    with Recording(run[1]) as record:
         yield record
 
 
-def test_a_record_has_every_module_event_and_every_entry_of_the_trace(run: tuple[Bench, Path], record: Record) -> None:
+def test_a_record_has_every_module_event_and_every_entry_of_the_trace(
+    run: tuple[Bench, Path], record: Recording
+) -> None:
     bench, _ = run
 
     assert [(e["time"], e["module"], e["status"]) for e in record.events] == [
@@ -51,7 +57,7 @@ def test_a_record_has_every_module_event_and_every_entry_of_the_trace(run: tuple
     assert record.trace[-1]["what"] == "finished"
 
 
-def test_a_record_has_the_outcome_of_each_task(record: Record) -> None:
+def test_a_record_has_the_outcome_of_each_task(record: Recording) -> None:
     (task,) = record.tasks
 
     assert task["report"]["outcome"] == "reached"
@@ -60,24 +66,23 @@ def test_a_record_has_the_outcome_of_each_task(record: Record) -> None:
     assert record.meta["scene"] == "tiny"
 
 
-def test_snapshots_are_taken_twenty_times_a_second_and_tell_where_the_devices_were(
-    run: tuple[Bench, Path], record: Record
+def test_states_of_devices_are_recorded_twenty_times_a_second_while_something_moves(
+    run: tuple[Bench, Path], record: Recording
 ) -> None:
     bench, _ = run
     frames = list(record.frames())
-    steps = np.diff([frame.time for frame in frames])
     last = bench.cycle.board.snapshot
 
-    assert np.allclose(steps, 0.05, atol=0.006)
-    assert len(frames) == pytest.approx(20.0 * last.time, abs=2)
+    assert all(after.time - before.time > 0.044 for before, after in pairwise(frames[:-1]))
+    assert frames[-1].time == pytest.approx(last.time)
     assert {name: arm.positions for name, arm in last.of(ArmState).items()} == {
-        name: pytest.approx(positions, abs=1e-5) for name, positions in frames[-1].arms.items()
+        name: pytest.approx(frames[-1].devices[name]["positions"], abs=1e-5) for name in last.of(ArmState)
     }
-    assert record.frame(frames[-2].time) == frames[-2]
+    assert record.frame(frames[-1].time) == frames[-1]
     assert record.frame(-1.0) == frames[0]
 
 
-def test_the_world_at_any_time_is_what_was_believed_then(run: tuple[Bench, Path], record: Record) -> None:
+def test_the_world_at_any_time_is_what_was_believed_then(run: tuple[Bench, Path], record: Recording) -> None:
     bench, _ = run
     beginning = Index(bench.world.ontology)
     ball = next(p for p in bench.world.instances("tiny:Ball") if _place(bench.world.snapshot(), p) == "slot_1")
@@ -90,7 +95,7 @@ def test_the_world_at_any_time_is_what_was_believed_then(run: tuple[Bench, Path]
     assert _place(record.world_at(moved[-1], beginning), ball) == "slot_1"
 
 
-def test_a_picture_is_taken_when_a_skill_ends_and_says_which(record: Record) -> None:
+def test_a_picture_is_taken_when_a_skill_ends_and_says_which(record: Recording) -> None:
     pictures = list(record.pictures())
     ends = [e["time"] for e in record.events if e["kind"] == "skill" and e["status"] == "terminated"]
 
@@ -106,36 +111,36 @@ def test_a_run_with_a_record_is_the_same_run(run: tuple[Bench, Path]) -> None:
 
 
 def test_a_run_that_breaks_leaves_a_record_that_says_so(tmp_path: Path) -> None:
-    path = tmp_path / "broken.record"
+    path = tmp_path / "broken.mcap"
     with Bench(tiny_world()) as bench:
-        with pytest.raises(KeyError, match="gone"), RunRecorder(path, bench.runtime, bench.tasks, {}):
+        with pytest.raises(KeyError, match="gone"), recording_of(bench, path):
             {}["gone"]
         bench.cycle.step()  # it is recorded no longer
 
-    with Record(path) as record:
+    with Recording(path) as record:
         assert record.complete
         assert record.meta["ended"]["fault"] == "KeyError: 'gone'"
 
 
-def test_recorders_that_have_ended_leave_nobody_listening(tmp_path: Path) -> None:
+def test_recorders_that_have_ended_listen_no_longer(tmp_path: Path) -> None:
     with Bench(tiny_world()) as bench:
         before = listeners(bench)
         for name in "ab":
-            with RunRecorder(tmp_path / name, bench.runtime, bench.tasks, {}, camera=lambda *_: Done(PICTURE)):
+            with recording_of(bench, tmp_path / name, record_pictures(lambda *_: Done(PICTURE))):
                 assert listeners(bench) > before
         assert listeners(bench) == before
 
 
 def listeners(bench: Bench) -> int:
-    return len(bench.monitor._listeners)
+    return len(bench.monitor._listeners) + len(bench.cycle._observers) + len(logging.getLogger("skiros_py").handlers)
 
 
 def test_a_record_is_never_written_over(tmp_path: Path) -> None:
-    path = tmp_path / "one.record"
+    path = tmp_path / "one.mcap"
     path.write_text("mine")
 
-    with Bench(tiny_world()) as bench, pytest.raises(FileError, match="there is a record already"):
-        RunRecorder(path, bench.runtime, bench.tasks, {})
+    with Bench(tiny_world()) as bench, pytest.raises(FileError, match="there is a recording already"):
+        recording_of(bench, path)
     assert path.read_text() == "mine"
 
 

@@ -1,0 +1,21 @@
+"""Recordings: one MCAP file for each run or job, with a channel for each topic, that other programs open, too."""
+
+from skiros_py.recording.foxglove import Schema
+from skiros_py.recording.reader import RUNS, SUFFIX, Frame, Recording, find_recording
+from skiros_py.recording.recorder import Recorder
+from skiros_py.recording.report import report_page
+from skiros_py.recording.topics import Topic
+from skiros_py.recording.writer import RecordingWriter
+
+__all__ = [
+    "RUNS",
+    "SUFFIX",
+    "Frame",
+    "Recorder",
+    "Recording",
+    "RecordingWriter",
+    "Schema",
+    "Topic",
+    "find_recording",
+    "report_page",
+]

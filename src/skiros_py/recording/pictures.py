@@ -1,0 +1,218 @@
+"""Pictures of a run: key moments, for the recording or as a contact sheet; or an animation."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skiros_py.errors import UsageError
+from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
+from skiros_py.execution.runtime import Runtime
+from skiros_py.geometry import Pose
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.values import Snapshot
+from skiros_py.recording.foxglove import COMPRESSED_IMAGE, Json, Schema, compressed_image
+from skiros_py.recording.recorder import Recorder
+from skiros_py.recording.topics import Topic
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from PIL.Image import Image
+
+__all__ = ["HEIGHT", "WIDTH", "Camera", "RunPictures", "check_pictures", "over_the_shoulder", "record_pictures", "webp"]
+
+_Point = tuple[float, float, float]
+Camera = Callable[[Snapshot, str], Pending[Any]]
+"""Takes a picture, RGB, of what the robot with some device does: over its shoulder."""
+
+WIDTH, HEIGHT = 480, 360
+"""Size of a picture [px]."""
+_WHILE = 1.0
+"""A primitive that took at least so long is worth a picture when it ends [s]."""
+_WORDS = {Status.TERMINATED: "done", Status.ERROR: "failed"}
+_QUALITY = 70
+_SHEET, _ANIMATIONS = ".png", (".gif", ".webp")
+_EVERY = 1.0
+"""Time between two pictures of an animation [s]."""
+_COLUMNS = 4
+OVERVIEW = "/camera/overview"
+
+
+class _KeyMoments:
+    """Tells when a picture is worth taking: a skill ends, or a primitive that took a while.
+
+    Args:
+        monitor: Events of modules.
+        tell: Called then with a caption and the device that did it.
+
+    Attributes:
+        leave: Ends it.
+    """
+
+    def __init__(self, monitor: Monitor, tell: Callable[[str, str], None]) -> None:
+        self._tell = tell
+        self._started: dict[tuple[str, str], float] = {}
+        self.leave = monitor.subscribe(self._on_event)
+
+    def _on_event(self, event: ModuleEvent) -> None:
+        module = event.agent, event.module
+        if event.status is Status.STARTED:
+            self._started[module] = event.time
+        telling = event.kind == "skill" or event.time - self._started.get(module, event.time) >= _WHILE
+        if telling and event.status in _WORDS:
+            self._tell(" ".join(filter(None, (event.module, event.target, _WORDS[event.status]))), event.agent)
+
+
+def record_pictures(camera: Camera) -> Callable[[Recorder], None]:
+    """Returns a source for a recorder that adds a picture of each key moment."""
+
+    def record(recorder: Recorder) -> None:
+        captions: dict[str, list[str]] = {}
+
+        def shoot() -> None:
+            """Takes the pictures of this cycle's moments: a skill and its last primitive end in the same one."""
+            snapshot = recorder.runtime.cycle.board.snapshot
+            for agent, told in captions.items():
+                topic = Topic(OVERVIEW, _PICTURE, _encoder(agent, ", ".join(told)), every=1.0)
+                recorder.writer.put_pending(topic, snapshot.time, camera(snapshot, agent))
+            captions.clear()
+
+        def want(caption: str, agent: str) -> None:
+            captions.setdefault(agent, []).append(caption)
+
+        recorder.on_end(shoot)
+        recorder.on_end(recorder.runtime.cycle.observe(shoot))
+        recorder.on_end(_KeyMoments(recorder.runtime.monitor, want).leave)
+
+    return record
+
+
+_PICTURE = Schema(
+    COMPRESSED_IMAGE.name,
+    {**COMPRESSED_IMAGE.data, "properties": {**COMPRESSED_IMAGE.data["properties"], "caption": {"type": "string"}}},
+)
+
+
+def _encoder(agent: str, caption: str) -> Callable[[float, NDArray[Any]], Json]:
+    return lambda time, image: {**compressed_image(time, f"over {agent}", webp(image), "webp"), "caption": caption}
+
+
+def webp(image: NDArray[Any]) -> bytes:
+    """Returns a picture, RGB, as a WebP file."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(image).save(buffer, "WEBP", quality=_QUALITY, method=2)
+    return buffer.getvalue()
+
+
+def over_the_shoulder(robot: Pose) -> tuple[_Point, _Point]:
+    """Returns where an observer behind a robot is, and where they look [m]: at where it works."""
+    x, y, _ = robot.position
+    eye = robot.apply(np.array([-0.9, -1.5, 1.7]))
+    yaw = robot.yaw
+    return (float(eye[0]), float(eye[1]), float(eye[2])), (x + 0.5 * math.cos(yaw), y + 0.5 * math.sin(yaw), 0.5)
+
+
+# ---------------------------------------------------------------------- contact sheet and animation
+
+
+def check_pictures(path: Path, *, fake: bool) -> None:
+    """Checks the file for the pictures of a run before anything starts.
+
+    Raises:
+        UsageError: It cannot be written, is of an unknown kind, or there is nothing to see.
+    """
+    if fake:
+        raise UsageError("--record needs physics: a fake run has nothing to see")
+    if path.suffix not in (_SHEET, *_ANIMATIONS):
+        raise UsageError(f"--record {path}: use .png for a contact sheet, .gif or .webp for an animation")
+    new = not path.exists()
+    try:
+        with path.open("ab"):
+            pass
+        if new:
+            path.unlink()
+    except OSError as error:
+        raise UsageError(f"--record {path} cannot be written: {error.strerror}") from error
+
+
+@dataclass(frozen=True, slots=True)
+class _Shot:
+    time: float
+    caption: str
+    picture: Pending[Any]
+
+
+class RunPictures:
+    """Takes pictures of a run: for a contact sheet when something that took a while ends, for an animation regularly.
+
+    Args:
+        runtime: What runs modules on the cell, not yet running.
+        camera: Takes a picture.
+        path: The file to be written; its suffix says which of the two is wanted.
+    """
+
+    def __init__(self, runtime: Runtime, camera: Camera, path: Path) -> None:
+        self._board = runtime.cycle.board
+        self._camera = camera
+        self._path = path
+        self._shots: list[_Shot] = []
+        self._next = 0.0
+        if path.suffix == _SHEET:
+            self._leave = _KeyMoments(runtime.monitor, self._shoot).leave
+        else:
+            self._leave = runtime.cycle.observe(self._on_cycle)
+
+    def _on_cycle(self) -> None:
+        now = self._board.snapshot.time
+        if now >= self._next:
+            self._next = now + _EVERY
+            self._shoot("", "")
+
+    def _shoot(self, caption: str, agent: str) -> None:
+        snapshot = self._board.snapshot
+        self._shots.append(_Shot(snapshot.time, caption, self._camera(snapshot, agent)))
+
+    def write(self) -> None:
+        """Takes no more pictures, and writes those it has.
+
+        Raises:
+            UsageError: The file cannot be written any more.
+        """
+        self._leave()
+        try:
+            pictures = [_captioned(shot) for shot in self._shots]
+            if self._path.suffix == _SHEET or not pictures:
+                _contact_sheet(pictures).save(self._path)
+            else:
+                pictures[0].save(self._path, save_all=True, append_images=pictures[1:], duration=100, loop=0)
+        except OSError as error:
+            raise UsageError(f"--record {self._path} cannot be written: {error.strerror or error}") from error
+
+
+def _captioned(shot: _Shot) -> Image:
+    from PIL import Image, ImageDraw
+
+    image = Image.fromarray(shot.picture.result())
+    text = f"{shot.time:.1f} s  {shot.caption}"
+    draw = ImageDraw.Draw(image)
+    draw.rectangle((0, 0, 8 + 7 * len(text), 16), fill=(0, 0, 0))
+    draw.text((4, 2), text, fill=(255, 255, 255))
+    return image
+
+
+def _contact_sheet(pictures: list[Image]) -> Image:
+    from PIL import Image
+
+    rows = max(1, math.ceil(len(pictures) / _COLUMNS))
+    sheet = Image.new("RGB", (_COLUMNS * WIDTH, rows * HEIGHT), (255, 255, 255))
+    for index, picture in enumerate(pictures):
+        sheet.paste(picture, ((index % _COLUMNS) * WIDTH, (index // _COLUMNS) * HEIGHT))
+    return sheet

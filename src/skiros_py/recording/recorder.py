@@ -1,0 +1,314 @@
+"""Records what goes on in a runtime: listens to it, and hands it to the writer."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import logging
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
+from functools import partial
+from itertools import count
+from types import TracebackType
+from typing import Any, Self
+
+from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.execution.runtime import Runtime
+from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.values import Snapshot
+from skiros_py.recording.foxglove import FRAME_TRANSFORMS, LOG, Json, Schema, Transform, frame_transforms, log
+from skiros_py.recording.topics import Topic, own_schema, plain, record_plugins
+from skiros_py.recording.writer import RecordingWriter, Write
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.world.index import Index
+from skiros_py.world.journal.snapshot import snapshot_pieces
+
+__all__ = ["Devices", "Frames", "Recorder"]
+
+_EVERY = 0.05
+"""Time between two states of the devices [s]."""
+_KEY = 1.0
+"""Time between two of them where room runs short [s]."""
+_STEP = 1e-5
+"""Devices whose positions differ by less have not moved [m, rad]."""
+_LARGEST_WORLD = 20_000
+"""Elements of a world whose state at the start is recorded; larger ones are kept in a data directory."""
+_LEVELS = ((logging.CRITICAL, 5), (logging.ERROR, 4), (logging.WARNING, 3), (logging.INFO, 2))
+
+Frames = Callable[[Snapshot], Iterable[Transform]]
+"""Returns the frame tree of a snapshot."""
+
+
+def _schema(name: str, /, **properties: object) -> Schema:
+    return Schema(f"skiros.{name}", {"type": "object", "properties": properties, "required": list(properties)})
+
+
+_OBJECT, _TEXT, _NUMBER, _WHOLE = ({"type": name} for name in ("object", "string", "number", "integer"))
+_OBJECTS, _TEXTS = ({"type": "array", "items": items} for items in (_OBJECT, _TEXT))
+_FRAMES = Topic("/frames", FRAME_TRANSFORMS, lambda time, frames: frame_transforms(time, frames), _KEY)
+_LOG = Topic("/log", LOG, lambda time, line: log(time, *line))
+_RUNS = Topic("/runs", own_schema(ModuleEvent))
+_TASKS = Topic("/tasks", _schema("Task", number=_WHOLE, name=_TEXT, goal=_TEXTS))
+_TRACE = Topic(
+    "/trace",
+    _schema("TraceEntry", time=_NUMBER, task=_WHOLE, what=_TEXT, text=_TEXT, skill=_TEXT, arguments=_OBJECT),
+)
+_SNAPSHOT = Topic("/world/snapshot", _schema("WorldSnapshot", edits=_OBJECTS, stamps=_OBJECT))
+_CHANGES = Topic(
+    "/world/changes",
+    _schema("WorldChange", number=_WHOLE, author=_TEXT, reason=_TEXT, time=_NUMBER, edits=_OBJECTS),
+    lambda _time, change: change.as_json(),
+)
+
+
+class Recorder:
+    """Records a run while it is used in a ``with``.
+
+    What happens is only noted in the control thread; everything else is done in the writer's.
+
+    Args:
+        writer: Writes the recording; it is ended with it.
+        runtime: What runs modules on the cell.
+        about: Facts about the run as plain data: scene, seed, versions and so on.
+        sources: Called at the start; each adds topics, as plug-ins do.
+        frames: The frame tree; None where there is none.
+
+    Attributes:
+        writer: Writes the recording; its ``fault`` says why it no longer does.
+        runtime: What runs modules on the cell.
+    """
+
+    def __init__(
+        self,
+        writer: RecordingWriter,
+        runtime: Runtime,
+        about: Mapping[str, Any],
+        sources: Iterable[Callable[[Recorder], object]] = (),
+        frames: Frames | None = None,
+    ) -> None:
+        self.writer = writer
+        self.runtime = runtime
+        self._about = about
+        self._sources = (_record_devices(frames), _record_runs, _record_log, _record_world, *sources, record_plugins)
+        self._stack = ExitStack()
+        self._numbers = count(1)
+        self._last: tuple[int, TaskHandle] | None = None
+
+    def start(self) -> None:
+        """Starts to record."""
+        world = self.runtime.world
+        own = {"version": world.state()[0], "start": self.runtime.cycle.board.now, "wall": time.time()}
+        self.writer.put_metadata("run", {**self._about, **own, "robots": _robots(self.runtime), "ended": None})
+        for source in self._sources:
+            source(self)
+
+    def end(self, fault: str = "", *, cut_off: bool = False) -> None:
+        """Ends the recording; what was noted is still written.
+
+        Args:
+            fault: Why the run broke; empty where it did not.
+            cut_off: True when the run did not come to its end.
+        """
+        self._stack.close()
+        if not cut_off:
+            ended = {"time": self.runtime.cycle.board.now, "wall": time.time(), "fault": fault}
+            self.writer.put_metadata("run", {"ended": ended})
+        self.writer.end()
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.end("" if error is None else f"{type(error).__name__}: {error}")
+        self.writer.close()
+
+    # ------------------------------------------------------------------ for sources
+
+    def put(self, topic: Topic, value: object, at: float | None = None) -> None:
+        """Records a value; it must not change any more. Quick, and for any thread.
+
+        Args:
+            topic: Where it belongs.
+            value: What the topic's encoder takes.
+            at: Run time [s]; that of the present snapshot where left out.
+        """
+        self.writer.put(topic, self.runtime.cycle.board.snapshot.time if at is None else at, value)
+
+    def on_end(self, callback: Callable[[], object]) -> None:
+        """Has something called when the recording ends: whoever subscribes to something must end that, too."""
+        self._stack.callback(callback)
+
+    # ------------------------------------------------------------------ tasks
+
+    def follow(self, task: TaskHandle) -> None:
+        """Records a task: its trace and its report."""
+        number = next(self._numbers)
+        self._last = number, task
+        self._put_task(number, task, None)
+
+        def on_entry(entry: TraceEntry) -> None:
+            self.put(_TRACE, {"task": number, **entry.as_json()}, entry.time)
+            self.put(_LOG, (entry.text, task.name), entry.time)
+            if entry.what is Happening.FINISHED:
+                self._put_task(number, task, task.report)
+
+        self.on_end(task.trace.subscribe(on_entry))
+
+    def conclude(self, report: GoalReport) -> None:
+        """Records the final report of the task that began last: with the truth, and the digest of the run."""
+        if self._last is not None:
+            self._put_task(*self._last, report)
+        self.writer.put_metadata("run", {"digest": report.digest})
+
+    def _put_task(self, number: int, task: TaskHandle, report: GoalReport | None) -> None:
+        known: dict[str, Any] = {"number": number, "name": task.name, "goal": list(map(str, task.goal))}
+        known["report"] = None if report is None else dataclasses.asdict(report) | {"outcome": report.outcome.value}
+        self.put(_TASKS, known)
+
+
+# ---------------------------------------------------------------------- sources
+
+
+def _record_runs(recorder: Recorder) -> None:
+    def on_event(event: ModuleEvent) -> None:
+        recorder.put(_RUNS, event, event.time)
+
+    recorder.on_end(recorder.runtime.monitor.subscribe(on_event, nodes=True))
+
+
+def _record_world(recorder: Recorder) -> None:
+    index, start = recorder.runtime.world.snapshot(), recorder.runtime.cycle.board.now
+    recorder.writer.defer(partial(_write_world, index, start))
+    recorder.on_end(recorder.runtime.world.subscribe(lambda change: recorder.put(_CHANGES, change, change.time)))
+
+
+def _write_world(index: Index, time: float, write: Write) -> None:
+    if sum(1 for _ in index.ids()) <= _LARGEST_WORLD:
+        for edits, stamps in snapshot_pieces(index):
+            write(_SNAPSHOT, time, {"edits": json.loads(edits), "stamps": json.loads(stamps)})
+
+
+def _record_log(recorder: Recorder) -> None:
+    handler = _LogHandler(recorder)
+    logger = logging.getLogger("skiros_py")
+    logger.addHandler(handler)
+    recorder.on_end(lambda: logger.removeHandler(handler))
+
+
+class _LogHandler(logging.Handler):
+    def __init__(self, recorder: Recorder) -> None:
+        super().__init__(logging.INFO)
+        self._recorder = recorder
+
+    def emit(self, record: logging.LogRecord) -> None:
+        level = next((level for least, level in _LEVELS if record.levelno >= least), 1)
+        self._recorder.put(_LOG, (record.getMessage(), record.name, level))
+
+
+def _record_devices(frames: Frames | None) -> Callable[[Recorder], None]:
+    def record(recorder: Recorder) -> None:
+        board = recorder.runtime.cycle.board
+        devices = Devices(recorder.runtime.context.cell.devices, frames)
+        due = board.snapshot.time
+
+        def on_cycle() -> None:
+            nonlocal due
+            snapshot = board.snapshot
+            if snapshot.time >= due:
+                # By half a cycle early rather than always late: the cycle's times are sums of rounded numbers.
+                due = snapshot.time + _EVERY - board.period / 2.0
+                recorder.writer.defer(partial(devices.take, snapshot))
+
+        on_cycle()
+        recorder.on_end(lambda: recorder.writer.defer(devices.end))
+        recorder.on_end(lambda: recorder.writer.defer(partial(devices.take, board.snapshot)))
+        recorder.on_end(recorder.runtime.cycle.observe(on_cycle))
+
+    return record
+
+
+class Devices:
+    """Writes states of devices and frames, in the writer's thread: while nothing moves only the first and the last.
+
+    Args:
+        devices: The devices by id.
+        frames: The frame tree; None where there is none.
+    """
+
+    def __init__(self, devices: Mapping[str, DeviceSpec[Any, Any]], frames: Frames | None = None) -> None:
+        self._devices = devices
+        self._frames = frames
+        self._topics: dict[str, Topic] = {}
+        self._written: list[float] | None = None
+        self._passed: Snapshot | None = None
+
+    def take(self, snapshot: Snapshot, write: Write) -> None:
+        """Writes a snapshot, unless nothing has moved since the last one that was written."""
+        posture = _posture(self._devices, snapshot)
+        if self._written is not None and _same(posture, self._written):
+            self._passed = snapshot
+            return
+        self.end(write)  # from that moment on it moves
+        self._write(snapshot, write)
+        self._written = posture
+
+    def end(self, write: Write) -> None:
+        """Writes the last snapshot in which nothing had moved yet."""
+        if self._passed is not None:
+            self._write(self._passed, write)
+            self._passed = None
+
+    def _write(self, snapshot: Snapshot, write: Write) -> None:
+        for name, state in snapshot.devices.items():
+            spec = self._devices[name]
+            if name not in self._topics:
+                encode = partial(_encoded, spec)
+                self._topics[name] = Topic(f"/devices/{name}", own_schema(type(state)), encode, every=_KEY)
+            write(self._topics[name], snapshot.time, state)
+        if self._frames is not None:
+            write(_FRAMES, snapshot.time, self._frames(snapshot))
+
+
+def _encoded(spec: DeviceSpec[Any, Any], _time: float, state: Any) -> Json:
+    return plain(spec.encode(state))  # type: ignore[no-any-return]
+
+
+def _posture(devices: Mapping[str, DeviceSpec[Any, Any]], snapshot: Snapshot) -> list[float]:
+    """Returns the numbers that change when something moves [m, rad]; of a sensor, those that it measures."""
+    numbers: list[float] = []
+    for name, state in snapshot.devices.items():
+        spec = devices[name]
+        if isinstance(spec, MobileSpec):
+            pose = spec.pose(state)
+            numbers += (*pose.position, *pose.orientation)
+        elif spec.joint_names:
+            numbers += spec.joint_positions(state)
+        else:
+            numbers += _numbers(spec.encode(state))
+    return numbers
+
+
+def _numbers(data: Any) -> Iterator[float]:
+    if isinstance(data, int | float):
+        yield float(data)
+    elif isinstance(data, list | dict):
+        for one in data if isinstance(data, list) else data.values():
+            yield from _numbers(one)
+
+
+def _same(row: list[float], other: list[float]) -> bool:
+    return len(row) == len(other) and all(abs(a - b) < _STEP for a, b in zip(row, other, strict=True))
+
+
+def _robots(runtime: Runtime) -> dict[str, list[str]]:
+    """Returns the devices of each robot: its subsystems are among them."""
+    robots = {}
+    for robot in runtime.context.cell.robots:
+        robots[robot.id] = [robot.id, *(device.id for device in robot.devices)]
+    return robots

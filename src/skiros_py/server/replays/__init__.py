@@ -1,1 +1,0 @@
-"""What jobs looked like: kept while they run, shown again afterwards."""

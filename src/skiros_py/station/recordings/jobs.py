@@ -1,0 +1,137 @@
+"""Records every job while it runs, into one file each; the oldest files are deleted."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from uuid import uuid4
+
+from skiros_py.recording import SUFFIX, Recorder, Recording, RecordingWriter
+from skiros_py.station.recordings.runs import recorder_of
+from skiros_py.station.session import Session
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.jobs import Job
+from skiros_py.tasks.trace import Happening, TraceEntry
+
+__all__ = ["JobRecordings"]
+
+_log = logging.getLogger(__name__)
+
+_MOST = 200
+"""Recordings that are kept."""
+_ROOM = 200 * 1024 * 1024
+"""Size of all of them together [bytes]."""
+_LIMIT = 20 * 1024 * 1024
+"""Size of one of them [bytes]."""
+
+
+class JobRecordings:
+    """The recordings of jobs, by the numbers of the jobs, which are never given twice.
+
+    A job that was held, or cut off with the server, is continued in the same file.
+
+    Args:
+        folder: Made when there is something to record.
+        most: Number of recordings that are kept.
+        room: Size of all of them together [bytes].
+    """
+
+    def __init__(self, folder: Path, most: int = _MOST, room: int = _ROOM) -> None:
+        self._folder = folder
+        self._most = most
+        self._room = room
+        self._session: Session | None = None
+        self._run = ""
+        self._running: dict[int, Recorder] = {}
+        self._writers: dict[int, RecordingWriter] = {}
+        self._leave: list[Callable[[], object]] = []
+
+    def path(self, number: int) -> Path:
+        """Returns the path of the recording of a job, whether there is one or not."""
+        return self._folder / f"{number:09d}{SUFFIX}"
+
+    def read(self, number: int) -> Recording:
+        """Opens the recording of a job; close it.
+
+        Raises:
+            FileError: There is none, or it cannot be read.
+        """
+        return Recording(self.path(number))
+
+    # ------------------------------------------------------------------ sessions
+
+    def open(self, session: Session) -> None:
+        """Follows the jobs of a session."""
+        self._session, self._run = session, uuid4().hex
+        self._leave = [session.tasks.on_begin(self._begin), session.jobs.on_remove(self._remove)]
+
+    def close_session(self, _session: Session) -> None:
+        """Follows them no longer; what still runs was cut off."""
+        for leave in self._leave:
+            leave()
+        for recorder in self._running.values():
+            recorder.end(cut_off=True)
+        self._leave, self._running, self._session = [], {}, None
+
+    def close(self) -> None:
+        """Waits until everything is written."""
+        for writer in tuple(self._writers.values()):
+            writer.close()
+
+    # ------------------------------------------------------------------ jobs
+
+    def _begin(self, task: TaskHandle) -> None:
+        session = self._session
+        job = session.jobs.open.get(task.name) if session is not None else None
+        if session is None or job is None:
+            return
+        number, before = job.number, self._writers.get(job.number)
+        part = {"run": self._run, "start": session.cycle.board.now}
+
+        def prepare() -> None:
+            if before is not None:
+                before.close()
+            self._make_room()
+
+        writer = RecordingWriter(self.path(number), limit=_LIMIT, part=part, prepare=prepare)
+        self._writers = {key: one for key, one in self._writers.items() if one.alive} | {number: writer}
+        recorder = recorder_of(session, writer, job=job.id)
+        self._running[number] = recorder
+        recorder.start()
+        recorder.follow(task)
+
+        def on_entry(entry: TraceEntry) -> None:
+            if entry.what is Happening.FINISHED and self._running.get(number) is recorder:
+                del self._running[number]
+                recorder.end()
+
+        task.trace.subscribe(on_entry)
+
+    def _remove(self, job: Job) -> None:
+        recorder = self._running.pop(job.number, None)
+        if recorder is not None:
+            recorder.end(cut_off=True)
+        writer = self._writers.get(job.number)
+        if writer is not None:
+            writer.end(discard=True)
+        self._delete(self.path(job.number))
+
+    def _make_room(self) -> None:
+        """Deletes the oldest recordings until there are few and small enough; those that are being written stay."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        files = sorted(file for file in self._folder.glob(f"*{SUFFIX}") if file.stem.isdecimal())  # else not ours
+        sizes = {file: file.stat().st_size for file in files}
+        writing = {writer.path for writer in tuple(self._writers.values()) if writer.alive}
+        for file in files:
+            if len(sizes) < self._most and sum(sizes.values()) <= self._room:
+                return
+            if file not in writing:
+                self._delete(file)
+                del sizes[file]
+
+    def _delete(self, file: Path) -> None:
+        try:
+            file.unlink(missing_ok=True)
+        except OSError as error:
+            _log.warning("a recording cannot be deleted: %s", error)

@@ -1,0 +1,233 @@
+"""Topics of a session's recording that need more than a station: frames, the scene, cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from skiros_py.api.view import ViewElement, WorldView
+from skiros_py.devices.base import BaseState
+from skiros_py.devices.gripper import GripperSpec
+from skiros_py.execution.library_monitor import LibraryCall
+from skiros_py.geometry import Pose
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.pending import Pending
+from skiros_py.ports.perception import LookRequest, RegistrationRequest
+from skiros_py.ports.values import Snapshot
+from skiros_py.recording.foxglove import (
+    COMPRESSED_IMAGE,
+    POINT_CLOUD,
+    SCENE_UPDATE,
+    Json,
+    Schema,
+    Transform,
+    compressed_image,
+    cuboid,
+    cylinder,
+    entity,
+    point_cloud,
+    scene_update,
+)
+from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, over_the_shoulder, webp
+from skiros_py.recording.recorder import Frames, Recorder
+from skiros_py.recording.topics import Topic
+from skiros_py.recording.writer import Write
+from skiros_py.station.robots.kinematics import known_model
+from skiros_py.station.robots.looks import points_of
+from skiros_py.station.session import Session
+from skiros_py.station.world.view import view_of
+from skiros_py.world.change import Change
+from skiros_py.world.index import Index
+
+__all__ = ["VIEW", "Scene", "camera_of", "frames_of", "record_looks", "record_view"]
+
+_BASE = "base_link"
+_MAP = "map"
+_MOST_POINTS = 5000
+"""Points of one look."""
+_MOST_ENTITIES = 1000
+"""Entities up to which each message has the whole scene, so that a viewer can jump to any time."""
+_COLOURS: Mapping[str, tuple[float, float, float, float]] = {
+    "part": (0.78, 0.54, 0.29, 1.0),
+    "place": (0.50, 0.62, 0.34, 0.3),
+    "floor": (0.72, 0.75, 0.78, 1.0),
+}
+_GREY = (0.62, 0.66, 0.71, 1.0)
+
+
+# ---------------------------------------------------------------------- frames
+
+
+def frames_of(session: Session) -> Frames:
+    """Returns the frame tree of a session's robots: links named "robot/link" below the frame of the robot's base."""
+    models = [(robot, known_model(robot.model)) for robot in session.spec.groups]
+    links = [(robot, model.below(_BASE)) for robot, model in models if model is not None]
+    fixed = [Transform(_MAP, robot.id, robot.place) for robot, _ in models if robot.carrier is None]
+    fixed += [Transform(f"{robot.id}/{link}", name, Pose()) for robot, _ in links for name, link in _mounts(robot)]
+
+    def frames(snapshot: Snapshot) -> list[Transform]:
+        found = [Transform(_MAP, one.id, robot.pose(snapshot)) for robot, _ in models if (one := robot.carrier)]
+        for robot, joints in links:
+            root, at = _root(robot), _joint_positions(robot, snapshot)
+            for link, joint in joints:
+                parent = root if joint.parent == _BASE else f"{robot.id}/{joint.parent}"
+                found.append(Transform(parent, f"{robot.id}/{link}", joint.pose(at.get(joint.name, 0.0))))
+        return found + fixed
+
+    return frames
+
+
+def _root(robot: RobotSpec) -> str:
+    """Returns the name of the frame of a robot's base."""
+    return robot.id if robot.carrier is None else robot.carrier.id
+
+
+def _mounts(robot: RobotSpec) -> Iterator[tuple[str, str]]:
+    """Yields the devices that are frames of their own, each with its link: cameras, and the tools of arms."""
+    tips = {device.id: device.frame_names[0] for device in robot.devices if device.frame_names}
+    for device in robot.devices:
+        if device.joint_names and isinstance(device, GripperSpec):
+            yield device.id, tips[device.arm]
+        elif not device.joint_names and device.id in tips:
+            yield device.id, tips[device.id]
+
+
+def _joint_positions(robot: RobotSpec, snapshot: Snapshot) -> dict[str, float]:
+    """Returns the positions of a robot's joints by their names [rad or m]."""
+    at: dict[str, float] = {}
+    for device in robot.devices:
+        if device.id in snapshot.devices:
+            at |= zip(device.joint_names, device.joint_positions(snapshot.devices[device.id]), strict=True)
+    return at
+
+
+# ---------------------------------------------------------------------- the scene
+
+_SCENE = Topic("/scene", SCENE_UPDATE, lambda time, scene: scene_update(time, *scene))
+VIEW = Topic(
+    "/view",
+    Schema(
+        "skiros.View",
+        {
+            "type": "object",
+            "properties": {"author": {"type": "string"}, "anew": {"type": "boolean"}, "view": {"type": "object"}},
+            "required": ["author", "anew", "view"],
+        },
+    ),
+    lambda _time, change: change,
+)
+"""What there is to be seen: everything at the beginning, then what looks different."""
+
+
+def record_view(recorder: Recorder) -> None:
+    """Records what there is to be seen of the world, for the web page (``/view``) and for Foxglove (``/scene``)."""
+    world, board = recorder.runtime.world, recorder.runtime.cycle.board
+    scene = Scene()
+
+    def on_change(change: Change) -> None:
+        recorder.writer.defer(partial(scene.take, change, world.snapshot(), board.snapshot))
+
+    recorder.on_end(world.subscribe(on_change))
+    recorder.writer.defer(partial(scene.begin, world.snapshot(), board.snapshot))
+
+
+class Scene:
+    """Follows what there is to be seen; in the writer's thread."""
+
+    def __init__(self) -> None:
+        self._seen: dict[str, ViewElement] = {}
+        self._shapes: dict[str, Any] = {}
+
+    def begin(self, index: Index, snapshot: Snapshot, write: Write) -> None:
+        """Writes the whole."""
+        view = view_of(index, None, _bases(snapshot))
+        self._seen, self._shapes = {one.id: one for one in view.elements}, dict(view.shapes)
+        self._write(snapshot.time, "", view, write, anew=True)
+
+    def take(self, change: Change, index: Index, snapshot: Snapshot, write: Write) -> None:
+        """Writes what looks different after a change; nothing where nobody could see it."""
+        view = view_of(index, change.marks(), _bases(snapshot))
+        gone = tuple(name for name in view.gone if name in self._seen)
+        if not (view.elements or gone):
+            return
+        shapes = {key: shape for key, shape in view.shapes.items() if key not in self._shapes}
+        self._shapes |= shapes
+        self._seen |= {one.id: one for one in view.elements}
+        for name in gone:
+            del self._seen[name]
+        self._write(snapshot.time, change.author, view.model_copy(update={"shapes": shapes, "gone": gone}), write)
+
+    def _write(self, time: float, author: str, view: WorldView, write: Write, *, anew: bool = False) -> None:
+        data = view.model_dump(mode="json", by_alias=True)
+        write(VIEW, time, {"author": author, "anew": anew, "view": data})
+        whole = anew or len(self._seen) <= _MOST_ENTITIES
+        shown = self._seen.values() if whole else view.elements
+        write(
+            _SCENE,
+            time,
+            ([_entity(one, self._shapes[one.shape]) for one in shown if one.shape], None if whole else view.gone),
+        )
+
+
+def _entity(element: ViewElement, blocks: Any) -> Json:
+    """Returns an element as Foxglove draws it."""
+    frame, pose = element.carrier or _MAP, element.pose
+    if element.held_by is not None:
+        frame, pose = element.held_by, element.in_hand
+    at = Pose() if pose is None else Pose(pose.position, pose.orientation)
+    colour = (*_COLOURS.get(element.kind, _GREY)[:3], 0.25) if element.hollow else _COLOURS.get(element.kind, _GREY)
+    cubes, cylinders = [], []
+    for block in blocks if pose is not None else ():
+        where = at @ Pose(block.pose.position, block.pose.orientation)
+        if block.kind == "box":
+            cubes.append(cuboid(where, block.size, colour))
+        else:
+            radius, length = block.size
+            cylinders.append(cylinder(where, radius, length, colour))
+    about = {"class": element.class_, "label": element.label, "place": element.place or ""}
+    return entity(element.id, frame, about, cubes, cylinders)
+
+
+def _bases(snapshot: Snapshot) -> Mapping[str, Pose]:
+    return {name: base.pose for name, base in snapshot.of(BaseState).items()}
+
+
+# ---------------------------------------------------------------------- cameras
+
+
+def camera_of(session: Session) -> Camera | None:
+    """Returns what takes pictures of a session; None where there is nothing to see."""
+    if not session.simulates:
+        return None
+
+    def picture(snapshot: Snapshot, agent: str) -> Pending[Any]:
+        """Looks over a robot's shoulder at where it works; over the first one's where it is not known whose."""
+        robots = session.spec.robots
+        robot = next((robot for robot in robots if robot.has(agent)), robots[0])
+        eye, target = over_the_shoulder(robot.pose(snapshot))
+        return session.simulation.picture(eye, target, width=WIDTH, height=HEIGHT)
+
+    return picture
+
+
+def record_looks(recorder: Recorder) -> None:
+    """Records what cameras saw whenever something was looked for: the picture, and the points in the map."""
+
+    def on_call(call: LibraryCall) -> None:
+        request = call.request
+        if isinstance(request, LookRequest | RegistrationRequest) and request.camera:
+            recorder.put(Topic(f"/camera/{request.camera}", COMPRESSED_IMAGE, _image, every=1.0), request)
+            recorder.put(Topic(f"/points/{request.camera}", POINT_CLOUD, _points, every=1.0), request)
+
+    recorder.on_end(recorder.runtime.asked.subscribe(on_call))
+
+
+def _image(time: float, request: LookRequest | RegistrationRequest) -> Json:
+    return compressed_image(time, request.camera, webp(np.ascontiguousarray(request.image.colour)), "webp")
+
+
+def _points(time: float, request: LookRequest | RegistrationRequest) -> Json:
+    return point_cloud(time, _MAP, *points_of(request.image, request.camera_pose, _MOST_POINTS))

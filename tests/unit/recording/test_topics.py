@@ -1,0 +1,156 @@
+"""Topics: their schemas are such as Foxglove reads, and plug-ins bring further ones."""
+
+from __future__ import annotations
+
+import enum
+import json
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from mcap.reader import make_reader
+
+from skiros_py.geometry import Pose
+from skiros_py.recording import Recorder, Recording, RecordingWriter
+from skiros_py.recording.topics import own_schema, plain
+from skiros_py.testing import Bench, tiny_world
+
+PLUGIN = """
+from skiros_py.recording import Schema, Topic
+
+SCHEMA = Schema("example.Temperature", {"type": "object"})
+TEMPERATURE = Topic("/temperature", SCHEMA, lambda time, value: {"celsius": value})
+
+
+def record(recorder):
+    board = recorder.runtime.cycle.board
+    recorder.on_end(recorder.runtime.cycle.observe(lambda: recorder.put(TEMPERATURE, 20.0 + board.snapshot.time)))
+
+
+def broken(recorder):
+    raise RuntimeError("no sensor")
+"""
+
+
+class Colour(enum.Enum):
+    RED = "red"
+
+
+@dataclass(frozen=True)
+class Inner:
+    speed: float
+
+
+@dataclass(frozen=True)
+class Reading:
+    time: float
+    count: int
+    good: bool
+    name: str
+    colour: Colour
+    inner: Inner
+    pose: Pose
+    numbers: tuple[float, ...]
+    inners: tuple[Inner, ...]
+    words: Mapping[str, str]
+    maybe: float | None
+    image: Any
+
+
+READING = Reading(
+    0.12345678,
+    3,
+    True,
+    "a",
+    Colour.RED,
+    Inner(np.float64(1.0)),
+    Pose(),
+    (1.0, 2.0),
+    (Inner(2.0),),
+    {"a": "b"},
+    None,
+    np.array([[1, 2]]),
+)
+
+
+def fits(schema: Mapping[str, Any]) -> bool:
+    """Tells whether Foxglove can read a schema: it knows these types only, and neither references nor alternatives."""
+    simple = ("boolean", "string", "number", "integer")
+
+    def known(one: Mapping[str, Any]) -> bool:
+        if "oneOf" in one:
+            return all(isinstance(alternative["const"], int) for alternative in one["oneOf"])
+        if one["type"] == "array":
+            return one["items"]["type"] in simple or fits(one["items"])
+        return one["type"] in simple or fits(one)
+
+    return schema.get("type") == "object" and all(map(known, schema.get("properties", {}).values()))
+
+
+def test_a_dataclass_becomes_plain_data_that_fits_its_schema() -> None:
+    schema, message = own_schema(Reading), plain(READING)
+
+    Draft202012Validator(dict(schema.data)).validate(json.loads(json.dumps(message)))
+    assert schema.name == "skiros.Reading"
+    assert fits(schema.data)
+    assert set(schema.data["properties"]) == set(message) - {"maybe", "image"}
+    assert message["time"] == 0.123457
+    assert message["colour"] == "red"
+    assert message["image"] == [[1, 2]]
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf")])
+def test_a_number_that_json_does_not_know_becomes_none(number: float) -> None:
+    assert plain({"a": number}) == {"a": None}
+
+
+def test_every_message_of_a_run_fits_the_schema_of_its_channel_for_a_plain_reader(tmp_path: Path) -> None:
+    path = tmp_path / "one.mcap"
+    with Bench(tiny_world()) as bench, Recorder(RecordingWriter(path), bench.runtime, {}) as recorder:
+        recorder.on_end(bench.tasks.on_begin(recorder.follow))
+        bench.pursue("In(Ball, slot_1)")
+
+    topics = set()
+    with path.open("rb") as file:
+        for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages():
+            assert schema is not None
+            data = json.loads(schema.data)
+            Draft202012Validator(data).validate(json.loads(message.data))
+            assert fits(data), schema.name
+            topics.add(channel.topic)
+    assert {"/runs", "/tasks", "/trace", "/log", "/world/snapshot", "/world/changes"} <= topics
+    assert any(topic.startswith("/devices/") for topic in topics)
+
+
+def test_a_plug_in_adds_a_topic_and_one_that_raises_affects_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "topics_of_a_test.py").write_text(PLUGIN)
+    info = tmp_path / "topics_of_a_test-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: topics-of-a-test\nVersion: 1.0\n")
+    entries = "[skiros.topics]\ntemperature = topics_of_a_test:record\nbroken = topics_of_a_test:broken\n"
+    (info / "entry_points.txt").write_text(entries)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    path = tmp_path / "one.mcap"
+
+    with Bench(tiny_world()) as bench:
+        with Recorder(RecordingWriter(path), bench.runtime, {}):
+            for _ in range(10):
+                bench.cycle.step()
+        bench.cycle.step()
+        times = [bench.cycle.board.snapshot.time]
+
+    with Recording(path) as recording:
+        found = [(time, message["celsius"]) for _, time, message in recording.messages("/temperature")]
+    assert len(found) == 10
+    assert all(celsius == pytest.approx(20.0 + time) for time, celsius in found)
+    assert found[-1][0] < times[0]
+    assert "broken of topics-of-a-test 1.0" in caplog.text
+    assert "no sensor" in caplog.text
+    sys.modules.pop("topics_of_a_test")

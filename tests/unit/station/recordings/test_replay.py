@@ -1,0 +1,199 @@
+"""Replays from snapshots and changes to the document that the page gets."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from skiros_py.api.replays import Replay
+from skiros_py.devices.arm import ArmState
+from skiros_py.devices.base import BaseState
+from skiros_py.devices.gripper import GripperState
+from skiros_py.geometry import Pose
+from skiros_py.ports.values import Snapshot
+from skiros_py.recording import Recording, RecordingWriter
+from skiros_py.recording.recorder import Devices
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.station.recordings.replay import MOST_FRAMES, replay_text
+from skiros_py.station.recordings.sources import Scene
+from skiros_py.station.session import open_world
+from skiros_py.world.change import Change
+from skiros_py.world.world import World
+
+
+@pytest.fixture
+def world() -> World:
+    return open_world("kitting")
+
+
+def snapshot(time: float, angle: float = 0.0, *, gripper: bool = True) -> Snapshot:
+    arm = ArmState((angle, 0.5), (0.0, 0.0), still=True)
+    base = BaseState(Pose.of(1.0, 2.0, 0.0, yaw=0.5), 0.0, 0.0, still=True)
+    grippers = {"gripper_1": GripperState(gap=0.08, force=0.0, still=True)} if gripper else {}
+    return Snapshot(round(time * 200), time, {"arm_1": arm, "base_1": base, **grippers})
+
+
+class Job:
+    """Records a job as it is recorded while it runs."""
+
+    def __init__(self, file: Path, world: World, time: float = 10.0, *, run: str = "first", gripper: bool = True):
+        self.world = world
+        self.writer = RecordingWriter(file, part={"run": run, "start": time})
+        self.writer.put_metadata("run", {"job": "kit", "ended": None})
+        self.devices, self.scene = Devices(read_cell(world, ("robot_1",), simulated=False).devices), Scene()
+        self.last = snapshot(time, gripper=gripper)
+        self.frame(self.last)
+        index = world.snapshot()
+        self.writer.defer(lambda write: self.scene.begin(index, snapshot(time, gripper=gripper), write))
+
+    def frame(self, snapshot: Snapshot) -> None:
+        self.last = snapshot
+        self.writer.defer(lambda write: self.devices.take(snapshot, write))
+        while self.writer._queue.qsize() > 10_000:
+            pass
+
+    def change(self, change: Change | None, snapshot: Snapshot) -> None:
+        assert change is not None
+        index = self.world.snapshot()
+        self.writer.defer(lambda write: self.scene.take(change, index, snapshot, write))
+
+    def end(self, time: float, *, cut_off: bool = False) -> None:
+        if not cut_off:
+            last = Snapshot(0, time, self.last.devices)
+            self.frame(last)
+            self.writer.defer(self.devices.end)
+            self.writer.put_metadata("run", {"ended": {"time": time}})
+        self.writer.close()
+        assert self.writer.fault == ""
+
+
+def told(file: Path, *, over: bool = True) -> Replay:
+    with Recording(file) as recording:
+        return Replay.model_validate_json(replay_text(recording, over=over))
+
+
+def test_a_recording_is_told_with_where_everything_was_and_what_changed(tmp_path: Path, world: World) -> None:
+    job = Job(tmp_path / "one", world)
+    job.frame(snapshot(10.1, 0.1))
+    with world.transaction("pick", "it is in the gripper") as tx:
+        tx.place("starter_1", "sk:heldBy", "gripper_1")
+    job.change(tx.change, snapshot(10.15))
+    job.frame(snapshot(10.2, 0.2))
+    job.end(10.3)
+
+    replay = told(tmp_path / "one")
+    assert (replay.job, replay.start, replay.end, replay.complete, replay.shifts) == ("kit", 10.0, 10.3, True, ())
+    assert replay.frames.times == pytest.approx((10.0, 10.1, 10.2, 10.3))
+    assert [row[0] for row in replay.frames.arms["arm_1"]] == pytest.approx([0.0, 0.1, 0.2, 0.2])
+    assert replay.frames.grippers == {"gripper_1": (0.08, 0.08, 0.08, 0.08)}
+    assert replay.frames.bases["base_1"][0] == pytest.approx((1.0, 2.0, 0.5))
+    (change,) = replay.changes
+    held = {element.id: element.held_by for element in change.view.elements}
+    assert (change.author, change.anew, held["starter_1"]) == ("pick", False, "gripper_1")
+    assert "starter_1" in {element.id for element in replay.beginning.elements}
+    assert change.view.shapes == {}
+
+
+def test_while_nothing_moves_only_the_last_moment_of_it_is_kept(tmp_path: Path, world: World) -> None:
+    job = Job(tmp_path / "one", world)
+    for number in range(1, 1001):
+        job.frame(snapshot(10.0 + number / 10.0))
+    job.frame(snapshot(110.1, 0.1))
+    job.end(110.1)
+    assert told(tmp_path / "one").frames.times == pytest.approx((10.0, 110.0, 110.1))
+
+
+@pytest.mark.parametrize("moments", [MOST_FRAMES + 10, 3 * MOST_FRAMES])
+def test_of_a_long_job_as_many_frames_are_told_evenly_and_the_file_stays_small(
+    tmp_path: Path, world: World, moments: int
+) -> None:
+    job = Job(tmp_path / "one", world)
+    for number in range(1, moments):
+        job.frame(snapshot(10.0 + number / 10.0, number * 1e-3))
+    job.end(10.0 + moments / 10.0)
+
+    times = told(tmp_path / "one").frames.times
+    gaps = [after - before for before, after in pairwise(times)]
+    assert MOST_FRAMES / 4 < len(times) <= MOST_FRAMES
+    assert times[0] == pytest.approx(10.0)
+    assert times[-1] == pytest.approx(10.0 + moments / 10.0, abs=2.0)
+    assert max(gaps) < 4.0 * min(gaps)
+    assert (tmp_path / "one").stat().st_size < 50_000 + 80 * moments
+
+
+def test_what_was_cut_off_is_told_as_far_as_it_is_kept_and_not_complete(tmp_path: Path, world: World) -> None:
+    job = Job(tmp_path / "one", world)
+    job.writer.defer(lambda _write: job.writer._file.flush())
+    job.writer.defer(lambda _write: None)
+    job.frame(snapshot(10.1, 0.1))
+    job.end(10.2)
+    whole = (tmp_path / "one").read_bytes()
+    with Recording(tmp_path / "one") as recording:
+        second = recording._reader.chunks[1]
+    (tmp_path / "one").write_bytes(whole[: second.chunk_start_offset + second.chunk_length - 3])
+
+    replay = told(tmp_path / "one")
+    assert replay.frames.times == pytest.approx((10.0,))
+    assert not replay.complete
+
+
+def test_a_job_that_is_continued_after_a_restart_follows_in_time_with_the_whole_world(
+    tmp_path: Path, world: World
+) -> None:
+    first = Job(tmp_path / "one", world, 50.0)
+    first.frame(snapshot(50.1, 0.1))
+    first.end(50.1, cut_off=True)
+    second = Job(tmp_path / "one", world, 0.2, run="second", gripper=False)
+    second.frame(snapshot(0.3, 0.3, gripper=False))
+    second.end(0.4)
+
+    replay = told(tmp_path / "one")
+    ((since, by),) = replay.shifts
+    assert since == pytest.approx(51.1)
+    assert by == pytest.approx(50.9)
+    assert replay.frames.times == pytest.approx((50.0, 50.1, 51.1, 51.2, 51.3))
+    assert [change.anew for change in replay.changes] == [True]
+    assert len(replay.frames.grippers["gripper_1"]) == 5
+    assert replay.end == pytest.approx(51.3)
+    assert not replay.complete
+
+
+def test_shifts_are_told_where_they_change_also_back_to_none(tmp_path: Path, world: World) -> None:
+    for start, end, run in ((50.0, 60.0, "first"), (1.0, 3.0, "second"), (5.0, 6.0, "second"), (500.0, 501.0, "third")):
+        Job(tmp_path / "one", world, start, run=run).end(end)
+    assert told(tmp_path / "one").shifts == ((61.0, 60.0), (500.0, 0.0))
+
+
+def test_a_job_that_was_held_and_went_on_is_complete(tmp_path: Path, world: World) -> None:
+    Job(tmp_path / "one", world, 10.0).end(11.0)
+    Job(tmp_path / "one", world, 20.0).end(21.0)
+    replay = told(tmp_path / "one")
+    assert (replay.start, replay.end, replay.shifts, replay.complete) == (10.0, 21.0, (), True)
+    assert not told(tmp_path / "one", over=False).complete
+
+
+def test_a_change_that_nobody_sees_is_left_out_and_what_goes_is_told(tmp_path: Path, world: World) -> None:
+    job = Job(tmp_path / "one", world)
+    with world.transaction("anna", "a goal") as tx:
+        tx.set_goals(("InKit(Starter, kit_1)",))
+    job.change(tx.change, snapshot(10.1))
+    with world.transaction("anna", "broken") as tx:
+        tx.remove("starter_1")
+    job.change(tx.change, snapshot(10.2))
+    job.end(10.3)
+    assert [change.view.gone for change in told(tmp_path / "one").changes] == [("starter_1",)]
+
+
+def test_a_job_of_which_something_was_left_out_is_not_complete(tmp_path: Path, world: World) -> None:
+    job = Job(tmp_path / "one", world)
+    job.writer.put_metadata("left out", {"/devices/arm_1": 3})
+    job.end(10.1)
+    assert not told(tmp_path / "one").complete
+
+
+def test_a_file_without_a_beginning_is_refused(tmp_path: Path) -> None:
+    RecordingWriter(tmp_path / "one").close()
+    with pytest.raises(ValueError, match="no beginning"):
+        told(tmp_path / "one")
