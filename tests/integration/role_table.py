@@ -74,6 +74,10 @@ _TABLE = {
         /modules GET
         /modules/{agent}/{module} GET
         /module-runs GET
+        /documents GET
+        /documents/{kind} GET
+        /documents/{kind}/{id} GET
+        /documents/{kind}/{id}/revisions GET
         /module-runs/{id} GET
         /skills GET
         /skills/{name} GET
@@ -114,6 +118,7 @@ _TABLE = {
         /stop POST+
         /reset POST
         /goals PUT
+        /documents/{kind}/{id} PUT DELETE
         /goal-templates/{name} PUT DELETE
         /world/transactions POST
         /world/undo POST

@@ -90,7 +90,7 @@ class ModuleSummary(Answer):
     """A module, for people who choose one."""
 
     name: str = Field(description="Its name.", examples=["pick"])
-    kind: Literal["skill", "primitive"] = Field(description="What it is.", examples=["skill"])
+    kind: Literal["skill", "primitive", "document"] = Field(description="What it is.", examples=["skill"])
     help: str = Field(description="One sentence.", examples=["Picks a part from a storage place."])
     version: str = Field(description="Version of the first implementation.", examples=["1.0.0"])
     agents: list[ModulePlace] = Field(description="Who can run it.")
@@ -157,7 +157,7 @@ class ModuleDetails(Answer):
 
     agent: str = Field(description="Id of the subsystem.", examples=["arm_1"])
     name: str = Field(description="Its name.", examples=["pick"])
-    kind: Literal["skill", "primitive"] = Field(description="What it is.", examples=["skill"])
+    kind: Literal["skill", "primitive", "document"] = Field(description="What it is.", examples=["skill"])
     help: str = Field(description="One sentence.", examples=["Picks a part from a storage place."])
     version: str = Field(description="Version of the first implementation.", examples=["1.0.0"])
     parameters: list[ModuleParameter] = Field(description="Its parameters.")

@@ -12,6 +12,7 @@ from skiros_py.client.calls import (
     alarms,
     audit,
     devices,
+    documents,
     elements,
     events,
     goals,
@@ -45,6 +46,7 @@ __all__ = [
     "Alarms",
     "Audit",
     "Devices",
+    "Documents",
     "Elements",
     "Events",
     "Goals",
@@ -268,6 +270,17 @@ class Templates(Topic[C]):
     remove = Method(templates.remove_goal_template)
 
 
+class Documents(Topic[C]):
+    """Documents that robots run: trees, nets, graphs."""
+
+    kinds = Method(documents.list_document_kinds)
+    list = Method(documents.list_documents)
+    get = Method(documents.get_document)
+    revisions = Method(documents.list_document_revisions)
+    put = Method(documents.put_document)
+    remove = Method(documents.remove_document)
+
+
 class Previews(Topic[C]):
     """Goals that are planned and not done."""
 
@@ -392,6 +405,7 @@ class Topics(Generic[C]):
         locks: Who keeps others from editing what.
         jobs: Orders: given, followed, commanded.
         goals: Goals: checked, and those that go with the scene.
+        documents: Documents that robots run.
         templates: Named goals with parameters.
         previews: Goals that are planned and not done.
         scenes: Scenes: those that can be loaded, and the present one.
@@ -420,6 +434,7 @@ class Topics(Generic[C]):
         self.locks = Locks(client)
         self.jobs = Jobs(client)
         self.goals = Goals(client)
+        self.documents = Documents(client)
         self.templates = Templates(client)
         self.previews = Previews(client)
         self.scenes = Scenes(client)

@@ -172,6 +172,15 @@ class SkillManager:
             raise UnknownName("skill", skill, self._modules.skills, where=f"of {self.agent}")
         return self._modules.skills[skill]
 
+    @property
+    def documents(self) -> tuple[str, ...]:
+        """Names of the documents that run as modules, by any manager."""
+        return () if self.lost else tuple(sorted(self._modules.documents))
+
+    def document(self, module: str) -> RunnableDocument | None:
+        """Returns the document that a module runs; None for skills and primitives."""
+        return self._modules.documents.get(module)
+
     def panel(self, module: str, given: Mapping[str, Any]) -> Panel:
         """Tells what a module would be run with now, and which of its conditions hold.
 
@@ -180,7 +189,7 @@ class SkillManager:
             UsageError: Something is wrong with what is given.
         """
         info, world = self.info(module), self._context.world
-        if info.kind == "primitive":
+        if info.kind != "skill":
             return primitive_panel(info.params, given, world, self.agent)
         return skill_panel(self._modules.skills[module][0].description, given, world, self.agent)
 

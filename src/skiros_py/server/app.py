@@ -16,6 +16,7 @@ from skiros_py.server.routes import (
     alarms,
     audit,
     devices,
+    documents,
     elements,
     events,
     goals,
@@ -49,8 +50,8 @@ __all__ = ["PREFIX", "create_app"]
 PREFIX = "/api/v1"
 _TOPICS = (
     jobs, goals, templates, previews, world, view, elements, ontology, queries, learned, locks, scenes, simulation,
-    modules, plugins, tasks, sequences, robots, robot_models, devices, stop, events, alarms, webhooks, keys, session,
-    audit,
+    modules, plugins, tasks, sequences, documents, robots, robot_models, devices, stop, events, alarms, webhooks, keys,
+    session, audit,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""
 

@@ -39,6 +39,7 @@ from skiros_py.station.recordings.jobs import JobRecordings
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.station.robots.motions import Motions
+from skiros_py.station.runnable import RunnableDocuments
 from skiros_py.station.scenes.scenes import SceneShelf
 from skiros_py.station.scenes.stage import SceneStage
 from skiros_py.station.session import Session
@@ -78,6 +79,7 @@ class Services:
         modules: What was started by itself, apart from tasks.
         tasks: What is or was under way, for jobs and beside them.
         documents: What the server keeps beside world and jobs, such as goal templates; from :meth:`start` on.
+        runnable: Documents that robots run; from :meth:`start` on, those of the present session.
         desk: Where jobs are waited for.
         previews: Goals that are planned and not done.
         metrics: Figures for those who watch the server.
@@ -123,8 +125,10 @@ class Services:
         self.control.on_open(self.recordings.open)
         self.control.on_close(self.recordings.close_session)
         self.documents: DocumentStore
+        self.runnable: RunnableDocuments
         self.desk = JobDesk(settings.open_jobs)
         self.control.on_open(self.desk.open)
+        self.control.on_open(self._offer_documents)
         self.previews = Previews()
         self.control.on_close(self.previews.forget)
         self.metrics = Metrics(self.control, self.events)
@@ -165,6 +169,7 @@ class Services:
             self._stack.callback(self.desk.close)
             self._stack.callback(self.previews.close)
             self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db", self._document)))
+            self.runnable = RunnableDocuments(self.documents, self.session)
             self.webhooks, self._office = open_office(self, self._stack)
         except BaseException:
             self.close()
@@ -174,6 +179,11 @@ class Services:
         """Tells that there may be something to be sent; quick, and for any thread."""
         if self._office is not None:
             self._office.wake()
+
+    def _offer_documents(self, session: Session) -> None:
+        """Has the documents run in a session that was opened anew; the first one is opened before they are."""
+        if hasattr(self, "documents"):
+            self.runnable = RunnableDocuments(self.documents, session)
 
     def _document(self, what: Literal["written", "removed"], document: Document) -> None:
         """Tells those who listen what became of a document; what it says is read where it is kept.

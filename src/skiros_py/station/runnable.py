@@ -52,6 +52,14 @@ class RunnableDocuments:
         """
         return self._kind(kind).palette(self._reader)
 
+    def formats(self, kind: str) -> tuple[str, ...]:
+        """Returns the text formats in which such documents are imported and exported.
+
+        Raises:
+            UnknownName: There is no such kind.
+        """
+        return self._kind(kind).formats
+
     def check(self, kind: str, data: Any) -> tuple[DocumentFault, ...]:
         """Returns what is wrong with a document, each with its place.
 
@@ -69,6 +77,15 @@ class RunnableDocuments:
         self._kind(kind)
         return self._store.all(kind)
 
+    def get(self, kind: str, name: str) -> Document | None:
+        """Returns a document as it is now; None where there is none.
+
+        Raises:
+            UnknownName: There is no such kind.
+        """
+        self._kind(kind)
+        return self._store.get(kind, name)
+
     def find(self, kind: str, name: str) -> Document:
         """Returns a document as it is now.
 
@@ -79,7 +96,12 @@ class RunnableDocuments:
         return self._store.find(kind, name)
 
     def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
-        """Returns all revisions of a document, the oldest first."""
+        """Returns all revisions of a document, the oldest first.
+
+        Raises:
+            UnknownName: There is no such kind.
+        """
+        self._kind(kind)
         return self._store.revisions(kind, name)
 
     def write(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:

@@ -23,10 +23,11 @@ from skiros_py.api.modules import (
     SkillCondition,
     SkillInfo,
 )
+from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.execution.monitor import ModuleEvent
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.planning.problem.task import Capability
-from skiros_py.skills.behaviour import Node, nodes_of
+from skiros_py.skills.behaviour import Behaviour, Node, nodes_of
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import Kind, Param, as_json, as_shown, schema
@@ -37,7 +38,7 @@ from skiros_py.station.session import Session
 
 __all__ = ["managers", "module", "modules", "panel", "run_info", "skills", "skills_of"]
 
-ModuleKind = Literal["skill", "primitive"]
+ModuleKind = Literal["skill", "primitive", "document"]
 
 # ---------------------------------------------------------------------- managers and modules
 
@@ -71,7 +72,7 @@ def modules(session: Session) -> list[ModuleSummary]:
     """Describes every module once, with who can run it; in the control thread."""
     able: dict[str, list[SkillManager]] = {}
     for _, manager in sorted(session.managers.items()):
-        for name in manager.modules:
+        for name in (*manager.modules, *manager.documents):
             able.setdefault(name, []).append(manager)
     return [_summary(session, name, able[name]) for name in sorted(able)]
 
@@ -96,6 +97,7 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
     info = manager.info(name)
     ways = manager.implementations(name) if info.kind == "skill" else ()
     description = ways[0].description if ways else None
+    document = manager.document(name)
     return ModuleDetails(
         agent=manager.agent,
         name=name,
@@ -106,7 +108,7 @@ def module(manager: SkillManager, name: str) -> ModuleDetails:
         pre=_conditions(description.pre if description else ()),
         hold=_conditions(description.hold if description else ()),
         post=_conditions(description.post if description else ()),
-        implementations=[_implementation(way) for way in ways],
+        implementations=[_document(document)] if document is not None else [_implementation(way) for way in ways],
     )
 
 
@@ -148,16 +150,29 @@ def _implementation(way: Skill) -> Implementation:
         order=way.order,
         requires=list(way.requires),
         when=_conditions(way.when),
-        nodes=[_node(node) for node in _nodes(way)],
-        edges=[
-            *(BodyEdge(source="", target=part, label="") for part in way.parts),
-            *(BodyEdge(source=e.source, target=e.target, label=e.label) for node in _nodes(way) for e in node.edges),
-        ],
+        nodes=_nodes(way.parts),
+        edges=_edges(way.parts),
     )
 
 
-def _nodes(way: Skill) -> list[Node]:
-    return [node for part, root in way.parts.items() for node in nodes_of(root, part)]
+def _document(document: RunnableDocument) -> Implementation:
+    label, parts = f"revision {document.revision}", {"body": document.behaviour}
+    version, nodes, edges = str(document.revision), _nodes(parts), _edges(parts)
+    return Implementation(
+        label=label, version=version, driver="", order=0, requires=[], when=[], nodes=nodes, edges=edges
+    )
+
+
+def _nodes(parts: Mapping[str, Behaviour]) -> list[BodyNode]:
+    return [_node(node) for part, root in parts.items() for node in nodes_of(root, part)]
+
+
+def _edges(parts: Mapping[str, Behaviour]) -> list[BodyEdge]:
+    drawn = (edge for part, root in parts.items() for node in nodes_of(root, part) for edge in node.edges)
+    return [
+        *(BodyEdge(source="", target=part, label="") for part in parts),
+        *(BodyEdge(source=edge.source, target=edge.target, label=edge.label) for edge in drawn),
+    ]
 
 
 def _node(node: Node) -> BodyNode:
