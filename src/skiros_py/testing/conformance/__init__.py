@@ -10,13 +10,14 @@ How that goes, port by port, is told in ``docs/how-to/driver.md``. Needs pytest.
 import pytest
 
 # Before they are imported: a failing claim shall say which values did not fit.
-for _name in ("arm_planner", "base_planner", "cell_driver", "engine", "pending", "planner"):
+for _name in ("arm_planner", "base_planner", "cell_driver", "device_kind", "engine", "pending", "planner"):
     pytest.register_assert_rewrite(f"{__name__}.{_name}")
 
 from skiros_py.testing.conformance.arm_planner import ArmPlannerContract  # noqa: E402
 from skiros_py.testing.conformance.base_planner import BasePlannerContract  # noqa: E402
 from skiros_py.testing.conformance.cell_driver import CellDriverContract  # noqa: E402
 from skiros_py.testing.conformance.cells import small_cell  # noqa: E402
+from skiros_py.testing.conformance.device_kind import DeviceKindContract  # noqa: E402
 from skiros_py.testing.conformance.engine import EngineContract  # noqa: E402
 from skiros_py.testing.conformance.pending import PendingContract  # noqa: E402
 from skiros_py.testing.conformance.planner import PlannerContract  # noqa: E402
@@ -25,6 +26,7 @@ __all__ = [
     "ArmPlannerContract",
     "BasePlannerContract",
     "CellDriverContract",
+    "DeviceKindContract",
     "EngineContract",
     "PendingContract",
     "PlannerContract",

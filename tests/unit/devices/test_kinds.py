@@ -1,0 +1,81 @@
+"""The kinds of device that come along keep the contract that everybody's must keep."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from skiros_py.devices.arm import ArmSpec, ArmTarget
+from skiros_py.devices.base import BaseSpec, BaseTwist
+from skiros_py.devices.camera import CameraSpec
+from skiros_py.devices.gripper import GripperSpec, GripperTarget
+from skiros_py.errors import DeviceError
+from skiros_py.ports.device import Contribution, DeviceSpec
+from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.testing.conformance import DeviceKindContract, small_cell
+
+SPECS = small_cell().devices
+
+
+class TestArm(DeviceKindContract):
+    def device(self) -> DeviceSpec[Any, Any]:
+        return SPECS["arm"]
+
+    def target(self) -> ArmTarget:
+        return ArmTarget((0.1,) * 7, (0.5,) * 7)
+
+
+class TestGripper(DeviceKindContract):
+    def device(self) -> DeviceSpec[Any, Any]:
+        return SPECS["gripper"]
+
+    def target(self) -> GripperTarget:
+        return GripperTarget(0.02, 10.0)
+
+
+class TestBase(DeviceKindContract):
+    def device(self) -> DeviceSpec[Any, Any]:
+        return SPECS["base"]
+
+    def target(self) -> BaseTwist:
+        return BaseTwist(0.1, 0.2)
+
+
+class TestCamera(DeviceKindContract):
+    def device(self) -> DeviceSpec[Any, Any]:
+        return SPECS["camera"]
+
+
+def test_each_kind_that_comes_along_is_tried() -> None:
+    kinds, _ = load_device_kinds()
+    own = {kind for kind in kinds.by_name.values() if kind.__module__.startswith("skiros_py.")}
+
+    assert own == {ArmSpec, BaseSpec, CameraSpec, GripperSpec}
+    assert {type(device) for device in SPECS.values()} == own
+
+
+def test_shared_set_points_and_twists_are_their_weighted_mean() -> None:
+    still, moving = ArmTarget((0.0,) * 7, (0.0,) * 7), ArmTarget((0.4,) * 7, (0.8,) * 7)
+    arm = SPECS["arm"].mixed([Contribution("a", still, 3.0), Contribution("b", moving, 1.0)])
+    base = SPECS["base"].mixed([Contribution("a", BaseTwist(0.2, 0.0)), Contribution("b", BaseTwist(0.0, 0.4))])
+
+    assert arm.positions == pytest.approx((0.1,) * 7)
+    assert arm.velocities == pytest.approx((0.2,) * 7)
+    assert (base.linear, base.angular) == pytest.approx((0.1, 0.2))
+
+
+def test_what_cannot_be_shared_says_who_commands_it() -> None:
+    one, other = (Contribution(name, GripperTarget(0.0, 1.0)) for name in ("pick", "wave"))
+
+    with pytest.raises(DeviceError, match="gripper: pick and wave command it in one cycle"):
+        SPECS["gripper"].mixed([one, other])
+
+
+def test_a_paused_run_slows_a_twist_and_leaves_set_points_alone() -> None:
+    target = ArmTarget((0.1,) * 7, (0.5,) * 7)
+
+    assert SPECS["base"].scaled(BaseTwist(0.4, 1.0), 0.5) == BaseTwist(0.2, 0.5)
+    assert SPECS["arm"].scaled(target, 0.5) == target
+    assert math.isclose(SPECS["base"].signal("linear").read(SPECS["base"].fake(0.005).state()), 0.0)
