@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
+import planning_process
 from agreement import disagreement
 from planning_replan import replanning_times
 from planning_worlds import PART_CLASSES, able, crowded, kitting_world
@@ -58,6 +59,7 @@ def main() -> int:
         *_crowded(options.pairs),
         *_written(options.pairs),
         *_replanned(),
+        *planning_process.figures(),
         *_agreeing(options.problems),
         *_threads(),
     ]

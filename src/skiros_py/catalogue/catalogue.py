@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from skiros_py.behaviours.document import DocumentKind
 from skiros_py.errors import DescriptionError, DeviceError, PlanningError, SkirosError, UnknownName, UsageError
 from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.plugins import LazyPlugins, PluginFault
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from skiros_py.ports.driver import CellDriver
     from skiros_py.ports.signals import SignalProvider
 
-__all__ = ["Catalogue"]
+__all__ = ["Catalogue", "choose_planners"]
 
 _OF_PLANNERS = ("name", "supports", "solve", "close")
 
@@ -95,6 +96,11 @@ class Catalogue:
             raise UsageError(f"planner '{name}' of {source} is no Planner: it has no {', '.join(missing)}")
         return planner
 
+    def planners_only(self) -> Catalogue:
+        """Returns a catalogue of the planners alone: what planning needs of it."""
+        sources = {name: source for name, source in self.sources.items() if name.startswith("planners/")}
+        return Catalogue({}, {}, {}, self.planners, sources)
+
     def choice_of_planners(self, wanted: str | None = None) -> Planners:
         """Returns the planners to choose from, by what each takes; close it.
 
@@ -159,3 +165,16 @@ class Catalogue:
         if isinstance(found, LazyPlugins) and (reason := found.why_not(name)):
             return reason
         return next((str(fault) for fault in self.early if (fault.group, fault.name) == (group, name)), None)
+
+
+def choose_planners(catalogue: Catalogue, wanted: str | None = None, command: str | None = None) -> Planners:
+    """Returns the planners to choose from; close them.
+
+    Args:
+        catalogue: The planners there are.
+        wanted: Name of the only one that shall plan; None for all.
+        command: Command line of a planner, instead of a name.
+    """
+    if command is not None:
+        return Planners.only(CommandPlanner("command", command, supports=EVERYTHING))
+    return catalogue.choice_of_planners(wanted)

@@ -6,20 +6,19 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from skiros_py.catalogue import Catalogue, fitting, load_catalogue
+from skiros_py.catalogue import Catalogue, choose_planners, fitting, load_catalogue
 from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
-from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
+from skiros_py.planning.process import PlanningProcess
 from skiros_py.planning.requests import PlanningHost
 from skiros_py.planning.service import Planned
 from skiros_py.planning.thread_host import ThreadHost
@@ -164,8 +163,7 @@ class Session:
         self.world.subscribe(self._digest.add_change)
         self._set_up(libraries)
         self._watch()
-        planners = self._stack.enter_context(closing(self._planners()))
-        self.planning: PlanningHost = self._stack.enter_context(closing(ThreadHost(self.world, planners)))
+        self.planning = self._start_planning()
         title = self._source.stem
         self.tasks = TaskManager.of(
             self.runtime,
@@ -282,10 +280,18 @@ class Session:
     def _start_named(self, driver: str, spec: CellSpec) -> CellDriver:
         return self._stack.enter_context(closing(self.catalogue.driver(driver, spec, seed=self.options.seed)))
 
-    def _planners(self) -> Planners:
-        if self.options.planner_command is not None:
-            return Planners.only(CommandPlanner("command", self.options.planner_command, supports=EVERYTHING))
-        return self.catalogue.choice_of_planners(self.options.planner)
+    def _start_planning(self) -> PlanningHost:
+        """Starts what answers requests for plans: a process of its own.
+
+        On the fake cell in lockstep a thread does: nothing else wants the interpreter while simulated time stands
+        still.
+        """
+        options = self.options
+        choose = partial(choose_planners, self.catalogue.planners_only(), options.planner, options.planner_command)
+        planners = self._stack.enter_context(closing(choose()))  # a name that is unknown is refused here
+        if options.fake and options.pace is None:
+            return self._stack.enter_context(closing(ThreadHost(self.world, planners)))
+        return self._stack.enter_context(closing(PlanningProcess(self.world, choose)))
 
     def _set_up(self, libraries: Libraries) -> None:
         """Brings control cycle, skill managers and watchdog up."""

@@ -12,6 +12,7 @@ from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Planner
+from skiros_py.planning.requests import PlanningHost
 from skiros_py.planning.service import Planned
 from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.ports.cell import CellSpec
@@ -48,6 +49,7 @@ class Bench:
         robots: Ids of the robots that get skill managers; None for all.
         conditions: Words of goals.
         planner: Plans, or several to choose from; Fast Downward where left out.
+        planning: Where it is planned; threads with the planner where left out.
         attempts: How often a skill may fail on one target.
         cell: Brings the cell up; the fake one where left out.
         driver: Kind of cell driver whose implementations of skills are used.
@@ -76,6 +78,7 @@ class Bench:
         robots: Sequence[str] | None = None,
         conditions: Mapping[str, ConditionType] = CONDITIONS,
         planner: Planner | Planners | None = None,
+        planning: PlanningHost | None = None,
         attempts: int = 3,
         cell: Cell = FakeCell,
         driver: str = "fake",
@@ -104,7 +107,7 @@ class Bench:
         self.context, self.questions, self.monitor = runtime.context, runtime.questions, runtime.monitor
         self.monitor.subscribe(self.events.append)
         self._planner = planner or FastDownward()
-        self._planning = ThreadHost(world, self._planner)
+        self._planning = planning or ThreadHost(world, self._planner)
         self.tasks = TaskManager.of(runtime, self._planning, "bench", on_plan=self.plans.append, attempts=attempts)
 
     # ------------------------------------------------------------------ goals

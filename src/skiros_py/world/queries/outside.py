@@ -179,7 +179,7 @@ class OutsideQueries:
             except WorldError:  # they are remembered no longer
                 self._drop()
                 replica, changes = self._started(), ()
-            return replica.ask(changes, order)
+            return replica.ask(changes, pickle.dumps(order))
 
     def _started(self) -> ReplicaProcess:
         if self._closed:  # whoever was waiting when it was shall not start it again

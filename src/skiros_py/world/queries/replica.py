@@ -1,7 +1,7 @@
-"""The process that answers queries from outside: a replica of the world, of which each query gets a copy.
+"""A process with a replica of the world, which forks for each order: a query from outside, a request to planning.
 
-It forks for each query. The copy costs nothing, is a process of its own with limits of its own, and whatever a query
-does to it, be it to kill it, hurts nobody: the kernel ends it. The replica has one thread, so that forking is safe.
+A copy costs next to nothing and is a process with limits of its own: whatever an order does to it, the replica stays as
+it is. The replica has one thread, so that forking is safe.
 """
 
 from __future__ import annotations
@@ -14,64 +14,109 @@ import resource
 import selectors
 import signal
 import socket
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
+from typing import Any
+
+from loky.backend.reduction import dumps
 
 from skiros_py.errors import SkirosError, UsageError
+from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Question, Result, typed
 from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order, receive, send
 from skiros_py.world.store import Projection
 
-__all__ = ["main"]
+__all__ = ["QueryReplica", "Replica", "main"]
 
 
-def main(control: int) -> None:
-    """Runs until whoever started it goes away.
+def main(control: int, program: str) -> None:
+    """Runs until the process that started it goes away.
 
     Args:
-        control: Descriptor of the socket to that.
+        control: Descriptor of the socket to that process.
+        program: What is done for an order, a subclass of :class:`Replica`: "package.module:Class".
     """
+    module, name = program.split(":")
+    make = getattr(import_module(module), name)
     with socket.socket(fileno=control) as parent:
-        version, index = pickle.loads(receive(parent)[0])  # noqa: S301  from our own parent
-        replica = _Replica(version, index, parent)
+        replica: Replica = make(*pickle.loads(receive(parent)[0]))  # noqa: S301  from our own parent
+        gc.freeze()  # what is here stays: looking at it would copy it into each order's process
         send(parent, b"ready")
-        replica.serve()
+        replica.serve(parent)
 
 
-class _Replica:
-    def __init__(self, version: int, index: Index, parent: socket.socket) -> None:
-        _warm_up()
-        self._index = index
-        self._projection = Projection(version, index)
-        self._parent = parent
+class Replica(ABC):
+    """A replica of the world, and what is done for each order.
+
+    Attributes:
+        index: The world.
+    """
+
+    def __init__(self, version: int, index: Index) -> None:  # noqa: ARG002 - for subclasses
+        self.index = index
         self._selector = selectors.DefaultSelector()
-        self._selector.register(parent, selectors.EVENT_READ)
-        gc.freeze()  # what is here stays: looking at it would copy it into each query's process
 
-    def serve(self) -> None:
+    def follow(self, changes: Sequence[Change]) -> None:
+        """Does what was changed."""
+        for change in changes:
+            for edit in change.edits:
+                self.index.apply(edit)
+            self.index.version = change.number
+
+    def read(self, order: bytes) -> object:
+        """Returns an order as data."""
+        return pickle.loads(order)  # noqa: S301  from our own parent
+
+    @abstractmethod
+    def limit(self, order: Any) -> None:
+        """Limits what the order's process may take."""
+
+    @abstractmethod
+    def outcome(self, order: Any, answer: int) -> object:
+        """Returns the answer, or the fault that it is; in the order's process.
+
+        Args:
+            order: The order.
+            answer: Descriptor of the pipe for the answer; nobody reads it any more where it is broken.
+        """
+
+    def end(self, children: Sequence[int]) -> None:
+        """Ends the processes of orders that are under way."""
+        for child in children:
+            os.kill(child, signal.SIGKILL)
+
+    # ------------------------------------------------------------ the life of the process
+
+    def serve(self, parent: socket.socket) -> None:
         """Answers until the parent goes."""
+        self._selector.register(parent, selectors.EVENT_READ)
         try:
             while True:
                 for key, _ in self._selector.select():
-                    if key.fileobj is self._parent:
-                        self._take_order()
+                    if key.fileobj is parent:
+                        self._take_order(parent)
                     else:
                         self._bury(key)
         except EOFError:
-            for key in self._selector.get_map().values():
-                if key.data is not None:
-                    os.kill(key.data[0], signal.SIGKILL)
+            self.end([key.data[0] for key in self._selector.get_map().values() if key.data is not None])
 
-    def _take_order(self) -> None:
-        payload, (answer, status) = receive(self._parent, files=2)
-        changes, order = pickle.loads(payload)  # noqa: S301  from our own parent
-        for change in changes:
-            for edit in change.edits:
-                self._index.apply(edit)
-        self._projection.follow(changes)
+    def _take_order(self, parent: socket.socket) -> None:
+        payload, (answer, status) = receive(parent, files=2)
+        changes, packed = pickle.loads(payload)  # noqa: S301  from our own parent
+        self.follow(changes)
+        try:
+            order = self.read(packed)
+        except Exception as error:  # noqa: BLE001  what it needs may not be importable here
+            order = UsageError(f"it cannot be read in another process: {type(error).__name__}: {error}")
         child = os.fork()
         if child == 0:
-            self._be_the_query(order, answer)
+            parent.close()
+            for other in (status, *(key.data[1] for key in self._selector.get_map().values() if key.data is not None)):
+                os.close(other)
+            self._be_the_order(order, answer)
         os.close(answer)
         os.write(status, b"started\n")
         self._selector.register(os.pidfd_open(child), selectors.EVENT_READ, (child, status))
@@ -87,21 +132,43 @@ class _Replica:
             os.write(status, f"{code}\n".encode())
         os.close(status)
 
-    def _be_the_query(self, order: Order, answer: int) -> None:
-        """Lives and dies as the process of one query."""
+    def _be_the_order(self, order: object, answer: int) -> None:
+        """Lives and dies as the process of one order."""
         code = 1
         try:
-            self._parent.close()
-            _limit(order)
+            self.limit(order)
+            outcome = order if isinstance(order, SkirosError) else self.outcome(order, answer)
             with os.fdopen(answer, "wb") as file:
-                pickle.dump(self._outcome(order), file)
+                file.write(dumps(outcome))
             code = 0
         except MemoryError:
             code = OUT_OF_MEMORY
+        except BrokenPipeError:
+            code = 0  # the answer is no longer wanted
         finally:
             os._exit(code)
 
-    def _outcome(self, order: Order) -> Result | SkirosError:
+
+class QueryReplica(Replica):
+    """Answers queries from outside."""
+
+    def __init__(self, version: int, index: Index) -> None:
+        _warm_up()
+        self._projection = Projection(version, index)
+        super().__init__(version, index)
+
+    def follow(self, changes: Sequence[Change]) -> None:
+        """Does what was changed, to the triples too."""
+        super().follow(changes)
+        self._projection.follow(changes)
+
+    def limit(self, order: Any) -> None:
+        """Limits time and memory as the order says."""
+        if isinstance(order, Order):
+            _limit(order)
+
+    def outcome(self, order: Any, answer: int) -> object:  # noqa: ARG002 - its limits end it
+        """Answers a query."""
         try:
             return self._result(order)
         except SkirosError as error:
@@ -112,12 +179,12 @@ class _Replica:
             return UsageError(f"the query cannot be answered: {type(error).__name__}: {error}")
 
     def _result(self, order: Order) -> Result:
-        names = self._index.ontology.names
+        names = self.index.ontology.names
         question = Question.of(names, order.sparql, order.bindings)
         if order.form is not None:
             question.must_be(order.form)
         store = self._projection.entailed() if order.entailed else self._projection.store
-        return typed(names, question.answer(store, self._index, order.most))
+        return typed(names, question.answer(store, self.index, order.most))
 
 
 def _warm_up() -> None:

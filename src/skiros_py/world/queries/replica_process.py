@@ -10,7 +10,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from loky.backend.reduction import dumps
@@ -18,9 +18,12 @@ from loky.backend.reduction import dumps
 from skiros_py.errors import DeviceError
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
-from skiros_py.world.queries.wire import Order, receive, send
+from skiros_py.world.queries.wire import receive, send
 
-__all__ = ["Ended", "Pending", "ReplicaProcess"]
+__all__ = ["QUERIES", "Ended", "Pending", "ReplicaProcess"]
+
+QUERIES = "skiros_py.world.queries.replica:QueryReplica"
+"""Answers SPARQL queries."""
 
 _LONGEST_START = 120.0
 """How long a replica may take to begin with a query [s]: there may be much to write into it first."""
@@ -37,19 +40,25 @@ class ReplicaProcess:
         version: Number of the last change that it was told of.
     """
 
-    def __init__(self, version: int, index: Index) -> None:
+    def __init__(self, version: int, index: Index, program: str = QUERIES, *more: object) -> None:
         """Starts one with a state, and waits until it is ready.
+
+        Args:
+            version: Number of the last change.
+            index: The state.
+            program: What it does for an order, see :func:`skiros_py.world.queries.replica.main`.
+            *more: What that program is made with besides.
 
         Raises:
             DeviceError: It does not start.
         """
         self.version = version
-        state = _packed(version, index)
+        state = _packed(version, index, *more)
         self._control, theirs = socket.socketpair()
         # In a session of its own, so that Ctrl-C is for us only; it ends when the socket is closed.
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", _program(theirs.fileno())],
+                [sys.executable, "-c", _program(theirs.fileno(), program)],
                 pass_fds=[theirs.fileno()],
                 env={**os.environ, **_ONE_THREAD},
                 stdin=subprocess.DEVNULL,
@@ -64,23 +73,28 @@ class ReplicaProcess:
         except (OSError, EOFError) as error:
             self.close()
             why = "SKIROS_DEBUG=1 shows why"
-            raise DeviceError(f"the process for queries from outside does not start ({why}): {error}") from None
+            raise DeviceError(f"the process with the replica does not start ({why}): {error}") from None
 
     def is_alive(self) -> bool:
         """Returns True while it runs."""
         return self._process.poll() is None
 
-    def ask(self, changes: Sequence[Change], order: Order) -> Pending:
+    @property
+    def pid(self) -> int:
+        """Its id."""
+        return self._process.pid
+
+    def ask(self, changes: Sequence[Change], order: bytes) -> Pending:
         """Hands it a query.
 
         Args:
             changes: What was written after its version.
-            order: The query.
+            order: The query, as bytes that the program reads.
 
         Raises:
             DeviceError: It is gone.
         """
-        payload = dumps((changes, order))
+        payload = dumps((tuple(changes), order))
         (answer, answer_there), (status, status_there) = os.pipe(), os.pipe()
         pending = Pending(answer, status, self)
         try:
@@ -88,7 +102,7 @@ class ReplicaProcess:
         except OSError as error:
             pending.close()
             self.close()
-            raise DeviceError(f"the process for queries from outside is gone: {error}") from None
+            raise DeviceError(f"the process with the replica is gone: {error}") from None
         finally:
             os.close(answer_there)
             os.close(status_there)
@@ -161,6 +175,37 @@ class Pending:
         finally:
             self.close()
 
+    def wait_unless(self, stopped: Callable[[], bool], every: float) -> Ended | None:
+        """Waits until it has ended; returns None where that is no longer wanted.
+
+        Args:
+            stopped: Tells whether it is no longer wanted.
+            every: Time between two looks whether it is [s].
+
+        Raises:
+            DeviceError: The replica died.
+        """
+        try:
+            answer, status = bytearray(), bytearray()
+            waiting = select.poll()
+            waiting.register(self._answer, select.POLLIN)
+            waiting.register(self._status, select.POLLIN)
+            left = {self._answer, self._status}
+            while left:
+                if stopped():
+                    return None
+                for source, _ in waiting.poll(every * 1e3):
+                    piece = os.read(source, _PIECE)
+                    (answer if source == self._answer else status).extend(piece)
+                    if not piece:
+                        waiting.unregister(source)
+                        left.remove(source)
+                if self._status not in left and status.count(b"\n") < 2:
+                    raise DeviceError("the process with the replica died")
+            return Ended(bytes(answer), int(status.split()[-1]))
+        finally:
+            self.close()
+
     def close(self) -> None:
         """Waits no longer."""
         os.close(self._answer)
@@ -171,14 +216,14 @@ class Pending:
         while not line.endswith(b"\n"):
             byte = _read(self._status, deadline, 1)
             if not byte:
-                raise DeviceError("the process for queries from outside died")
+                raise DeviceError("the process with the replica died")
             line += byte
         return bytes(line)
 
 
-def _packed(version: int, index: Index) -> bytes:
+def _packed(*state: object) -> bytes:
     try:
-        packed: bytes = dumps((version, index))
+        packed: bytes = dumps(state)
     except (pickle.PicklingError, TypeError, AttributeError) as error:
         raise DeviceError(f"the world cannot be copied to another process: {error}") from None
     return packed
@@ -192,6 +237,6 @@ def _read(source: int, deadline: float, most: int = _PIECE) -> bytes:
     return os.read(source, most)
 
 
-def _program(control: int) -> str:
+def _program(control: int, program: str) -> str:
     start = "from skiros_py.world.queries.replica import main"
-    return f"import sys; sys.path[:] = {sys.path!r}; {start}; main({control})"
+    return f"import sys; sys.path[:] = {sys.path!r}; {start}; main({control}, {program!r})"

@@ -1,0 +1,192 @@
+"""Planning in a process of its own: a replica of the world that forks for each request.
+
+The control thread only posts requests and looks for answers. The replica follows the world's change feed; each request
+is answered in a forked copy of it, so that a request that hangs, crashes or is killed hurts no other. A process that
+dies is started again, and what it was asked is asked once more.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import select
+import signal
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from threading import Event
+from typing import Any, TypeVar
+
+from loky.backend.reduction import dumps
+
+from skiros_py.errors import DeviceError, PlanningError, SkirosError, WorldError
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.requests import Answer, Asked, Request, answered
+from skiros_py.world.index import Index
+from skiros_py.world.queries.replica import Replica
+from skiros_py.world.queries.replica_process import Ended, ReplicaProcess
+from skiros_py.world.world import World
+
+__all__ = ["PlanningProcess", "PlanningReplica"]
+
+T = TypeVar("T")
+
+_PROGRAM = "skiros_py.planning.process:PlanningReplica"
+_TRIES = 3
+"""So often a request is asked where the process dies."""
+_PROCESSOR_TIME = 120.0
+"""How long planning itself may work for one answer; planners, which are programs, have limits of their own [s]."""
+_POLL = 0.05
+"""Time between two looks whether an answer is no longer wanted [s]."""
+_ENDING = 0.5
+"""How long requests may take to end their planners when the process ends [s]."""
+
+
+class PlanningProcess:
+    """Answers requests in a process of its own, which starts at once. Any thread may ask. Close it.
+
+    Args:
+        world: What requests are about.
+        make_planners: Makes the planners to choose from; called in the process.
+
+    Raises:
+        PlanningError: The planners cannot be sent to another process.
+    """
+
+    def __init__(self, world: World, make_planners: Callable[[], Planners]) -> None:
+        self._world = world
+        self._make_planners = _packed("the planners", make_planners)
+        self._threads = ThreadPoolExecutor(thread_name_prefix="skiros-planning")
+        self._lock = threading.Lock()
+        self._replica: ReplicaProcess | None = None
+        self._closed = Event()
+        self._threads.submit(self._start)
+
+    def ask(self, request: Request[T]) -> Asked[T]:
+        """Begins to answer a request about the world as it is now, and returns at once.
+
+        Raises:
+            PlanningError: It was closed, or the request has something in it that cannot be sent to another process.
+        """
+        stop = Event()
+        order = _packed("the request", request)
+        try:
+            return Asked(self._threads.submit(self._answer, order, stop), stop.set)
+        except RuntimeError:
+            raise PlanningError("planning was stopped") from None
+
+    @property
+    def pid(self) -> int | None:
+        """Id of the process; None where it does not run."""
+        replica = self._replica
+        return None if replica is None or not replica.is_alive() else replica.pid
+
+    def close(self) -> None:
+        """Ends the process and everything that is under way; may be called twice."""
+        self._closed.set()
+        self._threads.shutdown(wait=True, cancel_futures=True)
+        with self._lock:
+            self._drop()
+
+    # ------------------------------------------------------------ in threads that wait
+
+    def _answer(self, order: bytes, stop: Event) -> Answer[Any]:
+        why = ""
+        for _ in range(_TRIES):
+            try:
+                version, ended = self._ended(order, stop)
+            except DeviceError as error:
+                why = str(error)
+                continue
+            if ended.code == -signal.SIGVTALRM:
+                raise PlanningError(f"planning took more than {_PROCESSOR_TIME:g} s of processor time")
+            if ended.code == 0:
+                value = pickle.loads(ended.answer)  # noqa: S301  from our own process
+                if isinstance(value, SkirosError):
+                    raise value
+                return Answer(version, value)
+            why = f"the planning process ended with status {ended.code}"
+        raise PlanningError(f"planning broke {_TRIES} times: {why}")
+
+    def _ended(self, order: bytes, stop: Event) -> tuple[int, Ended]:
+        """Hands an order to the process, and waits for its end.
+
+        Raises:
+            DeviceError: The process died.
+            PlanningError: The answer is no longer wanted.
+        """
+        with self._lock:
+            replica = self._started()
+            try:
+                changes = self._world.changes_since(replica.version)
+            except WorldError:  # they are remembered no longer
+                self._drop()
+                replica, changes = self._started(), ()
+            pending = replica.ask(changes, order)
+            version = replica.version
+        ended = pending.wait_unless(lambda: stop.is_set() or self._closed.is_set(), _POLL)
+        if ended is None:
+            raise PlanningError("planning was stopped")
+        return version, ended
+
+    def _start(self) -> None:
+        with self._lock:
+            self._started()
+
+    def _started(self) -> ReplicaProcess:
+        if self._closed.is_set():
+            raise PlanningError("planning was stopped")
+        if self._replica is None or not self._replica.is_alive():
+            self._drop()
+            self._replica = ReplicaProcess(*self._world.state(), _PROGRAM, self._make_planners)
+        return self._replica
+
+    def _drop(self) -> None:
+        if self._replica is not None:
+            self._replica.close()
+            self._replica = None
+
+
+def _packed(what: str, thing: object) -> bytes:
+    try:
+        return bytes(dumps(thing))
+    except Exception as error:  # noqa: BLE001 - whatever cannot be pickled raises what it likes
+        raise PlanningError(f"{what} cannot be sent to the planning process: {type(error).__name__}: {error}") from None
+
+
+class PlanningReplica(Replica):
+    """The process itself: the world, and how to make planners."""
+
+    def __init__(self, version: int, index: Index, make_planners: bytes) -> None:
+        self._make_planners: Callable[[], Planners] = pickle.loads(make_planners)  # noqa: S301  from our own parent
+        super().__init__(version, index)
+
+    def read(self, order: bytes) -> Request[Any]:
+        """Reads a request here, not in the copy: what it imports stays loaded."""
+        request: Request[Any] = pickle.loads(order)  # noqa: S301  from our own parent
+        return request
+
+    def limit(self, order: object) -> None:  # noqa: ARG002 - the same for all
+        """Limits the time that one request may work."""
+        signal.signal(signal.SIGVTALRM, signal.SIG_DFL)
+        signal.setitimer(signal.ITIMER_VIRTUAL, _PROCESSOR_TIME)
+
+    def end(self, children: Sequence[int]) -> None:
+        """Lets the processes of requests end by themselves, for they have planners to end; not for long."""
+        deadline, left = time.monotonic() + _ENDING, set(children)
+        while left and time.monotonic() < deadline:
+            left = {child for child in left if os.waitpid(child, os.WNOHANG)[0] == 0}
+            time.sleep(_POLL / 10)
+        super().end(list(left))
+
+    def outcome(self, order: Any, answer: int) -> object:
+        """Answers a request; stops when the other end of the answer's pipe is closed."""
+        reader = select.poll()
+        reader.register(answer, select.POLLERR)
+        try:
+            with closing(self._make_planners()) as planners:
+                return answered(order, self.index, planners, lambda: bool(reader.poll(0)))
+        except SkirosError as error:
+            return error

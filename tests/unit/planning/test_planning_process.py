@@ -1,0 +1,228 @@
+"""Planning in a process of its own: it answers, follows the world, can be stopped and killed, and holds nobody up."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+
+import psutil
+import pytest
+
+from skiros_py.errors import PlanningError
+from skiros_py.planning.plan import Plan
+from skiros_py.planning.planners.choosing import Planners
+from skiros_py.planning.planners.fast_downward import FastDownward
+from skiros_py.planning.planners.planner import Planner, Solved
+from skiros_py.planning.problem.task import Capability
+from skiros_py.planning.process import PlanningProcess
+from skiros_py.planning.requests import Answer, Asked, PlanRequest
+from skiros_py.testing import Bench, tiny_world
+from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
+from skiros_py.world.index import Index
+from skiros_py.world.world import World
+
+GOAL = (IN_CONTAINER("ball_1", "slot_1"),)
+
+
+def make_planners() -> Planners:
+    return Planners(("fast-downward",), _make)
+
+
+def _make(_name: str) -> Planner:
+    return FastDownward()
+
+
+def request(world: World) -> PlanRequest:
+    skills = (DRIVE, PICK, PLACE)
+    return PlanRequest(GOAL, tuple(Capability(skill, world.instances(skill.agent_class)) for skill in skills))
+
+
+@dataclass(frozen=True)
+class Sleeping:
+    """Works for a while, or for ever."""
+
+    seconds: float
+
+    def answer(self, _state: Index, _planners: Planners, stopped: Callable[[], bool]) -> int:
+        end = time.monotonic() + self.seconds
+        while time.monotonic() < end and not stopped():
+            time.sleep(0.001)
+        return os.getpid()
+
+
+@pytest.fixture(scope="module")
+def world() -> World:
+    return tiny_world()
+
+
+@pytest.fixture(scope="module")
+def process(world: World) -> Iterator[PlanningProcess]:
+    process = PlanningProcess(world, make_planners)
+    yield process
+    process.close()
+
+
+def test_it_plans_and_says_for_which_version_of_the_world(process: PlanningProcess, world: World) -> None:
+    answer = process.ask(request(world)).result()
+
+    assert isinstance(answer.value.outcome, Plan)
+    assert [step.skill for step in answer.value.outcome.steps] == ["drive", "pick", "place"]
+    assert answer.version == world.version
+
+
+def test_it_knows_what_was_written_meanwhile(process: PlanningProcess, world: World) -> None:
+    with world.transaction("somebody", "moved it") as tx:
+        tx.place("ball_1", "sk:in", "box_b")
+    answer = process.ask(request(world)).result()
+
+    assert isinstance(answer.value.outcome, Plan)
+    assert answer.value.outcome.steps[0].arguments["Location"] == "box_b"
+    assert answer.version == world.version
+
+
+def test_a_request_that_was_cancelled_ends_and_others_go_on(process: PlanningProcess, world: World) -> None:
+    asked = process.ask(Sleeping(3600.0))
+    time.sleep(0.3)
+    asked.cancel()
+
+    with pytest.raises(PlanningError, match="stopped"):
+        asked.result()
+    assert isinstance(process.ask(request(world)).result().value.outcome, Plan)
+
+
+def test_a_process_that_is_killed_comes_back_and_the_request_is_answered(
+    process: PlanningProcess, world: World
+) -> None:
+    process.ask(Sleeping(0.0)).result()
+    before = process.pid
+    assert before is not None
+    asked = process.ask(Sleeping(1.0))
+    time.sleep(0.3)
+    os.kill(before, signal.SIGKILL)
+
+    assert asked.result().value > 0
+    assert isinstance(process.ask(request(world)).result().value.outcome, Plan)
+    assert process.pid not in (None, before)
+
+
+def test_what_cannot_travel_is_refused_by_name(process: PlanningProcess) -> None:
+    with pytest.raises(PlanningError, match=r"the request cannot be sent to the planning process: .*lock"):
+        process.ask(_Locked(threading.Lock()))
+
+
+@dataclass(frozen=True)
+class _Locked:
+    lock: object
+
+    def answer(self, _state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> None:
+        """Never reached."""
+
+
+def test_what_is_made_in_memory_travels(process: PlanningProcess) -> None:
+    class Local:
+        def answer(self, state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> bool:
+            return state.has("ball_1")
+
+    assert process.ask(Local()).result().value is True
+
+
+def test_what_breaks_is_a_fault_of_planning(process: PlanningProcess) -> None:
+    class Broken:
+        def answer(self, _state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> None:
+            raise ZeroDivisionError("of nothing")
+
+    with pytest.raises(PlanningError, match="planning broke: ZeroDivisionError: of nothing"):
+        process.ask(Broken()).result()
+
+
+def test_nothing_is_left_when_it_is_closed_in_the_middle_of_a_plan() -> None:
+    world = tiny_world()
+    process = PlanningProcess(world, partial(Planners, ("fast-downward",), _make))
+    process.ask(Sleeping(0.0)).result()
+    asked = process.ask(Sleeping(3600.0))
+    time.sleep(0.3)
+    started = psutil.Process(process.pid).children(recursive=True) if process.pid else []
+    assert started
+    process.close()
+
+    with pytest.raises(PlanningError, match="stopped"):
+        asked.result()
+    _, alive = psutil.wait_procs(started, timeout=5.0)
+    assert not alive
+
+
+# ------------------------------------------------------------------ the control thread
+
+MUCH = [f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_{'ab'[n % 2]} ." for n in range(2, 500)]
+
+
+def test_planning_at_500_parts_takes_less_than_2_ms_of_the_control_thread() -> None:
+    world = tiny_world(*MUCH)
+    asking = request(world)
+    used: list[float] = []
+
+    def taken(asked: Callable[[], object]) -> object:
+        started = time.thread_time()
+        answer = asked()
+        used.append(time.thread_time() - started)
+        return answer
+
+    with closing(PlanningProcess(world, make_planners)) as process:
+        for _ in range(3):
+            asked = taken(lambda: process.ask(asking))
+            assert isinstance(asked, Asked)
+            while not asked.done():
+                time.sleep(0.005)
+            answer = taken(asked.result)
+            assert isinstance(answer, Answer)
+            assert isinstance(answer.value.outcome, Plan)
+
+    assert max(used) < 0.002, used
+
+
+class Thinking:
+    """A planner that never answers."""
+
+    name = "thinking"
+    supports = FastDownward.supports
+    latency = 0.0
+
+    def solve(self, domain: str, problem: str) -> Thinking:
+        return self
+
+    def done(self) -> bool:
+        return False
+
+    def result(self) -> Solved:
+        raise AssertionError("it is never there")
+
+    def close(self) -> None:
+        """Nothing is under way."""
+
+
+def test_in_lockstep_simulated_time_stands_still_while_it_is_planned_and_a_stop_is_answered_at_once() -> None:
+    world, wished = tiny_world(), list[float]()
+    process = PlanningProcess(world, lambda: Planners.only(Thinking()))
+    with closing(process), Bench(world, planning=process) as bench:
+        task = bench.tasks.begin(bench.goal("In(ball_1, slot_1)"))
+
+        def stop() -> None:
+            wished.append(time.perf_counter())
+            task.stop("enough")
+
+        timer = threading.Timer(1.0, stop)
+        timer.start()
+        bench.cycle.step()
+        assert wished, "the first cycle lasts until a stop is wanted"
+        assert bench.time < 0.1
+        while not task.done:
+            bench.cycle.step()
+        late = time.perf_counter() - wished[0]
+
+    assert late < 0.5, "0.05 s on a machine with nothing else to do"
