@@ -4,6 +4,7 @@ from skiros_py.behaviours.assert_effects import AssertEffects
 from skiros_py.behaviours.check import Check
 from skiros_py.behaviours.do import Do
 from skiros_py.behaviours.document import DocumentFault, DocumentKind, PaletteEntry
+from skiros_py.behaviours.every import Every
 from skiros_py.behaviours.fallback import Fallback
 from skiros_py.behaviours.for_each import ForEach
 from skiros_py.behaviours.guard import Guard
@@ -24,6 +25,7 @@ __all__ = [
     "DocumentFault",
     "DocumentKind",
     "Edge",
+    "Every",
     "Fallback",
     "ForEach",
     "Guard",

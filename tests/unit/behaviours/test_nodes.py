@@ -13,6 +13,7 @@ from skiros_py.behaviours import (
     Behaviour,
     Check,
     Do,
+    Every,
     Fallback,
     ForEach,
     Guard,
@@ -348,3 +349,22 @@ def test_for_each_asks_of_it_what_must_hold_of_an_element() -> None:
         places = [e.text for e in bench.events if e.module == "arrive" and e.status is Status.STARTED]
 
     assert places == ["place=box_a", "place=box_a"]
+
+
+def test_a_child_at_a_lower_rate_is_ticked_once_in_its_period_and_ends_as_it_would() -> None:
+    assert ends_well(Every(0.05, step("slow", cycles=3))) == Success("")
+
+    first, *later = cycles("slow")
+    assert [cycle - first for cycle in later] == [10, 20]
+
+
+def test_a_child_at_a_lower_rate_is_cancelled_at_once_and_recovers() -> None:
+    outcome = outcome_of(Timeout(Every(0.05, step("slow", cycles=99)), 0.12))
+
+    assert outcome == Failure("took longer than 0.12 s")
+    assert texts()[-3:] == ["slow stops", "slow recovers", "slow recovers"]
+
+
+def test_a_period_is_above_zero() -> None:
+    with pytest.raises(DescriptionError, match="a time above 0 s"):
+        Every(0.0, step("x"))
