@@ -116,7 +116,7 @@ class Database:
             schema: Its tables.
             durable: True where what is committed has to outlive a power cut as well; each commit waits for the disk.
             shared: True where other processes may read what is committed meanwhile.
-            lookups: True where :meth:`looked_up` is used; others may then read, too. Nobody who commits waits then
+            lookups: True where :meth:`looked_up` is used; others may then read, too. Commits do not wait then
                 until the write-ahead log was worked into the file: a thread sees to that.
 
         Raises:
@@ -179,7 +179,7 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Lets nobody write while the block lasts: several queries in it see one state of the file."""
+        """Blocks writers while the block runs: several queries in it see one state of the file."""
         with self._guard:
             yield
 
@@ -194,7 +194,7 @@ class Database:
             return self._open().execute(sql, values).fetchall()
 
     def looked_up(self, sql: str, values: Sequence[object] = (), *, room: int | None = None) -> list[tuple[Any, ...]]:
-        """Returns the answer to a query that may take its time: whoever writes does not wait for it.
+        """Returns the answer to a slow query; writers do not wait for it.
 
         It sees all that was committed before, and nothing of a transaction that is going on.
 
@@ -265,7 +265,7 @@ class _Checkpoints:
     def __init__(self, path: Path) -> None:
         self._log = path.with_name(f"{path.name}-wal")
         self._connection = _connect(path)
-        _run(self._connection, "synchronous = FULL")  # the log is begun anew only when the file is on the disk
+        _run(self._connection, "synchronous = FULL")  # the log restarts only when the file is on the disk
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work, name="skiros-checkpoints", daemon=True)
         self._thread.start()
@@ -283,7 +283,7 @@ class _Checkpoints:
                     self._checkpoint()
 
     def _checkpoint(self) -> None:
-        """Works in what is there, and what came meanwhile: only then the log begins anew."""
+        """Writes the log, and what came meanwhile, into the file: only then the log restarts."""
         for _ in range(_ROUNDS):
             ((_, logged, done),) = self._connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchall()
             if logged == done:

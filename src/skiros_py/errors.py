@@ -21,7 +21,7 @@
     ├── Busy                  there is too much to do already: the same request may do later
     └── MissingSystemLibrary  a library that pip cannot install is absent
 
-Beside it stands Interruption: the platform breaks off what runs; nobody but the platform catches it.
+Beside it stands Interruption: the platform breaks off what runs; only the platform catches it.
 
 Expected outcomes ("no plan", "part not found", "condition does not hold") are values, never exceptions.
 """
@@ -76,7 +76,7 @@ class UsageError(SkirosError):
 
 
 class UnknownName(UsageError):
-    """A name that nobody knows.
+    """An unknown name.
 
     Attributes:
         kind: What was looked for, in the user's words ("scene", "condition", ...).

@@ -24,6 +24,7 @@ __all__ = [
 
 EXTRAS = {
     "physics": ("pybullet", "pinocchio", "open3d"),
+    "ontology": ("owlready2", "reasonable"),
     "server": ("fastapi", "uvicorn", "structlog"),
 }
 """Modules that tell whether an extra of the distribution is installed."""

@@ -134,7 +134,7 @@ def _mypy(folder: Path, text: str) -> tuple[str, int]:
 def test_a_misspelt_word_and_a_relation_where_a_class_is_wanted_fail_at_type_check_time(tmp_path: Path) -> None:
     good = (
         "from skiros_py.world.vocabulary import ARM, HELD_BY\n"
-        "from skiros_py.world.words import ClassName\n\nA: ClassName = {}\n"
+        "from skiros_py.world.names import ClassName\n\nA: ClassName = {}\n"
     )
 
     assert _mypy(tmp_path, good.format("ARM"))[1] == 0

@@ -6,13 +6,22 @@ from pathlib import Path
 import pytest
 
 from skiros_py import errors
-from skiros_py.errors import FileError, GoalSyntaxError, MissingSystemLibrary, SkirosError, UnknownName, WorldError
+from skiros_py.errors import (
+    FileError,
+    GoalSyntaxError,
+    MissingExtra,
+    MissingSystemLibrary,
+    SkirosError,
+    UnknownName,
+    WorldError,
+)
 
 EXAMPLES = [
     UnknownName("scene", "kiting", ["kitting", "empty"], where="on the command line"),
     GoalSyntaxError("In(", 4, "expected a name"),
     FileError(Path("a.ttl"), "is not Turtle", line=3),
     FileError(Path("a.ttl"), "is missing"),
+    MissingExtra("ontology", "entailment"),
     MissingSystemLibrary("open3d", "libGL.so.1", "libgl1"),
     WorldError("refused"),
 ]

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.world.element import Value
-from skiros_py.world.names import local_name
+from skiros_py.world.names import ClassName, local_name
 from skiros_py.world.vocabulary import APPLIES_TO
-from skiros_py.world.words import ClassName
 from skiros_py.world.world import World
 
 __all__ = ["keep", "other_class"]

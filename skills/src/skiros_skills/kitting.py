@@ -5,30 +5,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from skiros_py.world.words import ClassName, IndividualName
-
-__all__ = [
-    "ALTERNATOR",
-    "BOX",
-    "COMPARTMENT",
-    "COMPRESSOR",
-    "DOCKING_PLACE",
-    "KIT",
-    "PALLET",
-    "PARKING_PLACE",
-    "PART",
-    "RACK",
-    "RELAY_BOX",
-    "SHELF",
-    "STANDARD_KIT",
-    "STANDARD_KIT_A",
-    "STANDARD_KIT_B",
-    "STANDARD_KIT_C",
-    "STANDARD_KIT_D",
-    "STARTER",
-    "STORAGE_PLACE",
-    "TABLE",
-]
+from skiros_py.world.names import ClassName, IndividualName
 
 # ---------------------------------------------------------------- classes
 

@@ -6,8 +6,8 @@ import traceback
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from skiros_py.catalogue.callers import called_by, callers_of_broken
 from skiros_py.catalogue.catalogue import Catalogue
+from skiros_py.catalogue.clashes import called_by, callers_of_broken
 from skiros_py.errors import PlanningError
 from skiros_py.interruptions import by_user
 from skiros_py.planning.domain.actions import actions_of
@@ -23,7 +23,7 @@ __all__ = ["fitting"]
 def fitting(
     catalogue: Catalogue, ontology: Ontology, reasoners: Reasoners = NO_REASONERS, *, fake: bool | None = None
 ) -> Catalogue:
-    """Leaves out skills that cannot be used here; they are reported and hurt nobody else.
+    """Leaves out skills that cannot be used here; they are reported.
 
     A skill must use words that the ontology declares, relations that a reasoner computes and modules that exist and can
     themselves be used, and it must be possible to plan with it.
@@ -32,7 +32,7 @@ def fitting(
         catalogue: What was found.
         ontology: The words that there are.
         reasoners: What computes relations.
-        fake: True where only skills for fakes will be used, False where only the others: those that nobody will use are
+        fake: True where only skills for fakes will be used, False where only the others: those that are not used are
             left out unseen, and what they call is not loaded. None to look at all.
     """
     wanted = {n: s for n, s in catalogue.skills.items() if fake is None or fake == _is_fake(s)}

@@ -127,4 +127,4 @@ def _installed() -> tuple[Ontology | None, tuple[PluginFault, ...]]:
     try:
         return load_installed(ontology_paths())
     except FileError:
-        return None, ()  # no plug-in's fault, and said to whoever opens a scene
+        return None, ()  # no plug-in's fault, and reported when a scene is opened

@@ -74,7 +74,7 @@ def _of_files() -> Iterator[PluginFault]:
 
 
 def _hidden(name: str, entries: Sequence[Entry]) -> str | None:
-    """Returns why nobody can open a plug-in's scene by name, or None."""
+    """Returns why a plug-in's scene cannot be opened by name, or None."""
     if len(entries) > 1:
         return f"more than one plug-in has a scene '{name}': {' and '.join(map(str, entries))}; neither counts"
     own = (folder for folder in scene_paths() for suffix in SCENE_SUFFIXES if (folder / f"{name}{suffix}").is_file())

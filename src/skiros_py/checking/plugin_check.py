@@ -17,8 +17,8 @@ from skiros_py.checking.simulated import check_simulated, is_simulable
 from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import UnknownName
 from skiros_py.plugins import Entry, PluginFault, installation
-from skiros_py.plugins.frames import authors_line
 from skiros_py.plugins.installation import canonical
+from skiros_py.plugins.origin import authors_line
 from skiros_py.skills.lint import DOES_NOT_LOAD, RULES, Finding, Known, Rule, Severity, Spot, check, title
 from skiros_py.skills.lint.rules.calls import MISSING_PARAMETER
 from skiros_py.skills.skill import Skill

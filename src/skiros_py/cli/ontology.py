@@ -103,8 +103,7 @@ def constants(paths: tuple[Path, ...], namespaces: tuple[str, ...], output: Path
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def list_files(paths: tuple[Path, ...], as_json: bool) -> int:
     """Lists the files of PATHS with their IRIs and how much each declares."""
-    from skiros_py.world.ontology.documents import rdf_files, read_document
-    from skiros_py.world.ontology.inventory import inventory
+    from skiros_py.world.ontology.documents import inventory, rdf_files, read_document
 
     found = [inventory(read_document(path)) for path in rdf_files(_or_installed(paths))]
     if as_json:
@@ -121,7 +120,7 @@ def _or_installed(paths: tuple[Path, ...]) -> tuple[Path, ...]:
     if paths:
         return paths
     from skiros_py.config import ontology_paths
-    from skiros_py.world.ontology.installed import plugin_files
+    from skiros_py.world.ontology.ontology import plugin_files
 
     files, faults = plugin_files()
     for fault in faults:

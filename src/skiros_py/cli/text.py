@@ -18,7 +18,7 @@ def escaped(text: str) -> str:
 
 def brief(text: str) -> str:
     """Returns a text without the stack that follows it; in its place stands the author's line where that is from."""
-    from skiros_py.plugins.frames import authors_line  # help is there at once, without all that
+    from skiros_py.plugins.origin import authors_line  # help is there at once, without all that
 
     start = min((at for stack in _STACKS if (at := text.find(stack)) >= 0), default=-1)
     if start < 0:

@@ -117,7 +117,7 @@ class ServedWorld:
 
     def _whole(self, told: Told) -> Change:
         """Returns a change with all its edits."""
-        from skiros_py.world.journal.codec import decode_change
+        from skiros_py.world.journal.records import decode_change
 
         data, following = told.model_dump(), told.next
         while following is not None:

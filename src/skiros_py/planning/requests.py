@@ -23,8 +23,7 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.index import Index
 from skiros_py.world.overlay import FilteredView, Overlay
-from skiros_py.world.sensors import NO_SENSORS
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import NO_SENSORS, WorldView
 
 __all__ = [
     "Answer", "Asked", "Check", "Checked", "PlanRequest", "PlanningHost", "Request", "answered", "supposing",

@@ -1,14 +1,22 @@
 """Plug-ins by entry points: the built-ins use the same door as anyone's.
 
 They are found without importing any of them, and loaded when they are needed. One that fails to load is reported
-with its name, version, origin and traceback, and hurts nobody else.
+with its name, version, origin and traceback, and does not affect the others.
 """
 
 from skiros_py.plugins.files import files_of, folder_of
-from skiros_py.plugins.fits import OWN_NAME, misfit
-from skiros_py.plugins.installation import GROUPS, Installation, installation
-from skiros_py.plugins.lazy import LazyPlugins
-from skiros_py.plugins.loading import attempt, examined, fault_of, find_plugin, load, load_plugins, raised, unambiguous
+from skiros_py.plugins.installation import GROUPS, OWN_NAME, Installation, installation, misfit
+from skiros_py.plugins.loading import (
+    LazyPlugins,
+    attempt,
+    examined,
+    fault_of,
+    find_plugin,
+    load,
+    load_plugins,
+    raised,
+    unambiguous,
+)
 from skiros_py.plugins.origin import locate, origin_of
 from skiros_py.plugins.plugin import Distribution, Entry, Plugin, PluginFault
 

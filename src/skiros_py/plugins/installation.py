@@ -11,11 +11,13 @@ from email.message import Message
 from email.parser import HeaderParser
 from functools import lru_cache
 from importlib import metadata
+from importlib.metadata import version
 from pathlib import Path
 
 from skiros_py.plugins.plugin import Distribution, Entry, PluginFault
 
-__all__ = ["GROUPS", "Installation", "canonical", "installation"]
+__all__ = ["GROUPS", "OWN_NAME", "Installation", "canonical", "installation", "misfit"]
+
 
 _KINDS = (
     "skills", "primitives", "behaviours", "documents", "conditions", "reasoners", "planners", "devices", "drivers",
@@ -123,3 +125,48 @@ def _headers(source: metadata.Distribution) -> Message:
     except (OSError, ValueError):
         text = ""
     return HeaderParser().parsestr(text)
+
+
+# ---------------------------------------------------------------- fitting versions
+
+
+OWN_NAME = "skiros-py"
+"""Name of the distribution that this is."""
+_NAME = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9._-]*)(.*)", re.DOTALL)
+
+
+@lru_cache(maxsize=1024)  # asked for each entry point of a distribution
+def misfit(distribution: Distribution, own_version: str | None = None) -> str | None:
+    """Returns why a distribution does not go with this skiros-py, or None where it does, or does not say.
+
+    Args:
+        distribution: What may say in its metadata ``Requires-Dist: skiros-py>=0.1,<0.2``.
+        own_version: Version to compare with; that of the installed skiros-py where left out.
+    """
+    for text in distribution.requires:
+        match = _NAME.fullmatch(text)
+        # Most say nothing but the name; the library that reads the rest takes a while to import.
+        if match and canonical(match[1]) == OWN_NAME and match[2].strip():
+            problem = _problem(text, own_version or _own_version())
+            if problem:
+                return f"{problem}; install a release of {distribution.name} that fits, or such a {OWN_NAME}"
+    return None
+
+
+@lru_cache(maxsize=1)
+def _own_version() -> str:
+    return version(OWN_NAME)
+
+
+def _problem(text: str, own_version: str) -> str | None:
+    from packaging.requirements import InvalidRequirement, Requirement
+
+    try:
+        requirement = Requirement(text)
+    except InvalidRequirement:
+        return f"its metadata require '{text}', which is no requirement (such as '{OWN_NAME}>=0.1,<0.2')"
+    if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
+        return None
+    if requirement.specifier.contains(own_version, prereleases=True):
+        return None
+    return f"it is made for {OWN_NAME}{requirement.specifier}, and this is {OWN_NAME} {own_version}"

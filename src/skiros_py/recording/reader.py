@@ -39,9 +39,8 @@ from skiros_py.errors import FileError, UsageError
 from skiros_py.recording.foxglove import Json
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
-from skiros_py.world.journal.codec import decode_change
-from skiros_py.world.journal.content import Content
-from skiros_py.world.journal.snapshot import read_piece
+from skiros_py.world.journal.records import decode_change
+from skiros_py.world.journal.snapshot import Content, read_piece
 
 __all__ = ["DEVICES", "RUNS", "SUFFIX", "Frame", "Picture", "Recording", "find_recording", "nanoseconds"]
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from skiros_py.ports.signals import SignalReader
-from skiros_py.world.sensors import Reading
+from skiros_py.world.view import Reading
 
 __all__ = ["SignalSensors"]
 
 
 class SignalSensors:
-    """The :class:`~skiros_py.world.sensors.Sensors` of a cell: a device's quantity is the signal "device.quantity"."""
+    """The :class:`~skiros_py.world.view.Sensors` of a cell: a device's quantity is the signal "device.quantity"."""
 
     def __init__(self, signals: SignalReader) -> None:
         self._signals = signals

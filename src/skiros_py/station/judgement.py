@@ -53,7 +53,7 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
     types = {body.id: body.type for body in spec.bodies}
     for body in placements.keys() & types.keys():
         if not view.has(body):  # in stock, or taken from there: nobody can tell as which individual
-            real.enlarge(Element(body, types[body], body))
+            real.extend(Element(body, types[body], body))
     for part in real.instances(MANIPULATABLE):
         place = placements.get(part)
         if place is None:

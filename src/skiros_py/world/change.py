@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, ClassVar, Self
 
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Element, Placement, Value
@@ -28,60 +28,58 @@ class Writer(StrEnum):
     """The platform itself: a scene is loaded, a skill manager registers."""
 
 
+class _Edit:
+    """What the kinds of edit share: each has an ``old`` and a ``new`` side."""
+
+    __slots__ = ()
+    kind: ClassVar[str]
+
+    def marks(self) -> tuple[str, ...]:
+        """Returns the elements that it changes."""
+        return (self.element,)  # type: ignore[attr-defined]  # edits of other things override this
+
+    def concerns(self) -> tuple[str, ...]:
+        """Returns the elements that it changes or where it puts them."""
+        return self.marks()
+
+    def inverse(self) -> Self:
+        """Returns the edit that takes it back."""
+        return replace(self, old=self.new, new=self.old)  # type: ignore[type-var,attr-defined]
+
+    def as_json(self) -> _Json:
+        """Returns plain data."""
+        return {"edit": self.kind, **{field.name: _plain(getattr(self, field.name)) for field in fields(self)}}  # type: ignore[arg-type]
+
+
 @dataclass(frozen=True, slots=True)
-class ElementEdit:
+class ElementEdit(_Edit):
     """An element came (``old`` is None, ``new`` has its first properties) or went (``new`` is None)."""
 
+    kind: ClassVar = "element"
     element: str
     old: Element | None
     new: Element | None
 
-    def marks(self) -> tuple[str, ...]:
-        """Returns the elements that it changes."""
-        return (self.element,)
-
-    def concerns(self) -> tuple[str, ...]:
-        """Returns the elements that it changes or where it puts them."""
-        return (self.element,)
-
-    def inverse(self) -> ElementEdit:
-        """Returns the edit that takes it back."""
-        return ElementEdit(self.element, self.new, self.old)
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        return {"edit": "element", "element": self.element, "old": _element(self.old), "new": _element(self.new)}
-
 
 @dataclass(frozen=True, slots=True)
-class PlacementEdit:
+class PlacementEdit(_Edit):
     """An element moved; ``old`` is None for one that has just come, ``new`` for one that goes."""
 
+    kind: ClassVar = "placement"
     element: str
     old: Placement | None
     new: Placement | None
-
-    def marks(self) -> tuple[str, ...]:
-        """Returns the elements that it changes."""
-        return (self.element,)
 
     def concerns(self) -> tuple[str, ...]:
         """Returns the elements that it changes or where it puts them."""
         return (self.element, *(placement.place for placement in (self.old, self.new) if placement))
 
-    def inverse(self) -> PlacementEdit:
-        """Returns the edit that takes it back."""
-        return PlacementEdit(self.element, self.new, self.old)
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        return {"edit": "placement", "element": self.element, "old": _place(self.old), "new": _place(self.new)}
-
 
 @dataclass(frozen=True, slots=True)
-class RelationEdit:
+class RelationEdit(_Edit):
     """A relation (of any family but placement) came to hold or ceased to."""
 
+    kind: ClassVar = "relation"
     subject: str
     relation: str
     object: str
@@ -92,69 +90,29 @@ class RelationEdit:
         """Returns the elements that it changes."""
         return (self.subject, self.object)
 
-    def concerns(self) -> tuple[str, ...]:
-        """Returns the elements that it changes or where it puts them."""
-        return (self.subject, self.object)
-
-    def inverse(self) -> RelationEdit:
-        """Returns the edit that takes it back."""
-        return RelationEdit(self.subject, self.relation, self.object, self.new, self.old)
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        ends = {"subject": self.subject, "relation": self.relation, "object": self.object}
-        return {"edit": "relation", **ends, "old": self.old, "new": self.new}
-
 
 @dataclass(frozen=True, slots=True)
-class PropertyEdit:
+class PropertyEdit(_Edit):
     """An element's own value of a property changed; None is "no own value". ``rdfs:label`` counts as a property."""
 
+    kind: ClassVar = "property"
     element: str
     property: str
     old: Value | None
     new: Value | None
 
-    def marks(self) -> tuple[str, ...]:
-        """Returns the elements that it changes."""
-        return (self.element,)
-
-    def concerns(self) -> tuple[str, ...]:
-        """Returns the elements that it changes or where it puts them."""
-        return (self.element,)
-
-    def inverse(self) -> PropertyEdit:
-        """Returns the edit that takes it back."""
-        return PropertyEdit(self.element, self.property, self.new, self.old)
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        what = {"element": self.element, "property": self.property}
-        return {"edit": "property", **what, "old": _value(self.old), "new": _value(self.new)}
-
 
 @dataclass(frozen=True, slots=True)
-class GoalsEdit:
+class GoalsEdit(_Edit):
     """The goals that go with the scene became others (texts, sorted)."""
 
+    kind: ClassVar = "goals"
     old: tuple[str, ...]
     new: tuple[str, ...]
 
     def marks(self) -> tuple[str, ...]:
         """Returns the elements that it changes: none."""
         return ()
-
-    def concerns(self) -> tuple[str, ...]:
-        """Returns the elements that it changes or where it puts them: none."""
-        return ()
-
-    def inverse(self) -> GoalsEdit:
-        """Returns the edit that takes it back."""
-        return GoalsEdit(self.new, self.old)
-
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        return {"edit": "goals", "old": list(self.old), "new": list(self.new)}
 
 
 Edit = ElementEdit | PlacementEdit | RelationEdit | PropertyEdit | GoalsEdit
@@ -199,18 +157,14 @@ class Change:
         }
 
 
-def _element(element: Element | None) -> _Json | None:
-    if element is None:
-        return None
-    properties = {name: _value(element.properties[name]) for name in sorted(element.properties)}
-    return {"id": element.id, "type": element.type, "label": element.label, "properties": properties}
-
-
-def _place(placement: Placement | None) -> _Json | None:
-    return None if placement is None else {"relation": placement.relation, "place": placement.place}
-
-
-def _value(value: Value | None) -> object:
+def _plain(value: Element | Placement | Value | None) -> object:
+    if isinstance(value, tuple):
+        return list(value)
     if isinstance(value, Pose):
         return {"position": list(value.position), "orientation": list(value.orientation)}
-    return list(value) if isinstance(value, tuple) else value
+    if isinstance(value, Placement):
+        return {"relation": value.relation, "place": value.place}
+    if isinstance(value, Element):
+        properties = {name: _plain(value.properties[name]) for name in sorted(value.properties)}
+        return {"id": value.id, "type": value.type, "label": value.label, "properties": properties}
+    return value

@@ -15,6 +15,7 @@ from skiros_py.world.vocabulary import POSE, POSE_FRAME
 if TYPE_CHECKING:
     from skiros_py.world.transaction import Transaction
     from skiros_py.world.view import WorldView
+from skiros_py.world.terms import reached
 
 __all__ = ["Draft", "add_draft", "draft_of", "instantiate", "learn"]
 
@@ -51,14 +52,7 @@ class Draft:
 
     def all(self) -> list[Draft]:
         """Returns this draft and all that are reached from it, each once, in the order in which they are added."""
-        met: dict[Draft, None] = {}
-        waiting = [self]
-        while waiting:
-            draft = waiting.pop()
-            if draft not in met:
-                met[draft] = None
-                waiting += [to for _, to in reversed(draft.relations) if isinstance(to, Draft)]
-        return list(met)
+        return list(reached([self], lambda draft: (to for _, to in draft.relations if isinstance(to, Draft))))
 
 
 def add_draft(tx: Transaction, draft: Draft, *, learned: bool = False) -> dict[Draft, str]:

@@ -8,9 +8,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.world.datatype import Datatype, check_length
 from skiros_py.world.element import Value
-from skiros_py.world.xsd import XSD_DATATYPES, check_number, check_string
+from skiros_py.world.xsd import XSD_DATATYPES, Datatype, check_length, check_number, check_string
 
 __all__ = [
     "ANY_LITERAL",
@@ -49,7 +48,7 @@ def parse_value(text: str, literal_type: str, range_: str) -> Value:
 
 
 def any_value(text: str, literal_type: str) -> Value:
-    """Reads a literal that nobody has checked: the text itself where it is no value of its type."""
+    """Reads an unchecked literal: the text itself where it is no value of its type."""
     if literal_type not in DATATYPES or literal_type == ANY_LITERAL:
         return text
     try:

@@ -72,7 +72,7 @@ class Locks:
 
         Raises:
             Locked: Somebody else has one of them, or what it is a piece of, or one of its pieces.
-            UsageError: The time is none, or too long, nobody wants them, or there is no such element.
+            UsageError: The time is not positive or too long, there is no owner, or there is no such element.
         """
         if not isinstance(seconds, int | float) or not 0.0 < seconds <= _LONGEST:
             raise UsageError(f"a lock lasts more than 0 s and at most {_LONGEST:.0f} s, not {seconds!r}")
@@ -110,7 +110,7 @@ class Locks:
             return tuple(self._locks[name] for name in sorted(self._locks))
 
     def unchanged(self) -> AbstractContextManager[bool]:
-        """Lets nobody take or give back a lock while its 'with' block runs: what was found unlocked stays so."""
+        """Keeps all locks as they are while its 'with' block runs."""
         return self._guard
 
     def problems(self, elements: Iterable[str], owner: str) -> Sequence[str]:

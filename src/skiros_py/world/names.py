@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import NewType
 
 from skiros_py.errors import UnknownName
 
@@ -14,10 +15,15 @@ __all__ = [
     "SCENE",
     "SCENE_GRAPH",
     "STANDARD_PREFIXES",
+    "ClassName",
+    "IndividualName",
     "Names",
+    "PropertyName",
+    "RelationName",
     "local_name",
     "split_iri",
 ]
+
 
 CORE = "https://w3id.org/skiros-py/core#"
 """Namespace of the upper ontology (prefix ``sk:``)."""
@@ -94,3 +100,19 @@ class Names:
 
     def __reduce__(self) -> tuple[type[Names], tuple[dict[str, str]]]:
         return Names, (dict(self.prefixes),)
+
+
+# ---------------------------------------------------------------- types of ontology terms
+
+
+ClassName = NewType("ClassName", str)
+"""CURIE of a class ("kitting:Starter")."""
+
+RelationName = NewType("RelationName", str)
+"""CURIE of a relation between elements ("sk:heldBy")."""
+
+PropertyName = NewType("PropertyName", str)
+"""CURIE of a property of elements ("sk:mass")."""
+
+IndividualName = NewType("IndividualName", str)
+"""CURIE of an individual that an ontology describes."""

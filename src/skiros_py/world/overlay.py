@@ -8,7 +8,7 @@ from typing import Self
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import with_value
-from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
+from skiros_py.world.reasoners.registry import computed_objects, computed_subjects
 from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family
 from skiros_py.world.view import ForwardingView, WorldView
@@ -218,7 +218,7 @@ class ExtendedView(Overlay):
         super().__init__(base)
         self._more: dict[str, str] = {}
 
-    def enlarge(self, element: Element, placement: Placement | None = None) -> None:
+    def extend(self, element: Element, placement: Placement | None = None) -> None:
         """Supposes one more element.
 
         Args:

@@ -31,7 +31,7 @@ def map_pose(view: WorldView, element: str) -> Pose | None:
 def pose_in(view: WorldView, element: str, frame: str | None) -> Pose | None:
     """Returns an element's pose in the frame of another (None: in the map), or None where it is not known.
 
-    It is known where both hang on a common frame, though nobody knows where that is (a gripper that moves).
+    It is known where both hang on a common frame, even if the pose of that frame is not known (a gripper that moves).
 
     Raises:
         UnknownName: There is no such element or frame.
@@ -57,7 +57,7 @@ def attach(tx: Transaction, element: str, frame: str | None) -> None:
     """Lets an element stay where it is, and from now on move with another (None: with none, it stays in the map).
 
     Raises:
-        WorldError: Nobody knows where it is in that frame.
+        WorldError: Its pose in that frame is not known.
     """
     pose = pose_in(tx.view, element, frame)
     if pose is None:

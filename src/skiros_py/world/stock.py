@@ -60,7 +60,7 @@ class Stocked(ExtendedView):
             self.short = self.short or len(names) < stock.count
             for name in names:
                 label = f"{local_name(stock.class_)} of {base.element(stock.id).label}"
-                self.enlarge(Element(name, stock.class_, label), stock.placement)
+                self.extend(Element(name, stock.class_, label), stock.placement)
 
 
 def stocks(view: WorldView) -> tuple[Stock, ...]:

@@ -2,11 +2,69 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from graphlib import CycleError, TopologicalSorter
+from types import MappingProxyType
+from typing import Literal, TypeVar
 
-__all__ = ["Cardinality", "Class", "End", "Family", "Filler", "PlaceEnd", "Property", "Relation"]
+__all__ = [
+    "DECLARES",
+    "MOST_ABOVE",
+    "Cardinality",
+    "Class",
+    "End",
+    "Family",
+    "Filler",
+    "Kind",
+    "PlaceEnd",
+    "Property",
+    "Relation",
+    "closure",
+    "cycle",
+    "inverse",
+    "reached",
+    "too_deep",
+]
+
+
+class Kind(StrEnum):
+    """What a term may be declared as; the value is what people call it."""
+
+    CLASS = "class"
+    RELATION = "relation"
+    PROPERTY = "property"
+    ANNOTATION = "annotation property"
+    DATATYPE = "data type"
+
+
+DECLARES: Mapping[str, Kind] = MappingProxyType(
+    {
+        "owl:Class": Kind.CLASS,
+        "rdfs:Class": Kind.CLASS,
+        "owl:ObjectProperty": Kind.RELATION,
+        # These can be of object properties only, and older tools write nothing else.
+        "owl:InverseFunctionalProperty": Kind.RELATION,
+        "owl:TransitiveProperty": Kind.RELATION,
+        "owl:SymmetricProperty": Kind.RELATION,
+        "owl:AsymmetricProperty": Kind.RELATION,
+        "owl:ReflexiveProperty": Kind.RELATION,
+        "owl:IrreflexiveProperty": Kind.RELATION,
+        "owl:DatatypeProperty": Kind.PROPERTY,
+        "owl:AnnotationProperty": Kind.ANNOTATION,
+        "owl:OntologyProperty": Kind.ANNOTATION,
+        "rdf:Property": Kind.ANNOTATION,
+        "rdfs:Datatype": Kind.DATATYPE,
+    }
+)
+"""What a type (CURIE) makes of a term."""
+
+
+# ---------------------------------------------------------------- declared terms
+
+
+_T = TypeVar("_T", bound=Hashable)
 
 PlaceEnd = Literal["subject", "object"]
 
@@ -100,7 +158,7 @@ class Relation:
         domains, ranges: What the subject and the object must be.
         family: What it is for.
         place_end: For a placement, the end that is the place; None for the others.
-        functional: True when a subject has at most one object; relating it anew replaces the old one.
+        functional: True when a subject has at most one object; a new object replaces the old one.
         inverse: The relation that says the same from the other end, or None.
         inverse_functional: True when an object has at most one subject.
         symmetric, transitive: As OWL means them; computed by reasoners only.
@@ -157,3 +215,60 @@ class Property:
 
 def _only(end: End) -> str | None:
     return end[0][0] if len(end) == 1 and len(end[0]) == 1 else None
+
+
+# ---------------------------------------------------------------- hierarchies
+
+
+MOST_ABOVE = 500
+"""Terms that may be above another: a chain of so many levels was made by no person, and costs its square."""
+
+
+def reached(start: Iterable[_T], onward: Callable[[_T], Iterable[_T]]) -> tuple[_T, ...]:
+    """Returns the start and all that is reached from it, depth first, each once."""
+    found: dict[_T, None] = {}
+    waiting = list(start)[::-1]
+    while waiting:
+        current = waiting.pop()
+        if current not in found:
+            found[current] = None
+            waiting.extend(reversed(tuple(onward(current))))
+    return tuple(found)
+
+
+def closure(above: Mapping[str, Sequence[str]], name: str) -> tuple[str, ...]:
+    """Returns a name and all above it, depth first, each once."""
+    return reached([name], lambda current: above.get(current, ()))
+
+
+def cycle(above: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """Returns names each of which is below the next, the last being the first again; nothing where there is none."""
+    try:
+        TopologicalSorter(above).prepare()
+    except CycleError as error:
+        return tuple(reversed(error.args[1]))
+    return ()
+
+
+def too_deep(above: Mapping[str, Sequence[str]]) -> str | None:
+    """Returns the first name with more than :data:`MOST_ABOVE` above it, or None where there is none."""
+    return next((name for name in above if _has_many(above, name)), None)
+
+
+def _has_many(above: Mapping[str, Sequence[str]], name: str) -> bool:
+    reached = {name}
+    waiting = [name]
+    while waiting and len(reached) <= MOST_ABOVE + 1:
+        new = [upper for upper in above.get(waiting.pop(), ()) if upper not in reached]
+        reached.update(new)
+        waiting.extend(new)
+    return len(reached) > MOST_ABOVE + 1
+
+
+def inverse(lines: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    """Returns for each name itself and all below it, sorted after the first, given each with all above it."""
+    below: dict[str, list[str]] = {name: [name] for name in lines}
+    for name in sorted(lines):
+        for above in lines[name][1:]:
+            below[above].append(name)
+    return {name: tuple(names) for name, names in below.items()}

@@ -20,11 +20,10 @@ from skiros_py.world.element import Element, Placement, Value, is_abstract
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index, with_value
 from skiros_py.world.names import local_name
-from skiros_py.world.removal import remove
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import COMPUTED, LABEL, PLACEMENT, STRUCTURE
-from skiros_py.world.workspace import Workspace
+from skiros_py.world.workspace import Workspace, remove
 
 __all__ = ["Transaction"]
 
@@ -219,7 +218,7 @@ class Transaction:
         self._put_new(edit.element, edit.new.type, {**edit.new.properties, LABEL: edit.new.label})
 
     def _holds_guests(self, element_id: str) -> bool:
-        """What is learned may be nowhere, so nobody else would say that it was left so."""
+        """Learned elements need no placement, so no later check reports that one lost it."""
         learned = [guest for guest in self._view.contents(element_id) if is_abstract(guest)]
         self._problems += [(guest, f"{guest} is placed in {element_id}, which would be gone") for guest in learned]
         return bool(learned)
@@ -265,7 +264,7 @@ class Transaction:
 
 
 _ENOUGH = 1000
-"""After so many faults the rest of a write is not looked at: it is refused, and nobody reads more."""
+"""After so many faults the rest of a write is not checked: it is refused anyway."""
 _MOST_SHOWN = 20
 _LONGEST_SHOWN = 1000
 

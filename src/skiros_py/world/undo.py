@@ -45,7 +45,7 @@ def undo(world: World, author: str, *, expects: int | None = None, holder: str =
         raise WorldError(f"there is nothing to undo: no edit by a person that was not undone already{since}")
     reason = f"undoes change {last.number}: {last.reason}"
     with world.transaction(author, reason, writer=Writer.PERSON, undoes=last.number, holder=holder) as tx:
-        _check(last, world.log.about(subjects_of(last), after=last.number))  # in here nobody else writes
+        _check(last, world.log.about(subjects_of(last), after=last.number))  # no one else can write inside the block
         tx.apply([edit.inverse() for edit in reversed(last.edits)])
     if tx.change is None:
         raise WorldError(f"change {last.number} ({last.author}: {last.reason}) has no effect left that could be undone")

@@ -6,13 +6,39 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from skiros_py.world.element import Element, Placement, Value
-from skiros_py.world.sensors import NO_SENSORS, Sensors
 
 if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.reasoners.registry import Reasoners
 
-__all__ = ["ForwardingView", "WorldView"]
+__all__ = ["NO_SENSORS", "ForwardingView", "NoSensors", "Reading", "Sensors", "WorldView"]
+
+
+Reading = float | bool
+"""What a sensor says."""
+
+
+class Sensors(Protocol):
+    """Reads devices by the ids of their individuals."""
+
+    def read(self, device: str, quantity: str) -> Reading | None:
+        """Returns what a device says of a quantity ("gap", "force", "still", "x") in this cycle, or None if nothing."""
+        ...
+
+
+class NoSensors:
+    """Where nothing can be sensed: snapshots and suppositions, worlds without a robot."""
+
+    def read(self, device: str, quantity: str) -> Reading | None:  # noqa: ARG002 - the port's signature
+        """Returns None."""
+        return None
+
+
+NO_SENSORS = NoSensors()
+"""Nothing is sensed here."""
+
+
+# ---------------------------------------------------------------- views
 
 
 class WorldView(Protocol):

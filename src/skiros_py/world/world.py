@@ -21,9 +21,8 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import ChangeLog, Past
 from skiros_py.world.reasoners.reasoner import Proposal
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
-from skiros_py.world.sensors import NO_SENSORS, Sensors
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.view import ForwardingView
+from skiros_py.world.view import NO_SENSORS, ForwardingView, Sensors
 from skiros_py.world.vocabulary import STRUCTURE
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ class World(ForwardingView):
     Attributes:
         clock: Gives the time [s, simulated] that changes are stamped with; may be replaced.
         locks: Which elements only one person or job may edit.
-        sensors: What devices say in this cycle; may be replaced, by whoever brings up the devices.
+        sensors: What devices say in this cycle; replaced when devices are brought up.
     """
 
     sensors: Sensors = NO_SENSORS
@@ -168,7 +167,7 @@ class World(ForwardingView):
     def subscribe(self, callback: Callable[[Change], None]) -> Callable[[], None]:
         """Has each later change told to ``callback``, in order, after it is visible; returns what ends that.
 
-        A callback that raises is logged and hurts nobody else. It may write: others are told of that afterwards. It
+        A callback that raises is logged. It may write: others are told of that afterwards. It
         runs in the thread that wrote, so it should be quick, and must never wait for another thread that writes.
         """
         key = next(self._subscriptions)

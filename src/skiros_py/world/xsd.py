@@ -5,13 +5,50 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from decimal import Decimal
 from types import MappingProxyType
 
-from skiros_py.world.datatype import Datatype, check_length
 from skiros_py.world.element import Value
 
-__all__ = ["XSD_DATATYPES", "check_number", "check_string"]
+__all__ = ["LONGEST_TEXT", "XSD_DATATYPES", "Datatype", "check_length", "check_number", "check_string"]
+
+
+LONGEST_TEXT = 64 * 1024
+"""Characters that one literal may have: what is longer belongs into a file of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Datatype:
+    """One kind of value that a property may have.
+
+    Attributes:
+        says: What a value looks like, for messages.
+        accepts: CURIEs of the literal types that it is read from.
+        check: Returns the value in its own form, or raises ValueError where it is none.
+        parse: Reads the text of a literal.
+        format: Writes it; numbers are the same after reading again, poses to 1e-9.
+    """
+
+    says: str
+    accepts: frozenset[str]
+    check: Callable[[object], Value]
+    parse: Callable[[str], Value]
+    format: Callable[[Value], str]
+
+
+def check_length(text: str) -> str:
+    """Returns the text.
+
+    Raises:
+        ValueError: It is longer than a literal may be.
+    """
+    if len(text) > LONGEST_TEXT:
+        raise ValueError(f"a text may have {LONGEST_TEXT} characters, and this has {len(text)}")
+    return text
+
+
+# ---------------------------------------------------------------- the data types
 
 
 def check_string(value: object) -> str:

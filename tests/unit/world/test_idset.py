@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.world.idset import EMPTY, IdSet
+from skiros_py.world.ids import EMPTY, IdSet
 
 NAMES = [f"part_{number}" for number in range(80)]
 steps = st.lists(st.tuples(st.sampled_from(NAMES), st.booleans()), max_size=200)

@@ -11,8 +11,7 @@ from skiros_py.skills.conditions import Exists, Related
 from skiros_py.skills.conditions.reads import ReadingView
 from skiros_py.testing import tiny_world
 from skiros_py.world.overlay import FilteredView, Overlay
-from skiros_py.world.sensors import NO_SENSORS
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import NO_SENSORS, WorldView
 
 WORLD = tiny_world(
     *(f"scene:ball_{n} a tiny:{'Red' * (n % 3 == 0)}Ball ; sk:in scene:box_a ." for n in range(100, 180))

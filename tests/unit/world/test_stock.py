@@ -147,7 +147,7 @@ def test_names_for_people_count_tokens_by_stock() -> None:
 def test_pages_of_an_enlarged_world_give_every_instance_once_in_order(page: int, more: int) -> None:
     view = ExtendedView(tiny_world(*(f"scene:ball_{n} a tiny:Ball ; sk:in scene:box_b ." for n in range(2, 7))))
     for number in range(more):
-        view.enlarge(Element(f"ball_{number}#", "tiny:RedBall", "-"), Placement("sk:in", "box_a"))
+        view.extend(Element(f"ball_{number}#", "tiny:RedBall", "-"), Placement("sk:in", "box_a"))
 
     found, last = [], ""
     while some := view.some_instances("tiny:Ball", page, last):

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skiros_py.geometry import Pose
-from skiros_py.world.datatype import LONGEST_TEXT
 from skiros_py.world.element import Value
 from skiros_py.world.literals import DATATYPES, any_value, format_value, literal_type, parse_value
+from skiros_py.world.xsd import LONGEST_TEXT
 
 GOOD = [
     ("xsd:integer", "-12", -12),

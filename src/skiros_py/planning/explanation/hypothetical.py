@@ -25,7 +25,7 @@ class HypotheticalView(ExtendedView):
         name = f"new_{local_name(class_).lower()}_{len(self.further) + 1}"
         while self.has(name):
             name += "_"
-        self.enlarge(Element(name, class_, name))
+        self.extend(Element(name, class_, name))
         return name
 
     def remove(self, element: str) -> None:

@@ -8,11 +8,10 @@ from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, 
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.index import Index
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.reasoners.computed import computed_objects, computed_subjects
-from skiros_py.world.sensors import Sensors
+from skiros_py.world.reasoners.registry import computed_objects, computed_subjects
 from skiros_py.world.taught import TEACHABLE, lessons
 from skiros_py.world.terms import Family
-from skiros_py.world.view import ForwardingView
+from skiros_py.world.view import ForwardingView, Sensors
 
 __all__ = ["Key", "ReadingView", "touched_by"]
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from skiros_py.skills.conditions.comparison import Comparison, Constant, Operator
 from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern
 from skiros_py.skills.conditions.verdict import Verdict
-from skiros_py.world.sensors import NO_SENSORS
-from skiros_py.world.view import WorldView
+from skiros_py.world.view import NO_SENSORS, WorldView
 
 __all__ = ["Sensor", "is_sensed"]
 

@@ -12,12 +12,12 @@ from typing import Self
 from skiros_py.errors import FileError
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.journal.journal import Journal
-from skiros_py.world.journal.learned_file import LearnedFile
 from skiros_py.world.journal.lock import DirectoryLock
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import Past
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.scene import load_scene
+from skiros_py.world.scene.learned import LearnedFile
 from skiros_py.world.world import World
 
 __all__ = ["DataDirectory", "make_folder"]

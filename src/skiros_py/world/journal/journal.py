@@ -5,19 +5,19 @@ from __future__ import annotations
 import json
 import logging
 import os
+import threading
 import time
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from skiros_py.database import Database
 from skiros_py.errors import FileError, UsageError, WorldError
 from skiros_py.world.change import Change, Edit
-from skiros_py.world.garbage import collection_paused
 from skiros_py.world.ids import Ids
-from skiros_py.world.index import Index
-from skiros_py.world.journal.content import Content
-from skiros_py.world.journal.recent import Recent
+from skiros_py.world.index import Index, collection_paused
 from skiros_py.world.journal.records import (
+    SCHEMA,
     Entry,
     Head,
     delete_from,
@@ -28,11 +28,54 @@ from skiros_py.world.journal.records import (
     select_edits,
     select_heads,
 )
-from skiros_py.world.journal.schema import SCHEMA
-from skiros_py.world.journal.snapshot import read_piece, snapshot_pieces
+from skiros_py.world.journal.snapshot import Content, read_piece, snapshot_pieces
 from skiros_py.world.past import Past
 
-__all__ = ["Journal"]
+__all__ = ["Journal", "Recent"]
+
+
+_MOST_CHANGES = 10_000
+_MOST_EDITS = 100_000
+
+
+class Recent:
+    """The changes up to a version, as many as are few; any thread may ask.
+
+    Args:
+        version: Number of the last change so far.
+    """
+
+    def __init__(self, version: int) -> None:
+        self._guard = threading.Lock()
+        self._version = version
+        self._changes: deque[Change] = deque()
+        self._edits = 0
+
+    @property
+    def version(self) -> int:
+        """Number of the last change."""
+        return self._version
+
+    def add(self, change: Change) -> None:
+        """Takes the next change, and forgets the oldest where there are too many; the last one is always there."""
+        with self._guard:
+            self._changes.append(change)
+            self._edits += len(change.edits)
+            while len(self._changes) > 1 and (len(self._changes) > _MOST_CHANGES or self._edits > _MOST_EDITS):
+                self._edits -= len(self._changes.popleft().edits)
+            self._version = change.number
+
+    def since(self, version: int) -> tuple[Change, ...] | None:
+        """Returns the changes after a version, in order; None where some of them are not here any more."""
+        with self._guard:
+            wanted = self._version - version
+            if wanted > len(self._changes):
+                return None
+            return tuple(self._changes[at] for at in range(-wanted, 0))
+
+
+# ---------------------------------------------------------------- the journal
+
 
 _log = logging.getLogger(__name__)
 
@@ -101,7 +144,7 @@ class Journal:
             )
         unsure, self._unsure = self._unsure, True
         with self._database.transaction() as connection:
-            if unsure:  # the last time was broken off, perhaps just after the file had it: nobody was told so
+            if unsure:  # the last write was cut off, perhaps once it was in the file, and never acknowledged
                 delete_from(connection, self.version + 1)
             for change in changes:
                 insert(connection, change, time.time())

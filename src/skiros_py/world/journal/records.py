@@ -2,28 +2,221 @@
 
 from __future__ import annotations
 
+import json
 import sqlite3
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
-from skiros_py.database import Database
+from skiros_py.database import Database, Schema
 from skiros_py.errors import FileError
-from skiros_py.world.change import Change, Edit, ElementEdit
-from skiros_py.world.journal.codec import LONGEST_PART, decode_change, decode_edits, encode_change
+from skiros_py.geometry import Pose
+from skiros_py.world.change import (
+    Change,
+    Edit,
+    ElementEdit,
+    GoalsEdit,
+    PlacementEdit,
+    PropertyEdit,
+    RelationEdit,
+    Writer,
+)
+from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.past import subjects_of
 
 __all__ = [
+    "LONGEST_PART",
+    "SCHEMA",
     "Entry",
     "Head",
+    "decode_change",
+    "decode_edits",
     "delete_from",
     "delete_until",
+    "encode_change",
+    "encode_edits",
     "insert",
+    "parts",
     "select",
     "select_after",
     "select_edits",
     "select_heads",
 ]
+
+
+_CHANGES = """
+CREATE TABLE changes (
+    number INTEGER PRIMARY KEY,
+    wall REAL NOT NULL,         -- when it was written [s since 1970]
+    writer TEXT NOT NULL,
+    undoes INTEGER,
+    more INTEGER NOT NULL,      -- how many texts of further edits there are
+    data TEXT NOT NULL
+);
+CREATE INDEX changes_by_people ON changes (number) WHERE writer = 'person' OR undoes IS NOT NULL;
+CREATE TABLE more_edits (
+    number INTEGER NOT NULL,
+    part INTEGER NOT NULL,
+    edits TEXT NOT NULL,
+    UNIQUE (number, part)
+);
+CREATE TABLE snapshot (
+    part INTEGER PRIMARY KEY,
+    version INTEGER NOT NULL,
+    edits TEXT NOT NULL,        -- what leads from nothing to the state
+    stamps TEXT NOT NULL        -- the last change of each element, and when
+);
+CREATE TABLE given_ids (id TEXT PRIMARY KEY) WITHOUT ROWID;
+"""
+
+_MARKS = """
+CREATE TABLE marks (
+    element TEXT NOT NULL,      -- '' stands for the goals
+    number INTEGER NOT NULL,
+    PRIMARY KEY (element, number)
+) WITHOUT ROWID;
+CREATE TEMP VIEW edits AS
+    SELECT changes.number AS number, edit.value AS edit FROM changes, json_each(changes.data, '$.edits') AS edit
+    UNION ALL
+    SELECT more_edits.number, edit.value FROM more_edits, json_each(more_edits.edits) AS edit;
+INSERT OR IGNORE INTO marks SELECT json_extract(edit, '$.element'), number FROM edits
+    WHERE json_extract(edit, '$.edit') IN ('element', 'placement', 'property');
+INSERT OR IGNORE INTO marks SELECT json_extract(edit, '$.subject'), number FROM edits
+    WHERE json_extract(edit, '$.edit') = 'relation';
+INSERT OR IGNORE INTO marks SELECT json_extract(edit, '$.object'), number FROM edits
+    WHERE json_extract(edit, '$.edit') = 'relation';
+INSERT OR IGNORE INTO marks SELECT '', number FROM edits WHERE json_extract(edit, '$.edit') = 'goals';
+DROP VIEW edits;
+"""
+
+SCHEMA = Schema("journal", "the journal of a world", 0x736B696A, (_CHANGES, _MARKS))
+"""Such a file is marked "skij"."""
+
+
+# ---------------------------------------------------------------- JSON
+
+
+LONGEST_PART = 1000
+"""Edits in one text: a scene of 100,000 elements is read and written piece by piece.
+
+Files count on it: of the texts of a change all but the last have so many.
+"""
+
+_Json = Mapping[str, Any]
+
+
+def parts(edits: Sequence[Edit]) -> Iterator[Sequence[Edit]]:
+    """Yields the edits in pieces of bearable length; an empty one where there are none."""
+    for first in range(0, max(len(edits), 1), LONGEST_PART):
+        yield edits[first : first + LONGEST_PART]
+
+
+def encode_change(change: Change) -> list[str]:
+    """Returns the texts that say a change: the first all but the edits that are too many for one text."""
+    first, *others = parts(change.edits)
+    return [_dump(replace(change, edits=tuple(first)).as_json()), *(encode_edits(part) for part in others)]
+
+
+def encode_edits(edits: Sequence[Edit]) -> str:
+    """Returns the text of some edits."""
+    return _dump([edit.as_json() for edit in edits])
+
+
+def decode_change(text: str, others: Sequence[str] = ()) -> Change:
+    """Reads a change from the texts that say it.
+
+    Raises:
+        ValueError: They say none.
+    """
+    data = _load(text)
+    with_rest = [*_edits(data), *(edit for other in others for edit in decode_edits(other))]
+    try:
+        return Change(
+            data["number"],
+            data["author"],
+            data["reason"],
+            data["time"],
+            tuple(with_rest),
+            Writer(data["writer"]),
+            data["undoes"],
+        )
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"no change: {error}") from None
+
+
+def decode_edits(text: str) -> list[Edit]:
+    """Reads edits.
+
+    Raises:
+        ValueError: The text says none.
+    """
+    return _edits({"edits": _load(text)})
+
+
+def _edits(data: _Json) -> list[Edit]:
+    try:
+        return [_edit(edit) for edit in data["edits"]]
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"no edits: {error}") from None
+
+
+def _dump(data: object) -> str:
+    return json.dumps(data, separators=(",", ":"))
+
+
+def _load(text: object) -> Any:
+    if not isinstance(text, str):  # what a damaged file holds
+        raise ValueError(f"no text, but {type(text).__name__}")
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("it is nested too deep") from None
+
+
+def _element(data: _Json | None) -> Element | None:
+    if data is None:
+        return None
+    properties = {name: _own_value(value) for name, value in data["properties"].items()}
+    return Element(data["id"], data["type"], data["label"], MappingProxyType(properties))
+
+
+def _placement(data: _Json | None) -> Placement | None:
+    return None if data is None else Placement(data["relation"], data["place"])
+
+
+def _value(data: Any) -> Value | None:
+    return None if data is None else _own_value(data)
+
+
+def _own_value(data: Any) -> Value:
+    if isinstance(data, dict):
+        return Pose(tuple(data["position"]), tuple(data["orientation"]))
+    if isinstance(data, list):
+        return tuple(data)
+    if isinstance(data, str | bool | int | float):
+        return data
+    raise TypeError(f"no value: {data!r}")
+
+
+_SIDES: Mapping[str, tuple[Callable[..., Edit], Callable[[Any], object]]] = {
+    ElementEdit.kind: (ElementEdit, _element),
+    PlacementEdit.kind: (PlacementEdit, _placement),
+    RelationEdit.kind: (RelationEdit, bool),
+    PropertyEdit.kind: (PropertyEdit, _value),
+    GoalsEdit.kind: (GoalsEdit, tuple),
+}
+"""What each kind of edit is made by, and what its old and new side are read by."""
+
+
+def _edit(data: dict[str, Any]) -> Edit:
+    make, side = _SIDES[data["edit"]]
+    what = {name: value for name, value in data.items() if name != "edit"}
+    return make(**what | {"old": side(data["old"]), "new": side(data["new"])})
+
+
+# ---------------------------------------------------------------- tables
+
 
 _SELECT = "SELECT number, wall, more, data FROM changes WHERE "
 _SELECT_HEADS = (
@@ -121,7 +314,7 @@ def select_after(database: Database, version: int) -> Iterator[Entry]:
 def select_heads(database: Database, condition: str, values: Sequence[object] = ()) -> list[Head]:
     """Reads the beginnings of the changes for which a condition holds (SQL after WHERE), in one query.
 
-    So whoever writes meanwhile waits for the query only, not until all is understood.
+    So writers wait only for the query, not until all rows are decoded.
 
     Raises:
         FileError: The file cannot be read, or a change cannot be understood.
@@ -141,7 +334,7 @@ def select_edits(database: Database, number: int, start: int, most: int) -> list
     Args:
         database: The journal.
         number: Number of the change.
-        start: The first edit to read, from :data:`~skiros_py.world.journal.codec.LONGEST_PART` on.
+        start: The first edit to read, from :data:`~skiros_py.world.journal.records.LONGEST_PART` on.
         most: How many of them at most.
 
     Raises:

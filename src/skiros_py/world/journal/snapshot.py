@@ -1,17 +1,158 @@
-"""A whole state as texts, piece by piece: so it is read without doing everything again that led to it."""
+"""The state that a journal leads to: snapshots in pieces, changes put together, and whether all fits the ontology."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, TypeVar
 
-from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
-from skiros_py.world.element import Stamp, is_abstract, is_learned
-from skiros_py.world.index import Index
-from skiros_py.world.journal.codec import decode_edits, encode_edits
-from skiros_py.world.journal.content import Content
+from skiros_py.errors import UnknownName
+from skiros_py.world.change import Change, Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
+from skiros_py.world.element import Element, Placement, Stamp, Value, is_abstract, is_learned
+from skiros_py.world.index import Index, with_value
+from skiros_py.world.journal.records import decode_edits, encode_edits
+from skiros_py.world.literals import DATATYPES, shown
+from skiros_py.world.terms import Family
+from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["read_piece", "snapshot_pieces"]
+if TYPE_CHECKING:
+    from skiros_py.world.ontology import Ontology
+
+__all__ = ["Content", "read_piece", "snapshot_pieces"]
+
+
+_Key = TypeVar("_Key")
+_Entry = TypeVar("_Entry")
+
+
+class Content:
+    """A state in plain tables, to which edits are done one after the other.
+
+    Only what is left in the end needs to fit the ontology: what went long ago may have been of classes that are gone.
+    """
+
+    def __init__(self) -> None:
+        self._elements: dict[str, Element] = {}
+        self._placements: dict[str, Placement] = {}
+        self._relations: dict[tuple[str, str, str], bool] = {}
+        self._stamps: dict[str, Stamp] = {}
+        self._goals: tuple[str, ...] = ()
+
+    def apply(self, edits: Iterable[Edit]) -> None:
+        """Does edits in their order.
+
+        Raises:
+            KeyError: One speaks of an element that is not there.
+        """
+        for edit in edits:
+            self._apply(edit)
+
+    def take(self, change: Change) -> None:
+        """Does a change, and stamps what it touched.
+
+        Raises:
+            KeyError: It speaks of an element that is not there.
+        """
+        self.apply(change.edits)
+        stamp = Stamp(change.number, change.time)
+        self.stamp(dict.fromkeys(change.marks(), stamp))
+
+    def stamp(self, stamps: Mapping[str, Stamp]) -> None:
+        """Notes the last changes of elements."""
+        self._stamps.update(stamps)
+
+    def problems(self, ontology: Ontology) -> tuple[str, ...]:
+        """Returns a sentence for each thing that the ontology does not know, or knows as something else."""
+        found = (
+            *_class_problems(ontology, {element.type for element in self._elements.values()}),
+            *_placement_problems(ontology, {placement.relation for placement in self._placements.values()}),
+            *_relation_problems(ontology, {relation for _, relation, _ in self._relations}),
+            *_value_problems(ontology, self._elements.values()),
+        )
+        return tuple(found)
+
+    def index(self, beginning: Index) -> Index:
+        """Returns the state, on top of what is there from the beginning."""
+        index = beginning.copy()
+        for element in self._elements.values():
+            index.put_element(element)
+        for name, placement in self._placements.items():
+            index.put_placement(name, placement)
+        for subject, relation, object_ in self._relations:
+            index.put_relation(subject, relation, object_, holds=True)
+        index.goals = self._goals
+        together: dict[Stamp, list[str]] = {}
+        for name, stamp in self._stamps.items():
+            together.setdefault(stamp, []).append(name)
+        for stamp, names in together.items():
+            index.mark(names, stamp)
+        return index
+
+    def _apply(self, edit: Edit) -> None:
+        if isinstance(edit, ElementEdit):
+            _put(self._elements, edit.element, edit.new)
+        elif isinstance(edit, PlacementEdit):
+            _put(self._placements, edit.element, edit.new)
+        elif isinstance(edit, RelationEdit):
+            _put(self._relations, (edit.subject, edit.relation, edit.object), edit.new or None)
+        elif isinstance(edit, GoalsEdit):
+            self._goals = edit.new
+        else:
+            self._elements[edit.element] = with_value(self._elements[edit.element], edit.property, edit.new)
+
+
+def _put(table: dict[_Key, _Entry], key: _Key, entry: _Entry | None) -> None:
+    if entry is None:
+        table.pop(key, None)
+    else:
+        table[key] = entry
+
+
+def _class_problems(ontology: Ontology, classes: Iterable[str]) -> Iterator[str]:
+    elements = set(ontology.subclasses(ELEMENT))
+    for name in sorted(set(classes) - elements):
+        yield f"{name} is no {ELEMENT}" if name in ontology.classes else str(UnknownName("class", name, elements))
+
+
+def _placement_problems(ontology: Ontology, relations: Iterable[str]) -> Iterator[str]:
+    for name in sorted(relations):
+        if name not in ontology.relations:
+            yield str(UnknownName("relation", name, ontology.relations))
+        elif not ontology.is_placement(name):
+            yield f"{name} says where things are, and is no placement any more"
+
+
+def _relation_problems(ontology: Ontology, relations: Iterable[str]) -> Iterator[str]:
+    for name in sorted(relations):
+        if name not in ontology.relations:
+            yield str(UnknownName("relation", name, ontology.relations))
+        elif ontology.family(name) in (Family.PLACEMENT, Family.COMPUTED):
+            yield f"{name} is stored as a plain relation, and is a {ontology.family(name).value} relation now"
+
+
+def _value_problems(ontology: Ontology, elements: Iterable[Element]) -> Iterator[str]:
+    """One value of each Python type is enough to see that a property is of another type now."""
+    samples: dict[tuple[str, type], tuple[str, Value]] = {}
+    for element in elements:
+        for name, value in element.properties.items():
+            samples.setdefault((name, type(value)), (element.id, value))
+    missing = {name for name, _ in samples} - set(ontology.properties)
+    yield from (str(UnknownName("property", name, ontology.properties)) for name in sorted(missing))
+    for (name, _), (element_id, value) in samples.items():
+        if name not in missing and not _fits(ontology.properties[name].range, value):
+            yield f"{name} is a {ontology.properties[name].range} now, and {element_id} has {shown(value)}"
+
+
+def _fits(range_: str, value: Value) -> bool:
+    try:
+        DATATYPES[range_].check(value)
+    except ValueError:
+        return False
+    return True
+
+
+# ---------------------------------------------------------------- pieces of a snapshot
+
 
 _ELEMENTS_IN_PIECE = 1000
 

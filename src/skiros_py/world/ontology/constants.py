@@ -148,10 +148,7 @@ def _head(prefixes: Sequence[str], asked: Sequence[str], words: Sequence[_Word])
     yield "from __future__ import annotations"
     if words:
         types = sorted({_KINDS[word.kind][0] for word in words})
-        yield from ("", "from typing import Final", "", f"from skiros_py.world.words import {', '.join(types)}")
-    yield ""
-    names = sorted(_identifiers(words), key=_natural)
-    yield from ["__all__ = [", *(f'    "{name}",' for name in names), "]"] if names else ["__all__: list[str] = []"]
+        yield from ("", "from typing import Final", "", f"from skiros_py.world.names import {', '.join(types)}")
 
 
 def _body(words: Sequence[_Word]) -> Iterator[str]:
@@ -182,8 +179,3 @@ def _docstring(text: str) -> list[str]:
 
 def _listed(prefixes: Sequence[str]) -> str:
     return ", ".join(f"``{prefix}:``" for prefix in prefixes)
-
-
-def _natural(name: str) -> list[tuple[int, str]]:
-    """Orders numbers in names by value, as linters do."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name) if part]

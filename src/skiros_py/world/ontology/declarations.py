@@ -18,11 +18,21 @@ from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES, parse_value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.documents import Document
-from skiros_py.world.ontology.expressions import cardinalities, conjuncts, end, fillers
-from skiros_py.world.ontology.hierarchy import MOST_ABOVE, closure, cycle, too_deep
-from skiros_py.world.ontology.kinds import DECLARES, Kind
-from skiros_py.world.ontology.statements import Node, Statements, english
-from skiros_py.world.terms import Class, End, Family, PlaceEnd, Property, Relation
+from skiros_py.world.ontology.statements import Node, Statements, cardinalities, conjuncts, end, english, fillers
+from skiros_py.world.terms import (
+    DECLARES,
+    MOST_ABOVE,
+    Class,
+    End,
+    Family,
+    Kind,
+    PlaceEnd,
+    Property,
+    Relation,
+    closure,
+    cycle,
+    too_deep,
+)
 
 __all__ = ["Declarations", "read_declarations"]
 

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pyoxigraph as ox
 
 from skiros_py.errors import FileError
-from skiros_py.world.datatype import LONGEST_TEXT
-from skiros_py.world.names import STANDARD_PREFIXES
-from skiros_py.world.ontology.formats import parse_turtle, parse_xml
-from skiros_py.world.ontology.guards import check_turtle, outline_xml, read_text
+from skiros_py.world.names import STANDARD_PREFIXES, Names, split_iri
+from skiros_py.world.ontology.formats import check_turtle, outline_xml, parse_turtle, parse_xml, read_text
 from skiros_py.world.ontology.spelling import TurtleSpelling, XmlSpelling
+from skiros_py.world.xsd import LONGEST_TEXT
 
-__all__ = ["Document", "rdf_files", "read_document"]
+__all__ = ["Document", "Inventory", "common_names", "inventory", "rdf_files", "read_document"]
+
 
 _TYPE = ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type")
 _ONTOLOGY = ox.NamedNode(STANDARD_PREFIXES["owl"] + "Ontology")
@@ -138,3 +138,99 @@ def _unpacked(
 ) -> Document:
     triples = tuple([quad.triple for quad in ox.parse(packed, format=ox.RdfFormat.N_TRIPLES)])
     return Document(path, text, iri, prefixes, triples, spelling)
+
+
+# ---------------------------------------------------------------- inventory
+
+
+_COUNTED = {
+    "classes": STANDARD_PREFIXES["owl"] + "Class",
+    "relations": STANDARD_PREFIXES["owl"] + "ObjectProperty",
+    "properties": STANDARD_PREFIXES["owl"] + "DatatypeProperty",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Inventory:
+    """One file.
+
+    Attributes:
+        path: Where it is.
+        iri: IRI of its ontology.
+        counts: How many terms and individuals it declares, and how many statements it makes.
+    """
+
+    path: Path
+    iri: str
+    counts: Mapping[str, int]
+
+
+def inventory(document: Document) -> Inventory:
+    """Counts what a file declares; individuals are named things of a class that is no standard one."""
+    types: dict[str, set[str]] = {}
+    for triple in document.triples:
+        subject, type_ = triple.subject, triple.object
+        if triple.predicate == _TYPE and isinstance(subject, ox.NamedNode) and isinstance(type_, ox.NamedNode):
+            types.setdefault(type_.value, set()).add(subject.value)
+    counts = {name: len(types.get(iri, ())) for name, iri in _COUNTED.items()}
+    standard = tuple(STANDARD_PREFIXES[name] for name in ("rdf", "rdfs", "owl"))
+    individuals = {s for iri, subjects in types.items() if not iri.startswith(standard) for s in subjects}
+    return Inventory(
+        document.path, document.iri, {**counts, "individuals": len(individuals), "statements": len(document.triples)}
+    )
+
+
+# ---------------------------------------------------------------- the common prefix table
+
+
+_PREFIX = re.compile(r"[A-Za-z]([\w.-]*[\w-])?")
+_MEANINGLESS = re.compile(r"v?\d[\d._-]*|ontolog(y|ies)|ontos?|owl|rdf|ns|schemas?|terms", re.IGNORECASE)
+
+
+def common_names(files: Sequence[Document]) -> Names:
+    """Returns the prefix table of all files together.
+
+    - The empty prefix is private to its file.
+    - Turtle is written by hand: two Turtle files that mean different things by one prefix are refused.
+    - XML is written by tools, which number prefixes or call every ontology alike: what a Turtle file or an earlier XML
+      file means by a prefix holds, and another namespace called so goes without.
+    - A namespace with terms or individuals that goes without is called after the last word of its IRI that means
+      something, in lower case, with a number if that is taken ("http://example.org/2024/Tools.owl#" -> ``tools:``).
+
+    Raises:
+        FileError: A prefix stands for two IRIs in Turtle files.
+    """
+    prefixes = dict(STANDARD_PREFIXES)
+    for file in sorted(files, key=lambda file: not file.is_turtle):
+        for prefix, iri in file.prefixes.items():
+            if not _PREFIX.fullmatch(prefix) or not (file.is_turtle or iri.endswith(("#", "/", ":"))):
+                continue
+            if prefixes.setdefault(prefix, iri) != iri and file.is_turtle:
+                said = f"prefix '{prefix}:' stands for <{iri}> here and for <{prefixes[prefix]}> elsewhere"
+                raise FileError(file.path, said)
+    for namespace in sorted(_namespaces(files) - set(prefixes.values())):
+        prefixes[_made(namespace, prefixes)] = namespace
+    return Names(prefixes)
+
+
+def _namespaces(files: Iterable[Document]) -> set[str]:
+    """The namespaces of everything that files give a type."""
+    subjects = {
+        triple.subject.value
+        for file in files
+        for triple in file.triples
+        if triple.predicate == _TYPE and triple.object != _ONTOLOGY and isinstance(triple.subject, ox.NamedNode)
+    }
+    return {namespace for namespace, local in map(split_iri, subjects) if namespace and local}
+
+
+def _made(namespace: str, taken: Container[str]) -> str:
+    words = [re.sub(r"\.(owl|rdf|ttl|xml|owx)$", "", word) for word in re.split(r"[/#:]+", namespace) if word]
+    word = next((word for word in reversed(words) if not _MEANINGLESS.fullmatch(word)), "")
+    name = re.sub(r"[^a-z0-9]+", "_", word.lower()).strip("_")
+    name = name if name[:1].isalpha() else f"ns{name}"
+    number = 2
+    unique = name
+    while unique in taken:
+        unique, number = f"{name}{number}", number + 1
+    return unique

@@ -7,15 +7,14 @@ from pathlib import Path
 from types import MappingProxyType
 
 from skiros_py.errors import FileError, UnknownName, UsageError
+from skiros_py.plugins import Entry, PluginFault, fault_of, files_of, installation, unambiguous
 from skiros_py.world.element import Placement, Value
 from skiros_py.world.names import Names, local_name
 from skiros_py.world.ontology.declarations import Declarations, read_declarations
-from skiros_py.world.ontology.documents import Document, rdf_files, read_document
-from skiros_py.world.ontology.hierarchy import closure, inverse
-from skiros_py.world.ontology.prefixes import common_names
-from skiros_py.world.terms import Cardinality, Class, End, Family, Filler, Property, Relation
+from skiros_py.world.ontology.documents import Document, common_names, rdf_files, read_document
+from skiros_py.world.terms import Cardinality, Class, End, Family, Filler, Property, Relation, closure, inverse
 
-__all__ = ["Ontology"]
+__all__ = ["Ontology", "load_installed", "plugin_files"]
 
 
 class Ontology:
@@ -29,7 +28,7 @@ class Ontology:
         properties: Every property of elements; ``rdfs:comment`` is always among them.
         individuals: CURIEs of the individuals that its files describe, sorted; a scene's are not among them.
         names: The prefix table.
-        sources: The files it was read from. Scene individuals in them (a robot's) belong to whoever imports them.
+        sources: The files it was read from. Scene individuals in them belong to scenes that import the file.
     """
 
     def __init__(self, declarations: Declarations, names: Names, sources: Sequence[Document]) -> None:
@@ -236,3 +235,54 @@ def _resolve(kind: str, name: str, known: Iterable[str]) -> str:
     if not found:
         raise UnknownName(kind, name, {local_name(curie) for curie in curies})
     return found[0]
+
+
+# ---------------------------------------------------------------- the ontology as installed
+
+
+_GROUP = "skiros.ontologies"
+
+
+def load_installed(paths: Sequence[Path]) -> tuple[Ontology, tuple[PluginFault, ...]]:
+    """Loads the files of some paths and those that plug-ins of the group ``skiros.ontologies`` bring.
+
+    An entry point names a package, a module in a package, or a ``pathlib.Path``: all ontology files below its folder
+    (below the folder ``ontologies`` in it, where there is one) are taken. A plug-in whose files cannot be read, or do
+    not go with the others, is left out and reported; the rest is as if it were not installed.
+
+    Args:
+        paths: Files or folders that must be right.
+
+    Returns:
+        The ontology, and the faults of plug-ins.
+
+    Raises:
+        FileError: A file of the paths is wrong.
+    """
+    files, broken = plugin_files()
+    faults = list(broken)
+    while True:
+        try:
+            return Ontology.load([*paths, *(file for own in files.values() for file in own)]), tuple(faults)
+        except FileError as error:
+            culprit = next((entry for entry, own in files.items() if error.path in own), None)
+            if culprit is None:
+                raise
+            del files[culprit]
+            faults.append(fault_of(culprit, str(error)))
+
+
+def plugin_files() -> tuple[dict[Entry, list[Path]], list[PluginFault]]:
+    """Returns the ontology files of every plug-in, in the order of their names; and what is wrong with the others."""
+    entries, twins = unambiguous(installation().of(_GROUP))
+    files: dict[Entry, list[Path]] = {}
+    broken = list(twins)
+    for entry in entries:
+        paths = files_of(entry)
+        if isinstance(paths, PluginFault):
+            broken.append(paths)
+        elif own := rdf_files(paths):
+            files[entry] = own
+        else:
+            broken.append(fault_of(entry, f"there is no ontology file below {paths[0]}"))
+    return files, broken

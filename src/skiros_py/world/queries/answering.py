@@ -2,26 +2,128 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import pyoxigraph as ox
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import SkirosError, UsageError
 from skiros_py.world.element import Value
 from skiros_py.world.index import Index
+from skiros_py.world.literals import ANY_LITERAL, any_value, format_value, literal_type
 from skiros_py.world.names import Names
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries.functions import called_functions
-from skiros_py.world.queries.terms import Binding, bound_term, value_of
 from skiros_py.world.queries.text import QueryText, parsed
 from skiros_py.world.reasoners.registry import Reasoners
-from skiros_py.world.store.store import UNLIMITED, Answer, Most, QuadStore, Rows
+from skiros_py.world.store.store import UNLIMITED, Answer, AnswerLimits, Functions, QuadStore, Rows, Term
 from skiros_py.world.terms import Family
 
-__all__ = ["Constructed", "Question", "Result", "Table", "mentioned_relations", "typed"]
+if TYPE_CHECKING:
+    from skiros_py.world.index import Index
+    from skiros_py.world.names import Names
+    from skiros_py.world.view import WorldView
+
+__all__ = [
+    "Binding",
+    "Constructed",
+    "Question",
+    "Result",
+    "Table",
+    "Text",
+    "bound_term",
+    "called_functions",
+    "literal",
+    "mentioned_relations",
+    "typed",
+    "value_of",
+]
+
+
+class Text(str):
+    """Marks a bound text as a literal; any other string that is bound is a name."""
+
+    __slots__ = ()
+
+
+Binding = Value | Decimal
+"""What a parameter may stand for. A pattern is met by a number of the same type only: of an ``xsd:decimal`` property, a
+Decimal. ``FILTER`` compares numbers of all types."""
+
+
+def bound_term(names: Names, value: Binding) -> ox.NamedNode | ox.Literal:
+    """Returns what a parameter stands for.
+
+    Args:
+        names: The prefix table.
+        value: A string is a scene id or CURIE, :class:`Text` a text, anything else a value.
+
+    Raises:
+        UsageError: It is no name, or no value.
+    """
+    if isinstance(value, str) and not isinstance(value, Text):
+        try:
+            return ox.NamedNode(names.iri(value))
+        except ValueError as error:
+            raise UsageError(f"'{value[:100]}' is no name: {error}") from None
+    if isinstance(value, Decimal) and value.is_finite():
+        return ox.Literal(f"{value:f}", datatype=ox.NamedNode(names.iri("xsd:decimal")))
+    try:
+        return literal(names, value)  # type: ignore[arg-type]  # what is no value raises
+    except ValueError:
+        raise UsageError(
+            f"{value!r} is no value: bind a name, Text, bool, int, float, Decimal, Pose or vector"
+        ) from None
+
+
+def literal(names: Names, value: Value) -> ox.Literal:
+    """Returns a value as a literal of the type that is Python's.
+
+    Raises:
+        ValueError: It is none that a property may have.
+    """
+    if isinstance(value, str):
+        return ox.Literal(str(value))
+    datatype = ox.NamedNode(names.iri(literal_type(value, ANY_LITERAL)))
+    return ox.Literal(format_value(value, ANY_LITERAL), datatype=datatype)
+
+
+def value_of(names: Names, term: object) -> Value | None:
+    """Returns a scene id or CURIE for a name, a Python value for a literal, None for no term."""
+    if isinstance(term, ox.NamedNode):
+        return names.name(term.value)
+    if not isinstance(term, ox.Literal):
+        return None if term is None else str(term)
+    return any_value(term.value, names.name(term.datatype.value))
+
+
+# ---------------------------------------------------------------- functions of reasoners
+
+
+def called_functions(view: Index, iris: frozenset[str]) -> Functions:
+    """Returns the reasoners' functions among what a query mentions, by IRI."""
+    names = view.ontology.names
+    offered = {names.iri(curie): f for reasoner in view.reasoners for curie, f in reasoner.functions.items()}
+    return {iri: _as_terms(view, names, offered[iri]) for iri in sorted(iris & set(offered))}
+
+
+def _as_terms(view: WorldView, names: Names, function: Callable[..., Value | None]) -> Callable[..., Term | None]:
+    def call(*arguments: Term) -> Term | None:
+        if any(isinstance(argument, ox.BlankNode) for argument in arguments):
+            return None
+        try:
+            answer = function(view, *(value_of(names, argument) for argument in arguments))
+            return None if answer is None else literal(names, answer)
+        except (SkirosError, TypeError, ValueError):  # an error within an expression leaves its variable unbound
+            return None
+
+    return call
+
+
+# ---------------------------------------------------------------- putting a query to a store
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,21 +195,21 @@ class Question:
         """Tells whether reasoners have a part in the answer."""
         return not self.iris.isdisjoint(_reasoned(ontology, reasoners))
 
-    def answer(self, store: QuadStore, view: Index | None, most: Most = UNLIMITED) -> Answer:
+    def answer(self, store: QuadStore, view: Index | None, limits: AnswerLimits = UNLIMITED) -> Answer:
         """Puts it to a store.
 
         Args:
-            store: What is asked; nobody else may use it meanwhile.
+            store: What is asked; not shared meanwhile.
             view: The state that it holds, or None where no reasoner has a part in the answer.
-            most: How large the answer may get.
+            limits: How large the answer may get.
 
         Raises:
             UsageError: It cannot be answered; the text says why.
         """
         if view is None:
-            return store.query(self.sparql, most=most)
+            return store.query(self.sparql, limits=limits)
         with self._worked_out(store, view):
-            return store.query(self.sparql, functions=called_functions(view, self.iris), most=most)
+            return store.query(self.sparql, functions=called_functions(view, self.iris), limits=limits)
 
     def _worked_out(self, store: QuadStore, view: Index) -> AbstractContextManager[None]:
         relations = mentioned_relations(view.ontology, self.iris)

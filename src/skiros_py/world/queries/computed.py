@@ -32,7 +32,7 @@ def worked_out(store: QuadStore, view: Index, sparql: str, relations: frozenset[
     of a relation stands for those too.
 
     Args:
-        store: What the query is put to; nobody else may read it meanwhile.
+        store: What the query is put to; not shared meanwhile.
         view: The state that it holds.
         sparql: The query, with IRIs in full.
         relations: The computed relations that it mentions, and those below them.

@@ -1,4 +1,4 @@
-"""Queries from outside, by people and programs that nobody vouches for: they get an answer or an error, in time.
+"""Queries from outside, by people and programs that are not trusted: each gets an answer or an error in time.
 
 A query may be nested so deep that the engine dies of it, run for ever, or want all memory there is. So it never runs in
 this process but in a copy of a replica of the world (see :mod:`~skiros_py.world.queries.replica`).
@@ -16,11 +16,10 @@ from typing import Self
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError, WorldError
 from skiros_py.world.element import Value
-from skiros_py.world.queries.answering import Constructed, Result, Table
+from skiros_py.world.queries.answering import Binding, Constructed, Result, Table
 from skiros_py.world.queries.replica_process import Pending, ReplicaProcess
-from skiros_py.world.queries.terms import Binding
 from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order
-from skiros_py.world.store.store import Most
+from skiros_py.world.store.store import AnswerLimits
 from skiros_py.world.world import World
 
 __all__ = ["LONGEST_TIME", "Limits", "OutsideQueries"]
@@ -147,7 +146,7 @@ class OutsideQueries:
         limit = self.limits.time if time_limit is None else time_limit
         if not 0.0 < limit <= LONGEST_TIME:
             raise UsageError(f"a time limit is more than 0 and at most {LONGEST_TIME:g} s, not {limit:g}")
-        most = Most(self.limits.rows, self.limits.bytes)
+        most = AnswerLimits(self.limits.rows, self.limits.bytes)
         order = Order(sparql, form, bindings, entailed, limit, self.limits.memory, most)
         if not self._turns.acquire(timeout=limit):
             raise UsageError(f"{self.limits.at_once} queries are running already, and none ended within {limit:g} s")
@@ -182,7 +181,7 @@ class OutsideQueries:
             return replica.ask(changes, pickle.dumps(order))
 
     def _started(self) -> ReplicaProcess:
-        if self._closed:  # whoever was waiting when it was shall not start it again
+        if self._closed:  # a thread that was waiting must not start it again
             raise DeviceError("no queries are answered any more: whatever answered them was closed")
         if self._replica is None or not self._replica.is_alive():
             self._drop()

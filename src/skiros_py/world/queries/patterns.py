@@ -8,6 +8,7 @@ nothing is said.
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,9 +22,12 @@ from rdflib.plugins.sparql.parser import parseQuery
 from rdflib.plugins.sparql.parserutils import CompValue
 
 from skiros_py.errors import UsageError
-from skiros_py.world.store.rdflib_memory import RDFLIB_SPARQL, for_rdflib
+from skiros_py.world.store.rdflib_terms import for_rdflib
 
-__all__ = ["End", "Group", "Known", "Predicate", "Step", "known", "query_groups"]
+__all__ = ["RDFLIB_SPARQL", "End", "Group", "Known", "Predicate", "Step", "known", "query_groups"]
+
+RDFLIB_SPARQL = threading.RLock()
+"""rdflib's parser and its table of functions are for one thread at a time."""
 
 End = URIRef | Literal | Variable
 Predicate = URIRef | Variable | Path

@@ -6,8 +6,7 @@ Queries by strangers go through :class:`~skiros_py.world.queries.outside.Outside
 from __future__ import annotations
 
 from skiros_py.world.element import Value
-from skiros_py.world.queries.answering import Constructed, Question, Result, Table, typed
-from skiros_py.world.queries.terms import Binding
+from skiros_py.world.queries.answering import Binding, Constructed, Question, Result, Table, typed
 from skiros_py.world.world import World
 
 __all__ = ["ask", "construct", "query", "select"]
@@ -33,7 +32,7 @@ def select(world: World, sparql: str, *, entailed: bool = False, **bindings: Bin
     Raises:
         UsageError: It does not parse, is no SELECT, asks another server or names graphs to fetch, leaves a parameter
             unbound, or asks for more computed relations than can be worked out.
-        UnknownName: It uses a prefix that nobody declares, or a computed relation that no reasoner computes.
+        UnknownName: It uses an undeclared prefix, or a computed relation that no reasoner computes.
     """
     result = _result(world, sparql, "SELECT", bindings, entailed=entailed)
     assert isinstance(result, Table)

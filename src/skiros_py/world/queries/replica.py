@@ -10,19 +10,18 @@ import contextlib
 import gc
 import os
 import pickle
-import resource
 import selectors
 import signal
 import socket
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from loky.backend.reduction import dumps
 
 from skiros_py.errors import SkirosError, UsageError
+from skiros_py.processes import limit
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.answering import Question, Result, typed
@@ -99,7 +98,7 @@ class Replica(ABC):
                     if key.fileobj is parent:
                         self._take_order(parent)
                     else:
-                        self._bury(key)
+                        self._report_end(key)
         except EOFError:
             self.end([key.data[0] for key in self._selector.get_map().values() if key.data is not None])
 
@@ -116,12 +115,12 @@ class Replica(ABC):
             parent.close()
             for other in (status, *(key.data[1] for key in self._selector.get_map().values() if key.data is not None)):
                 os.close(other)
-            self._be_the_order(order, answer)
+            self._run(order, answer)
         os.close(answer)
         os.write(status, b"started\n")
         self._selector.register(os.pidfd_open(child), selectors.EVENT_READ, (child, status))
 
-    def _bury(self, key: selectors.SelectorKey) -> None:
+    def _report_end(self, key: selectors.SelectorKey) -> None:
         """A query's process has ended: says how."""
         child, status = key.data
         self._selector.unregister(key.fileobj)
@@ -132,8 +131,8 @@ class Replica(ABC):
             os.write(status, f"{code}\n".encode())
         os.close(status)
 
-    def _be_the_order(self, order: object, answer: int) -> None:
-        """Lives and dies as the process of one order."""
+    def _run(self, order: object, answer: int) -> None:
+        """Answers one order in this process and ends it."""
         code = 1
         try:
             self.limit(order)
@@ -165,7 +164,9 @@ class QueryReplica(Replica):
     def limit(self, order: Any) -> None:
         """Limits time and memory as the order says."""
         if isinstance(order, Order):
-            _limit(order)
+            limit(seconds=order.time_limit, memory=order.memory)
+            gc.disable()
+            os.nice(5)  # queries from outside come after everything else
 
     def outcome(self, order: Any, answer: int) -> object:  # noqa: ARG002 - its limits end it
         """Answers a query."""
@@ -184,7 +185,7 @@ class QueryReplica(Replica):
         if order.form is not None:
             question.must_be(order.form)
         store = self._projection.entailed() if order.entailed else self._projection.store
-        return typed(names, question.answer(store, self.index, order.most))
+        return typed(names, question.answer(store, self.index, order.limits))
 
 
 def _warm_up() -> None:
@@ -192,15 +193,3 @@ def _warm_up() -> None:
     from skiros_py.world.queries.patterns import query_groups
 
     query_groups("ASK { ?a ?b ?c }", lambda _: True)
-
-
-def _limit(order: Order) -> None:
-    """Lets the kernel watch over this process."""
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, order.time_limit)
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    most = pages * resource.getpagesize() + order.memory
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    gc.disable()
-    os.nice(5)  # who waits for nobody from outside goes first

@@ -6,9 +6,7 @@ import os
 import pickle
 import select
 import signal
-import socket
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,6 +14,7 @@ from dataclasses import dataclass
 from loky.backend.reduction import dumps
 
 from skiros_py.errors import DeviceError
+from skiros_py.processes import start_python
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.wire import receive, send
@@ -30,7 +29,6 @@ _LONGEST_START = 120.0
 _GRACE = 1.0
 """How much later than the kernel we look at the clock [s]."""
 _PIECE = 1 << 16
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 class ReplicaProcess:
@@ -54,18 +52,7 @@ class ReplicaProcess:
         """
         self.version = version
         state = _packed(version, index, *more)
-        self._control, theirs = socket.socketpair()
-        # In a session of its own, so that Ctrl-C is for us only; it ends when the socket is closed.
-        with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", _program(theirs.fileno(), program)],
-                pass_fds=[theirs.fileno()],
-                env={**os.environ, **_ONE_THREAD},
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=None if os.environ.get("SKIROS_DEBUG") else subprocess.DEVNULL,
-                start_new_session=True,
-            )
+        self._process, self._control = start_python("skiros_py.world.queries.replica:main", program)
         try:
             self._control.settimeout(_LONGEST_START)
             send(self._control, state)
@@ -235,8 +222,3 @@ def _read(source: int, deadline: float, most: int = _PIECE) -> bytes:
     if not waiting.poll(max(0.0, deadline - time.monotonic()) * 1e3):
         raise TimeoutError
     return os.read(source, most)
-
-
-def _program(control: int, program: str) -> str:
-    start = "from skiros_py.world.queries.replica import main"
-    return f"import sys; sys.path[:] = {sys.path!r}; {start}; main({control}, {program!r})"

@@ -6,8 +6,8 @@ import socket
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from skiros_py.world.queries.terms import Binding
-from skiros_py.world.store.store import UNLIMITED, Most
+from skiros_py.world.queries.answering import Binding
+from skiros_py.world.store.store import UNLIMITED, AnswerLimits
 
 __all__ = ["OUT_OF_MEMORY", "Order", "receive", "send"]
 
@@ -29,7 +29,7 @@ class Order:
         entailed: Whether what OWL entails counts.
         time_limit: How long it may take [s].
         memory: How much memory it may take [bytes].
-        most: How large the answer may get.
+        limits: How large the answer may get.
     """
 
     sparql: str
@@ -38,14 +38,14 @@ class Order:
     entailed: bool = False
     time_limit: float = 5.0
     memory: int = 1 << 30
-    most: Most = UNLIMITED
+    limits: AnswerLimits = UNLIMITED
 
 
 def send(to: socket.socket, payload: bytes, files: Sequence[int] = ()) -> None:
     """Sends one frame, with open files.
 
     Raises:
-        OSError: Nobody is there any more.
+        OSError: The other end is closed.
     """
     header = len(payload).to_bytes(_HEADER, "big")
     if files:
@@ -59,7 +59,7 @@ def receive(source: socket.socket, files: int = 0) -> tuple[bytes, list[int]]:
     """Waits for one frame and the files that come with it.
 
     Raises:
-        EOFError: Nobody is there any more.
+        EOFError: The other end is closed.
     """
     header, handed_over, _, _ = socket.recv_fds(source, _HEADER, files)
     header += _exactly(source, _HEADER - len(header)) if header else b""

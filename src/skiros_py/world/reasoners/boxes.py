@@ -13,12 +13,15 @@ from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.world.element import Value
-from skiros_py.world.vocabulary import HOLLOW, POSE, POSE_FRAME, SIZE, SOLID
+from skiros_py.world.index import Index
+from skiros_py.world.vocabulary import HOLLOW, POSE, POSE_FRAME, SIZE, SOLID, SPATIAL_THING
 
 if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
+from skiros_py.world.terms import reached
 
-__all__ = ["MAP", "Bools", "Boxes", "Ints", "extents", "read_boxes"]
+__all__ = ["MAP", "Bools", "BoxMemory", "Boxes", "Ints", "extents", "read_boxes"]
+
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -41,7 +44,7 @@ class Boxes:
         axes: (n, 3, 3), the box's own x, y, z in the frame of the root, as columns.
         roots: (n,), which frame that is: :data:`MAP`, or some number of an element whose own pose is not known (a
             gripper that moves) for that and for what hangs on it. Only boxes of one root can be compared.
-        sized: (n,), False for a point: a thing of which nobody knows how big it is.
+        sized: (n,), False for a point: a thing of unknown size.
         hollow: (n,), True where the box is room, not matter.
     """
 
@@ -186,8 +189,72 @@ def _extents(solid: Value | None, size: Value | None) -> _Extents | None:
         try:
             return extents(solid)
         except ValueError:
-            return None  # a class may say what nobody can read
+            return None  # a class may give an unreadable shape
     if isinstance(size, tuple) and 2 <= len(size) <= 3:
         x, y, z = (*(abs(length) / 2.0 for length in size), 0.0)[:3]
         return 0.0, 0.0, 0.0, x, y, z
     return None
+
+
+# ---------------------------------------------------------------- boxes of a whole world
+
+
+_MANY = 200
+"""For fewer elements it is quicker to read them than everything."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Remembered:
+    """The boxes of all spatial things of one state."""
+
+    state: Index
+    numbers: dict[str, int]
+    boxes: Boxes
+
+
+class BoxMemory:
+    """Reads boxes; those of the state that was asked about last, it knows already."""
+
+    def __init__(self) -> None:
+        self._last: _Remembered | None = None
+
+    def boxes(self, view: WorldView, ids: Sequence[str]) -> Boxes:
+        """Returns the boxes of elements, in the order of their ids.
+
+        Raises:
+            UnknownName: There is no such element.
+        """
+        if len(ids) < _MANY or not isinstance(view, Index):
+            return read_boxes(view, ids)
+        known = self._of(view)
+        numbers = [known.numbers.get(name, -1) for name in ids]
+        if -1 in numbers:  # something abstract, or not spatial
+            return read_boxes(view, ids)
+        return known.boxes.take(np.array(numbers, dtype=np.int64))
+
+    def _of(self, view: Index) -> _Remembered:
+        last = self._last
+        if last is None or not view.has_relations_of(last.state) or not view.has_elements_of(last.state):
+            last = self._last = (last and _brought_up(last, view)) or _read(view)
+        return last
+
+
+def _read(view: Index) -> _Remembered:
+    ids = view.instances(SPATIAL_THING)
+    return _Remembered(view.copy(), {name: at for at, name in enumerate(ids)}, read_boxes(view, ids))
+
+
+def _brought_up(last: _Remembered, view: Index) -> _Remembered | None:
+    """The boxes of a later state, if the same things hang on the same frames and what changed hangs on the map."""
+    ids = view.instances(SPATIAL_THING)
+    if not view.has_relations_of(last.state) or ids != tuple(last.numbers):
+        return None
+    changed = reached(
+        [name for name in ids if view.element(name) is not last.state.element(name)],
+        lambda name: view.subjects(POSE_FRAME, name),
+    )
+    rows = np.array([last.numbers[name] for name in changed], dtype=np.int64)
+    new = read_boxes(view, changed)
+    if (new.roots != MAP).any():
+        return None
+    return _Remembered(view.copy(), last.numbers, last.boxes.replaced(rows, new))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from skiros_py.errors import UsageError
 from skiros_py.plugins import Plugin, PluginFault, attempt, load_plugins
@@ -27,7 +28,7 @@ def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[P
         ontology: What must declare the relations that they compute; None where that does not matter.
 
     Returns:
-        Those that can be used together; and the faults of the others, which hurt nobody else: what did not load, is no
+        Those that can be used together; and the faults of the others, which are left out: what did not load, is no
         reasoner, has the name of an earlier one, computes what an earlier one computes or what the ontology does not
         declare as computed.
     """
@@ -35,7 +36,7 @@ def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[P
     good: list[Reasoner] = []
     faults = list(broken)
     for plugin in sorted(plugins, key=lambda plugin: not plugin.distribution.startswith(_OWN)):
-        made = _made(plugin, good, ontology)
+        made = attempt(plugin, partial(_usable, plugin, good, ontology))
         if isinstance(made, PluginFault):
             faults.append(made)
         else:
@@ -43,12 +44,8 @@ def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[P
     return Reasoners(good), tuple(faults)
 
 
-def _made(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | None) -> Reasoner | PluginFault:
-    """Returns the reasoner of a plug-in, or why it cannot be used beside the others."""
-    return attempt(plugin, lambda: _usable(plugin, others, ontology))
-
-
 def _usable(plugin: Plugin, others: Sequence[Reasoner], ontology: Ontology | None) -> Reasoner | PluginFault:
+    """Returns the reasoner of a plug-in, or why it cannot be used beside the others."""
     class_ = plugin.value
     if not isinstance(class_, type) or not issubclass(class_, Reasoner):
         return plugin.fault(f"it is a {type(class_).__name__}, nothing for reasoners: name a subclass of Reasoner")

@@ -34,7 +34,7 @@ def dimensions(solid: Value | None) -> tuple[float, float, float] | None:
     try:
         a, b, c = extents(str(solid))[3:]
     except ValueError:
-        return None  # a class may say what nobody can read
+        return None  # a class may give an unreadable shape
     return 2.0 * a, 2.0 * b, 2.0 * c
 
 

@@ -12,10 +12,8 @@ from skiros_py.errors import UsageError
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Value
 from skiros_py.world.poses import attach, pose_in, write_pose
-from skiros_py.world.reasoners.box_memory import BoxMemory
-from skiros_py.world.reasoners.boxes import MAP, Bools, Boxes, read_boxes
-from skiros_py.world.reasoners.candidates import candidate_pairs
-from skiros_py.world.reasoners.contacts import distance
+from skiros_py.world.reasoners.boxes import MAP, Bools, Boxes, BoxMemory, read_boxes
+from skiros_py.world.reasoners.contacts import candidate_pairs, distance
 from skiros_py.world.reasoners.reasoner import Answer, Reasoner
 from skiros_py.world.reasoners.spatial_relations import SPATIAL_RELATIONS, SpatialRelation
 from skiros_py.world.vocabulary import POSE_FRAME
@@ -74,7 +72,7 @@ class SpatialReasoner(Reasoner):
         """Lets an element stay where it is, and from now on move with another (None: with none, it stays in the map).
 
         Raises:
-            WorldError: Nobody knows where it is in that frame.
+            WorldError: Its pose in that frame is not known.
         """
         attach(tx, element, frame)
 
@@ -144,7 +142,7 @@ class SpatialReasoner(Reasoner):
 
         Raises:
             UsageError: It has no such key, or the value is nothing for it.
-            WorldError: It shall move with an element, and nobody knows where it is in the frame of that.
+            WorldError: It shall move with an element, and its pose in the frame of that is not known.
         """
         what, frame = _parsed(key)
         if what == "frame" and frame is None and isinstance(value, str):

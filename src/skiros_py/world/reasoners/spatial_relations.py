@@ -97,20 +97,15 @@ def _is_above(a: Boxes, b: Boxes) -> Bools:
     return np.asarray(higher & ((gap_seen_from_above(a, b) < -ACCURACY) | (apart <= ACCURACY)))
 
 
-def _says_above(a: str, b: str, yes: bool, gap: float) -> str:
-    return _says_over(a, b, "above", "higher", yes, gap)
+def _says_over(word: str, further: str) -> Callable[[str, str, bool, float], str]:
+    def says(a: str, b: str, yes: bool, gap: float) -> str:
+        if yes:
+            return f"{a} is {word} {b}, with {max(gap, 0.0):.3f} m between them"
+        if gap >= -ACCURACY:
+            return f"{a} is not {word} {b}: it is beside it"
+        return f"{a} is not {word} {b}: it would have to be {-gap:.3f} m {further}"
 
-
-def _says_below(a: str, b: str, yes: bool, gap: float) -> str:
-    return _says_over(a, b, "below", "lower", yes, gap)
-
-
-def _says_over(a: str, b: str, word: str, further: str, yes: bool, gap: float) -> str:
-    if yes:
-        return f"{a} is {word} {b}, with {max(gap, 0.0):.3f} m between them"
-    if gap >= -ACCURACY:
-        return f"{a} is not {word} {b}: it is beside it"
-    return f"{a} is not {word} {b}: it would have to be {-gap:.3f} m {further}"
+    return says
 
 
 def _height_on(a: Boxes, b: Boxes) -> Array:
@@ -190,11 +185,13 @@ SPATIAL_RELATIONS: Mapping[str, SpatialRelation] = MappingProxyType(
         BEHIND: _beside(0, -1.0, "behind", "back"),
         LEFT_OF: _beside(1, 1.0, "left of", "to the left"),
         RIGHT_OF: _beside(1, -1.0, "right of", "to the right"),
-        ABOVE: SpatialRelation(_is_above, _height_over, _says_above, (0.01, 0.01, _ANYWHERE), needs_map=True),
+        ABOVE: SpatialRelation(
+            _is_above, _height_over, _says_over("above", "higher"), (0.01, 0.01, _ANYWHERE), needs_map=True
+        ),
         BELOW: SpatialRelation(
             lambda a, b: _is_above(b, a),
             lambda a, b: _height_over(b, a),
-            _says_below,
+            _says_over("below", "lower"),
             (0.01, 0.01, _ANYWHERE),
             needs_map=True,
         ),

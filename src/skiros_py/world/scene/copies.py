@@ -8,12 +8,33 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, MutableMapping
 
+from skiros_py.world.element import Value
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene.individual import Individual
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import POSE, POSE_FRAME, STRUCTURE
 
-__all__ = ["add_copy"]
+__all__ = ["Individual", "add_copy"]
+
+
+class Individual:
+    """What all files together say of one individual.
+
+    Attributes:
+        types: Names of its classes.
+        values: Its properties, the label among them.
+        relations: Names of a relation and of the individual at its other end.
+    """
+
+    __slots__ = ("relations", "types", "values")
+
+    def __init__(self) -> None:
+        self.types: list[str] = []
+        self.values: dict[str, Value] = {}
+        self.relations: list[tuple[str, str]] = []
+
+
+# ---------------------------------------------------------------- copies
+
 
 _NUMBERED = re.compile(r"(.*?)_?(\d+)")
 
@@ -69,6 +90,6 @@ def _complete(copy: Individual, like: Individual, names: Mapping[str, str], onto
 
 
 def _kind(relation: str, ontology: Ontology) -> str:
-    """Returns what is said anew as a whole or not at all: a place, in whichever words; pieces; else one relation."""
+    """Returns what is copied together or not at all: all placements, all pieces, or one relation."""
     family = ontology.family(relation)
     return family if family in (Family.PLACEMENT, Family.STRUCTURE) else relation

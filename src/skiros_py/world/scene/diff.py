@@ -21,7 +21,7 @@ def diff(old: Index, new: Index) -> tuple[Edit, ...]:
     """Returns the edits that turn the scene of one state into that of another, in an order in which they can be done.
 
     What is abstract, the ontology's individuals and what was learned, is no part of a scene. An element that is of
-    another class in the new state counts as another one: it goes, and comes anew. Poses that a file would show alike
+    another class in the new state counts as another one: it is removed and added. Poses that a file would show alike
     count as equal.
     """
     work = Workspace(old)

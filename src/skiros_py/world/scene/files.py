@@ -7,14 +7,13 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, WorldError
 from skiros_py.world.change import Change, Writer
-from skiros_py.world.garbage import collection_paused
+from skiros_py.world.index import collection_paused
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.scene.atomic import write_atomically
 from skiros_py.world.scene.diff import diff
-from skiros_py.world.scene.faults import fault_of_all
-from skiros_py.world.scene.reader import Reader
+from skiros_py.world.scene.reader import Reader, fault_of_all
 from skiros_py.world.scene.robots import robot_document
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.world import World

@@ -1,22 +1,26 @@
-"""What robots were taught, as a file that looks like a scene's."""
+"""What robots were taught, as a Turtle file: written, read and kept up to date beside a journal."""
 
 from __future__ import annotations
 
+import itertools
+import logging
 from pathlib import Path
 
-from skiros_py.world.change import Edit
+from skiros_py.errors import FileError, WorldError
+from skiros_py.world.change import Change, Edit, Writer
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
 from skiros_py.world.names import LEARNED, LEARNED_GRAPH
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import read_document
+from skiros_py.world.scene.atomic import write_atomically
 from skiros_py.world.scene.files import fill
 from skiros_py.world.scene.reader import Reader
 from skiros_py.world.scene.writer import TurtleWriter
 from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
 
-__all__ = ["learned_turtle", "read_learned"]
+__all__ = ["LearnedFile", "learned_turtle", "read_learned"]
 
 
 def learned_turtle(view: Index) -> str:
@@ -38,3 +42,100 @@ def read_learned(ontology: Ontology, path: Path) -> list[Edit]:
     world = World(ontology)
     fill(world, reader, "learned", f"read from {path.name}")
     return [edit for change in world.changes for edit in change.edits]
+
+
+# ---------------------------------------------------------------- the file
+
+
+_log = logging.getLogger(__name__)
+
+
+class LearnedFile:
+    """Mirrors the learned part of a world, which the journal holds, in a Turtle file.
+
+    A file that cannot be written stays as it was until the next change; the world goes on.
+
+    Attributes:
+        path: The file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._stale = False
+        self._taken = False
+
+    def read_into(self, world: World) -> None:
+        """Lets a world begin with what the file says, if it is there.
+
+        Raises:
+            FileError: It says what the ontology does not allow.
+        """
+        self._taken = True
+        if not self.path.exists():
+            return
+        edits = read_learned(world.ontology, self.path)
+        try:
+            with world.transaction("learned", f"carried over in {self.path.name}", writer=Writer.SYSTEM) as tx:
+                tx.apply(edits)
+        except WorldError as error:
+            raise FileError(self.path, str(error)) from None
+
+    def follow(self, world: World) -> None:
+        """Makes the file as the world is, and keeps it so."""
+        self._tidy()
+        if not self._taken:
+            self._keep_another(learned_turtle(world.snapshot()))
+        self._mirror(world)
+        world.subscribe(lambda change: self._on_change(world, change))
+
+    def _keep_another(self, text: str) -> None:
+        """Keeps a file that somebody changed since it was written: it does not count, but is somebody's work."""
+        try:
+            found = self.path.read_bytes() if self.path.exists() else b""
+            if not found.strip() or found == text.encode():
+                return
+            kept = _kept(self.path, found)
+        except OSError:  # nor can it be overwritten
+            return
+        _log.warning(
+            "%s is not as the journal says, which alone counts: it is kept as %s, and written again; to take over what"
+            " it says, let it be the learned.ttl of a new data directory",
+            self.path,
+            kept.name,
+        )
+
+    def _on_change(self, world: World, change: Change) -> None:
+        if self._stale or any(is_learned(name) for name in change.marks()):
+            self._mirror(world)
+
+    def _mirror(self, world: World) -> None:
+        view = world.snapshot()
+        there = self.path.exists()
+        if not there and not any(is_learned(name) for name in view.abstracts(ELEMENT)):
+            return
+        text = learned_turtle(view)
+        try:
+            if not there or self.path.read_text(encoding="utf-8") != text:
+                write_atomically(self.path, text)
+            self._stale = False
+        except (FileError, OSError, UnicodeError) as error:
+            self._stale = True
+            _log.warning("%s is not up to date: %s", self.path, error)
+
+    def _tidy(self) -> None:
+        """Removes what a process that was killed while it wrote left behind."""
+        for left in self.path.parent.glob(f".{self.path.name}.*.tmp"):
+            left.unlink(missing_ok=True)
+
+
+def _kept(path: Path, content: bytes) -> Path:
+    """Puts a copy beside a file, under the next free name; none where the same was kept before."""
+    for number in itertools.count(1):
+        copy = path.with_name(f"{path.name}.kept-{number}")
+        if not copy.exists():
+            with copy.open("xb") as file:
+                file.write(content)
+            return copy
+        if copy.read_bytes() == content:
+            return copy
+    raise AssertionError("numbers do not end")

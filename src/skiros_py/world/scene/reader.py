@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum, auto
 from types import MappingProxyType
 
 import pyoxigraph as ox
@@ -10,18 +13,135 @@ import pyoxigraph as ox
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, RelationEdit
 from skiros_py.world.checks import class_problem, id_problem
-from skiros_py.world.element import Element, Placement
-from skiros_py.world.names import SCENE, local_name
+from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.literals import parse_value
+from skiros_py.world.names import SCENE, Names, local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import Document
-from skiros_py.world.scene.copies import add_copy
-from skiros_py.world.scene.faults import fault_about
-from skiros_py.world.scene.individual import Individual
-from skiros_py.world.scene.predicates import Kind, Predicate, Predicates
+from skiros_py.world.scene.copies import Individual, add_copy
 from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
-__all__ = ["Reader"]
+__all__ = ["Kind", "Predicate", "Predicates", "Reader", "fault_about", "fault_of_all"]
+
+
+_MOST_SHOWN = 10
+_CURIE = re.compile(r"[\w-]+:[\w-]+")
+
+
+def fault_about(files: Sequence[Document], names: Names, reason: str, name: str, terms: Sequence[str]) -> FileError:
+    """Makes the error for what is wrong with an individual.
+
+    Args:
+        files: The files that may speak of it, that which matters most first.
+        names: How names become IRIs.
+        reason: What is wrong.
+        name: The individual.
+        terms: Names that the statement in question consists of besides; the last one is pointed at.
+    """
+    iri, wanted = _iri(names, name), {_iri(names, term) for term in terms}
+    said = [(file, said) for file in files for said in _statements(file, iri)]
+    exact = [file for file, terms in said if wanted <= set(terms)]
+    file = (exact or [file for file, _ in said] or [files[0]])[0]
+    return file.fault(reason, iri, _iri(names, terms[-1]) if terms else None)
+
+
+def fault_of_all(files: Sequence[Document], names: Names, problems: Sequence[tuple[str, str]]) -> FileError:
+    """Makes one error of many (individual, what is wrong with it), each with its line, at the line of the first."""
+    once = list(dict.fromkeys(problems))
+    faults = [_fault(files, names, name or "this", sentence) for name, sentence in once[:_MOST_SHOWN]]
+    faults.sort(key=lambda fault: (fault.path != files[0].path, str(fault.path), fault.line or 0))
+    first = faults[0]
+    if len(once) == 1:
+        return first
+    shown = [f"{fault.path.name}:{fault.line}: {fault.reason}" if fault.line else fault.reason for fault in faults]
+    more = [f"and {len(once) - _MOST_SHOWN} more"] if len(once) > _MOST_SHOWN else []
+    return FileError(first.path, "\n  - ".join(["is refused:", *shown, *more]), line=first.line)
+
+
+def _fault(files: Sequence[Document], names: Names, name: str, sentence: str) -> FileError:
+    """The sentence names the predicate that is to blame, if any is."""
+    named = set(_CURIE.findall(sentence))
+    iri = _iri(names, name)
+    predicates = [names.name(said[0]) for file in files for said in _statements(file, iri)]
+    return fault_about(files, names, sentence, name, [p for p in predicates if p in named][:1])
+
+
+def _statements(file: Document, iri: str) -> Iterator[tuple[str, str]]:
+    """Yields (predicate, object) of what a file says of an individual."""
+    for triple in file.triples:
+        if getattr(triple.subject, "value", None) == iri:  # what was written for a name need not be an IRI
+            yield triple.predicate.value, getattr(triple.object, "value", "")
+
+
+def _iri(names: Names, name: str) -> str:
+    """The IRI of a name; a name that no prefix was found for is one itself."""
+    prefix, colon, _ = name.partition(":")
+    return name if colon and prefix not in names.prefixes else names.iri(name)
+
+
+# ---------------------------------------------------------------- reading individuals
+
+
+class Kind(Enum):
+    """What a predicate says of an individual."""
+
+    TYPE = auto()
+    VALUE = auto()
+    RELATION = auto()
+    UNKNOWN = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class Predicate:
+    """One predicate.
+
+    Attributes:
+        name: Its CURIE.
+        kind: What it says.
+        range: CURIE of the data type of its values; "" where it has none.
+    """
+
+    name: str
+    kind: Kind
+    range: str = ""
+
+
+class Predicates:
+    """Predicates by IRI; each is looked up once, since files say the same few words again and again."""
+
+    def __init__(self, ontology: Ontology) -> None:
+        self._ontology = ontology
+        self._by_iri: dict[str, Predicate] = {}
+        self._types: dict[str, str] = {}
+
+    def of(self, iri: str) -> Predicate:
+        """Returns what a predicate means."""
+        return self._by_iri.get(iri) or self._by_iri.setdefault(iri, self._look_up(iri))
+
+    def value(self, predicate: Predicate, literal: ox.Literal) -> Value:
+        """Reads a value of a predicate that has values.
+
+        Raises:
+            ValueError: The literal does not fit; the text says what would.
+        """
+        iri = literal.datatype.value
+        type_ = self._types.get(iri) or self._types.setdefault(iri, self._ontology.names.name(iri))
+        return parse_value(literal.value, type_, predicate.range)
+
+    def _look_up(self, iri: str) -> Predicate:
+        name = self._ontology.names.name(iri)
+        if name == "rdf:type":
+            return Predicate(name, Kind.TYPE)
+        if name == LABEL:
+            return Predicate(name, Kind.VALUE, "xsd:string")
+        if name in self._ontology.properties:
+            return Predicate(name, Kind.VALUE, self._ontology.properties[name].range)
+        return Predicate(name, Kind.RELATION if name in self._ontology.relations else Kind.UNKNOWN)
+
+
+# ---------------------------------------------------------------- reading individuals
+
 
 _TERMS = ("owl:Class", "owl:ObjectProperty", "owl:DatatypeProperty", "owl:AnnotationProperty", "rdfs:Datatype")
 

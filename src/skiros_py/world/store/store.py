@@ -1,11 +1,13 @@
-"""What a store of triples is: a small face with two implementations, one fast and one naive to compare it with."""
+"""The triple store: pyoxigraph in memory, with limits on answers and readable syntax errors."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from types import MappingProxyType
-from typing import Protocol, TypeVar
+from typing import Any, TypeVar
 
 import pyoxigraph as ox
 
@@ -17,12 +19,83 @@ __all__ = [
     "NO_FUNCTIONS",
     "UNLIMITED",
     "Answer",
+    "AnswerLimits",
     "Functions",
-    "Most",
     "QuadStore",
     "Rows",
     "Term",
+    "parse_fault",
 ]
+
+
+_FAULT = re.compile(r"error at (\d+):(\d+): expected (?:one of )?(.*)", re.DOTALL)
+_LISTED = re.compile(r'"(?:\\.|[^"\\])*"|\[[^\]]*\]', re.DOTALL)
+"""What is no phrase: signs in quotes, and sets of signs."""
+_SIGN = re.compile(r'"((?:\\.|[^"\\])+)"|\[(.)[^\]]*\]')
+_WORD = re.compile(r"<[^>\s]*>|[?$]?\w+|\S")
+_BEFORE, _AFTER = 3, 2
+"""How many words around the place are told."""
+_KINDS = {
+    "a variable": ("?", "$"),
+    "a name": (":", "<", "_:"),
+    "a value": ('\\"', "'", "+", "true"),
+    "a number": ("[0",),
+}
+"""Kinds of what can be written, each with signs that it begins with."""
+_BRACKETS = ("{", "}", "(", ")", "=", ",", ";", "*", "/", "|", "^")
+_LONGEST = 60
+
+
+def parse_fault(text: str, message: str) -> str:
+    """Returns where a query breaks off, and what could have come; as it is where the engine says something else.
+
+    Columns are left out: names were written out since somebody wrote the query.
+
+    Args:
+        text: The query as the engine has read it.
+        message: What the engine says.
+    """
+    found = _FAULT.fullmatch(message)
+    if found is None:
+        return message
+    line, column = int(found[1]), int(found[2])
+    reason = _reason(found[3])
+    if reason:
+        return f"line {line}: {reason}"
+    lines = text.split("\n")
+    before = "\n".join([*lines[: line - 1], lines[line - 1][: column - 1]])
+    after = "\n".join([lines[line - 1][column - 1 :], *lines[line:]])
+    expected = _expected(found[3])
+    ends = bool(expected) and not after.strip()
+    what = "the query ends too early" if ends else f"something is wrong near {_near(before, after)}"
+    return f"line {line}: {what}" + (f"; expected {expected}" if expected else "")
+
+
+def _reason(signs: str) -> str:
+    """Returns what the engine says in words among the signs, "Prefix not found"; empty where it only lists them."""
+    said = (each.strip() for each in _LISTED.sub("", signs).split(","))
+    return next((each for each in said if each[:1].isalpha() and " " in each), "")
+
+
+def _near(before: str, after: str) -> str:
+    """Returns some words around a place: the engine looks ahead, so it may be just before or just after it."""
+    words = [*_WORD.findall(before)[-_BEFORE:], *_WORD.findall(after)[:_AFTER]]
+    said = (re.split("[#/]", word.strip("<>"))[-1] if word.startswith("<") else word for word in words)
+    return f"'{' '.join(said)[:_LONGEST]}'"
+
+
+def _expected(signs: str) -> str:
+    """Names the kinds of what could have come; keywords are left out, of which the engine names any that is near."""
+    known = {match[1] or f"[{match[2]}" for match in _SIGN.finditer(signs.replace("['", "["))}
+    kinds = [kind for kind, begins in _KINDS.items() if known.intersection(begins)]
+    if "a value" in kinds:
+        kinds = [kind for kind in kinds if kind != "a number"]
+    kinds += [f"'{sign}'" for sign in _BRACKETS if sign in known]
+    return " or ".join(filter(None, [", ".join(kinds[:-1]), *kinds[-1:]]))
+
+
+# ---------------------------------------------------------------- the triple store
+
 
 INFERRED_GRAPH = ox.NamedNode("https://w3id.org/skiros-py/inferred")
 """The graph of what OWL entails, for queries that ask for that."""
@@ -31,7 +104,7 @@ COMPUTED_GRAPH = ox.NamedNode("https://w3id.org/skiros-py/computed")
 """The graph of what reasoners worked out for a query; empty as soon as that is answered."""
 
 Term = ox.NamedNode | ox.BlankNode | ox.Literal
-"""pyoxigraph's terms are plain values and serve as such for every store."""
+"""A term of a triple."""
 
 Functions = Mapping[str, Callable[..., Term | None]]
 """Functions that a query may call, by IRI; None is no answer."""
@@ -54,7 +127,7 @@ Answer = Rows | bool | tuple[ox.Triple, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Most:
+class AnswerLimits:
     """How large an answer may get; a store stops reading where it gets larger.
 
     Attributes:
@@ -84,52 +157,79 @@ class Most:
             yield row
 
 
-UNLIMITED = Most()
+UNLIMITED = AnswerLimits()
+
+_LONGEST_FAULT = 200
+
+_PIECE = 100_000
+"""Quads loaded at once: the loader sorts them in memory, twice as much of it for all at once."""
 
 
-class QuadStore(Protocol):
-    """Triples in named graphs, and SPARQL over all of them as one.
+class QuadStore:
+    """Triples in named graphs, in memory, and SPARQL over all of them as one.
 
-    Each triple is in one graph at most: stores need not notice that a triple is in two, and may show it twice.
-    One thread at a time. Whatever is returned is complete: nothing is read from the store later.
+    Each triple belongs in one graph at most. One thread at a time. Whatever is returned is complete: an iterator of
+    results that another thread finishes kills the process, so none ever leaves a method.
     """
 
+    def __init__(self) -> None:
+        self._store = ox.Store()
+
     def add(self, quad: ox.Quad) -> None:
-        """Adds one; nothing happens where it is there already."""
-        ...
+        """Adds one."""
+        self._store.add(quad)
 
     def extend(self, quads: Iterable[ox.Quad]) -> None:
-        """Adds some."""
-        ...
+        """Adds some: all, or, if that breaks off, none."""
+        self._store.extend(quads)
 
     def remove(self, quads: Iterable[ox.Quad]) -> None:
-        """Takes some out; nothing happens for those that are not there."""
-        ...
+        """Takes some out."""
+        for quad in quads:
+            self._store.remove(quad)
 
     def bulk_load(self, quads: Iterable[ox.Quad]) -> None:
-        """Adds very many, as fast as may be; if that breaks off, some are there."""
-        ...
+        """Adds very many."""
+        waiting = iter(quads)
+        while piece := list(islice(waiting, _PIECE)):
+            self._store.bulk_extend(piece)
 
     def clear(self, graph: ox.NamedNode) -> None:
-        """Takes everything out of a graph."""
-        ...
+        """Takes a graph out."""
+        self._store.remove_graph(graph)
 
     def graphs(self) -> tuple[str, ...]:
         """Returns the IRIs of the graphs that hold something, sorted."""
-        ...
+        named = [graph for graph in self._store.named_graphs() if isinstance(graph, ox.NamedNode)]
+        return tuple(sorted(g.value for g in named if any(self._store.quads_for_pattern(None, None, None, g))))
 
     def quads(self, graph: ox.NamedNode | None = None) -> list[ox.Quad]:
         """Returns what is in a graph, or in all, in no order."""
-        ...
+        return list(self._store.quads_for_pattern(None, None, None, graph))
 
     def __len__(self) -> int:
-        """How many there are."""
-        ...
+        return len(self._store)
 
-    def query(self, text: str, *, functions: Functions = NO_FUNCTIONS, most: Most = UNLIMITED) -> Answer:
+    def query(self, text: str, *, functions: Functions = NO_FUNCTIONS, limits: AnswerLimits = UNLIMITED) -> Answer:
         """Answers SELECT, ASK or CONSTRUCT over all graphs as one; IRIs are written in full.
 
         Raises:
             UsageError: It does not parse, calls a function that there is not, or the answer gets too large.
         """
-        ...
+        own: Any = {ox.NamedNode(iri): function for iri, function in functions.items()}
+        try:
+            result = self._store.query(text, use_default_graph_as_union=True, custom_functions=own or None)
+            return _materialised(result, limits)
+        except SyntaxError as error:
+            raise UsageError(f"the query does not parse: {parse_fault(text, error.msg)[:_LONGEST_FAULT]}") from None
+        except (RuntimeError, ValueError, OSError) as error:
+            raise UsageError(f"the query cannot be answered: {error}") from None
+
+
+def _materialised(result: ox.QuerySolutions | ox.QueryBoolean | ox.QueryTriples, limits: AnswerLimits) -> Answer:
+    if isinstance(result, ox.QueryBoolean):
+        return bool(result)
+    if isinstance(result, ox.QuerySolutions):
+        rows: Iterable[tuple[Term | None, ...]] = map(tuple, result)
+        return Rows(tuple(variable.value for variable in result.variables), tuple(limits.checked(rows)))
+    return tuple(limits.checked(result))

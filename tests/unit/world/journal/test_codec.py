@@ -19,8 +19,8 @@ from skiros_py.world.change import (
     Writer,
 )
 from skiros_py.world.element import Element, Placement, Value
-from skiros_py.world.journal import codec
-from skiros_py.world.journal.codec import decode_change, decode_edits, encode_change, encode_edits
+from skiros_py.world.journal import records
+from skiros_py.world.journal.records import decode_change, decode_edits, encode_change, encode_edits
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -87,13 +87,13 @@ def test_texts_are_plain_ascii_so_that_every_character_can_be_stored(edits: list
 
 @given(st.lists(EDITS, max_size=20))
 def test_many_edits_take_several_texts(edits: list[Edit]) -> None:
-    before = codec.LONGEST_PART
-    codec.LONGEST_PART = 3
+    before = records.LONGEST_PART
+    records.LONGEST_PART = 3
     try:
         change = Change(1, "scene", "read", 0.0, tuple(edits))
         texts = encode_change(change)
     finally:
-        codec.LONGEST_PART = before
+        records.LONGEST_PART = before
 
     assert len(texts) == max(1, math.ceil(len(edits) / 3))
     assert decode_change(texts[0], texts[1:]) == change

@@ -16,9 +16,9 @@ from skiros_py.errors import FileError, UsageError, WorldError
 from skiros_py.testing import tiny_ontology, tiny_world
 from skiros_py.world.change import Change, ElementEdit, GoalsEdit, PropertyEdit, Writer
 from skiros_py.world.index import Index
-from skiros_py.world.journal import DataDirectory, Head, Journal, codec, recent, records
-from skiros_py.world.journal.codec import encode_change
-from skiros_py.world.journal.schema import SCHEMA
+from skiros_py.world.journal import DataDirectory, Head, Journal, records
+from skiros_py.world.journal import journal as journal_module
+from skiros_py.world.journal.records import SCHEMA, encode_change
 from skiros_py.world.past import GOALS, MemoryLog
 from skiros_py.world.undo import last_undoable
 
@@ -67,7 +67,7 @@ def test_changes_are_remembered_in_order_by_whoever_opens_the_file_next(tmp_path
 def test_only_the_last_changes_are_kept_in_memory_and_older_ones_are_read_back(
     journal: Journal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(recent, "_MOST_CHANGES", 3)
+    monkeypatch.setattr(journal_module, "_MOST_CHANGES", 3)
     monkeypatch.setattr(records, "_AT_ONCE", 2)
     changes = [change(n) for n in range(1, 10)]
     for one in changes:
@@ -79,7 +79,7 @@ def test_only_the_last_changes_are_kept_in_memory_and_older_ones_are_read_back(
 
 
 def test_a_huge_change_pushes_the_others_out_of_memory(journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recent, "_MOST_EDITS", 5)
+    monkeypatch.setattr(journal_module, "_MOST_EDITS", 5)
     huge = Change(4, "scene", "load", 0.0, tuple(change(1, f"ball_{n}").edits[0] for n in range(100)))
     for one in (change(1), change(2), change(3), huge):
         journal.append(one)
@@ -312,7 +312,7 @@ def test_threads_may_ask_while_one_writes_and_another_compacts(open_tiny: Open, 
 def test_a_file_of_version_one_is_brought_up_to_date_with_its_content(
     longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(codec, "LONGEST_PART", longest)
+    monkeypatch.setattr(records, "LONGEST_PART", longest)
     world = tiny_world()
     with world.transaction("ann", "goals", writer=Writer.PERSON) as tx:
         tx.set_goals(["In(ball_1, slot_1)"])

@@ -2,14 +2,15 @@ from __future__ import annotations
 
 import pickle
 import socket
+import sys
 from pathlib import Path
 
 import pytest
 
 from skiros_py.errors import FileError
-from skiros_py.world.datatype import LONGEST_TEXT
 from skiros_py.world.ontology.documents import rdf_files, read_document
-from skiros_py.world.ontology.guards import DEEPEST, LONGEST_ENTITY
+from skiros_py.world.ontology.formats import DEEPEST, LONGEST_ENTITY
+from skiros_py.world.xsd import LONGEST_TEXT
 
 DATA = Path(__file__).parents[3] / "data" / "ontologies"
 HEAD = """<?xml version="1.0"?>
@@ -174,6 +175,13 @@ def test_anonymous_nodes_of_two_files_do_not_meet(tmp_path: Path) -> None:
     other = read_document(written(tmp_path, "other.ttl", PREFIX + "_:b e:p e:x ."))
 
     assert one.triples[0].subject != other.triples[0].subject
+
+
+def test_owl_xml_without_its_library_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "owlready2.owlxml_2_ntriples", None)
+
+    with pytest.raises(FileError, match=r"tools\.owx: OWL/XML needs the extra 'ontology'"):
+        read_document(DATA / "tools.owx")
 
 
 @pytest.mark.parametrize("name", ["robots.owl", "tools.owx", "bridge.ttl"])

@@ -10,7 +10,7 @@ import pytest
 from skiros_py.errors import FileError
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import read_document
-from skiros_py.world.ontology.hierarchy import MOST_ABOVE
+from skiros_py.world.terms import MOST_ABOVE
 
 _HEAD = """@prefix : <http://c#> . @prefix owl: <http://www.w3.org/2002/07/owl#> .
 @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .

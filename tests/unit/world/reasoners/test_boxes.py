@@ -18,9 +18,8 @@ from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.poses import map_pose, write_pose
-from skiros_py.world.reasoners import box_memory
-from skiros_py.world.reasoners.box_memory import BoxMemory
-from skiros_py.world.reasoners.boxes import MAP, Boxes, read_boxes
+from skiros_py.world.reasoners import boxes
+from skiros_py.world.reasoners.boxes import MAP, Boxes, BoxMemory, read_boxes
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
@@ -171,7 +170,7 @@ def test_remembered_boxes_are_those_that_are_read_whatever_is_written(changes: l
 def assert_equal(memory: BoxMemory, state: WorldView) -> None:
     ids = state.instances("sk:Object")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(box_memory, "_MANY", 0)
+        patch.setattr(boxes, "_MANY", 0)
         found = memory.boxes(state, ids)
     read = read_boxes(state, ids)
     for field in dataclasses.fields(Boxes):

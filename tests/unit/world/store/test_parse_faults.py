@@ -5,7 +5,7 @@ from __future__ import annotations
 import pyoxigraph as ox
 import pytest
 
-from skiros_py.world.store.parse_faults import parse_fault
+from skiros_py.world.store.store import parse_fault
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skiros_py.errors import WorldError
+from skiros_py.errors import MissingExtra, WorldError
 from skiros_py.geometry import Pose
 from skiros_py.world.change import Change
 from skiros_py.world.element import Placement
@@ -21,17 +22,17 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.past import MemoryLog, Past
 from skiros_py.world.scene import load_scene
 from skiros_py.world.store import Projection, QuadStore, TripleStore
-from skiros_py.world.store.entailments import entailed_store
-from skiros_py.world.store.oxigraph import OxigraphStore
-from skiros_py.world.store.rdflib_memory import RdflibStore
+from skiros_py.world.store.projection import entailed_store
 from skiros_py.world.store.store import INFERRED_GRAPH
 from skiros_py.world.world import World
+
+from ..rdflib_store import RdflibStore  # noqa: TID252  the tests are no installed package
 
 ROOT = Path(__file__).parents[4]
 ONTOLOGY = Ontology.load([ROOT / "ontologies"])
 SCENE = ox.NamedNode(SCENE_GRAPH)
 LEARNED = ox.NamedNode(LEARNED_GRAPH)
-STORES = pytest.mark.parametrize("make", [OxigraphStore, RdflibStore])
+STORES = pytest.mark.parametrize("make", [QuadStore, RdflibStore])
 
 
 def a_world() -> World:
@@ -261,15 +262,22 @@ def test_what_owl_entails_is_in_the_graph_of_the_inferred(
     assert store.query(f"{prefix} ASK {{ GRAPH <{INFERRED_GRAPH.value}> {{ {triple} }} }}") is True
 
 
+def test_entailment_without_its_library_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "reasonable", None)
+
+    with pytest.raises(MissingExtra, match="entailment needs the extra 'ontology'"):
+        entailments(QuadStore)
+
+
 def test_nothing_is_entailed_that_does_not_follow() -> None:
-    store = entailments(OxigraphStore)
+    store = entailments(QuadStore)
 
     for triple in ("f:m3 f:after f:m1", "f:m3 a f:Mill", "f:m2 f:feeds f:m1", "f:m2 f:touches f:m1"):
         assert store.query(f"PREFIX f: <http://example.org/family#> ASK {{ {triple} }}") is False
 
 
 def test_nothing_stated_is_inferred_again() -> None:
-    store = entailments(OxigraphStore)
+    store = entailments(QuadStore)
 
     said = [(quad.subject, quad.predicate, quad.object) for quad in store.quads()]
 

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from skiros_py.errors import FileError, UsageError
+from skiros_py.errors import FileError, MissingExtra, UsageError
+from skiros_py.system import has_extra, require_extra
 from skiros_py.world.abstract import abstract_individuals
 from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of, in_order
-from skiros_py.world.ontology.check.hermit import HermiT, java
-from skiros_py.world.ontology.check.logic import NoAnswer, NotStarted, Reasoner
 from skiros_py.world.ontology.check.material import Material, read_material
-from skiros_py.world.ontology.check.owl_rl_process import OwlRlProcess
+from skiros_py.world.ontology.check.reasoner import HermiT, NoAnswer, NotStarted, OwlRlProcess, Reasoner, java
 from skiros_py.world.ontology.check.reasoning import logical_findings
 from skiros_py.world.ontology.check.structure import structural_findings
 from skiros_py.world.ontology.documents import rdf_files
@@ -105,6 +104,8 @@ class _Judged:
 
 
 def _java(asked: ReasonerChoice) -> str | None:
+    if asked in ("hermit", "owl-rl"):
+        require_extra("ontology", f"--reasoner {asked}")
     program = java()
     if asked == "hermit" and program is None:
         raise UsageError("--reasoner hermit needs Java, and there is no 'java' on PATH; 'owl-rl' needs none")
@@ -117,10 +118,15 @@ def _reasoned(material: Material, findings: Sequence[Finding], asked: _Asked) ->
         return _Judged(None, "no reasoning was asked for", [])
     if any(finding.kind in _NO_REASONING for finding in findings):
         text = "no reasoner was asked: mend the cycles and depths of the hierarchies first"
-        silence = Finding(Severity.WARNING, FindingKind.REASONER, "", text)
-        return _Judged(None, "the structure has errors", [silence])
+        return _Judged(None, "the structure has errors", [_silence(text)])
+    if not has_extra("ontology"):
+        return _Judged(None, "no reasoner is installed", [_silence(str(MissingExtra("ontology", "reasoning")))])
     with OwlRlProcess(asked.time_limit) as owl_rl:
         return _first_answer(material, _choices(asked, owl_rl), owl_rl, asked)
+
+
+def _silence(text: str) -> Finding:
+    return Finding(Severity.WARNING, FindingKind.REASONER, "", text)
 
 
 def _choices(asked: _Asked, owl_rl: Reasoner) -> Iterator[Reasoner]:

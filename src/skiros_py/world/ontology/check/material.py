@@ -9,16 +9,84 @@ from functools import cached_property
 from pathlib import Path
 
 import pyoxigraph as ox
+import rdflib
 
 from skiros_py.errors import FileError
-from skiros_py.world.names import Names, split_iri
+from skiros_py.world.names import CORE, STANDARD_PREFIXES, Names, split_iri
 from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
-from skiros_py.world.ontology.check.owl import DECLARES, owl, rdf, rdfs
-from skiros_py.world.ontology.documents import Document, rdf_files, read_document
-from skiros_py.world.ontology.kinds import Kind
-from skiros_py.world.ontology.prefixes import common_names
+from skiros_py.world.ontology.documents import Document, common_names, rdf_files, read_document
+from skiros_py.world.terms import DECLARES as KIND_BY_TYPE
+from skiros_py.world.terms import Kind, closure, reached
 
-__all__ = ["Material", "Statement", "closure", "iri_of", "read_material"]
+__all__ = [
+    "ANNOTATIONS",
+    "DECLARES",
+    "HEADER",
+    "Material",
+    "Statement",
+    "iri_of",
+    "is_standard",
+    "is_standard_word",
+    "owl",
+    "rdf",
+    "rdfs",
+    "read_material",
+    "sk",
+]
+
+
+_STANDARD = {name: STANDARD_PREFIXES[name] for name in ("rdf", "rdfs", "owl", "xsd")}
+_WORDS = {"rdf": rdflib.RDF, "rdfs": rdflib.RDFS, "owl": rdflib.OWL, "xsd": rdflib.XSD}
+
+
+def owl(word: str) -> str:
+    """Returns the IRI of a word of OWL."""
+    return _STANDARD["owl"] + word
+
+
+def rdf(word: str) -> str:
+    """Returns the IRI of a word of RDF."""
+    return _STANDARD["rdf"] + word
+
+
+def rdfs(word: str) -> str:
+    """Returns the IRI of a word of RDFS."""
+    return _STANDARD["rdfs"] + word
+
+
+def sk(word: str) -> str:
+    """Returns the IRI of a word of the upper ontology."""
+    return CORE + word
+
+
+DECLARES = {_STANDARD[name.partition(":")[0]] + name.partition(":")[2]: kind for name, kind in KIND_BY_TYPE.items()}
+"""What a type makes of a term."""
+
+ANNOTATIONS = frozenset(
+    {rdfs(w) for w in ("label", "comment", "seeAlso", "isDefinedBy")}
+    | {owl(w) for w in ("versionInfo", "deprecated", "backwardCompatibleWith", "incompatibleWith", "priorVersion")}
+)
+"""Standard predicates that say nothing to a reasoner."""
+
+HEADER = frozenset({owl("imports"), owl("versionIRI")})
+"""Predicates of an ontology's own header."""
+
+
+def is_standard(iri: str) -> bool:
+    """Returns True for anything in a namespace of RDF, RDFS, OWL or XML Schema."""
+    return any(iri.startswith(namespace) for namespace in _STANDARD.values())
+
+
+def is_standard_word(iri: str) -> bool:
+    """Returns True when the standard of its namespace knows the word."""
+    for name, namespace in _STANDARD.items():
+        if iri.startswith(namespace):
+            word = iri.removeprefix(namespace)
+            return word in _WORDS[name] or (name == "rdf" and word.startswith("_"))
+    return False
+
+
+# ---------------------------------------------------------------- the files of a check
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,18 +212,12 @@ class Material:
 
     def ancestors(self, class_: str) -> frozenset[str]:
         """Returns a class and all named classes above it."""
-        return closure([class_], self.parents)
+        return frozenset(closure(self.parents, class_))
 
-    def _parts(self, document: Document, node: object) -> Iterator[str]:
+    def _parts(self, document: Document, node: object) -> list[str]:
         """The named classes that all of a class expression are of."""
-        waiting, seen = [node], set()
-        while waiting:
-            current = waiting.pop(0)
-            if isinstance(current, ox.NamedNode):
-                yield current.value
-            elif current not in seen:
-                seen.add(current)
-                waiting += self.members(document, self._intersections.get((id(document), current)))
+        parts = reached([node], lambda part: self.members(document, self._intersections.get((id(document), part))))
+        return [part.value for part in parts if isinstance(part, ox.NamedNode)]
 
     @cached_property
     def _intersections(self) -> Mapping[tuple[int, object], object]:
@@ -199,18 +261,6 @@ def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
 def iri_of(node: object) -> str | None:
     """Returns the IRI of a named node, else None."""
     return node.value if isinstance(node, ox.NamedNode) else None
-
-
-def closure(start: Iterable[str], above: Mapping[str, Sequence[str]]) -> frozenset[str]:
-    """Returns the start and all that is reached from it."""
-    reached: set[str] = set()
-    waiting = list(start)
-    while waiting:
-        current = waiting.pop()
-        if current not in reached:
-            reached.add(current)
-            waiting.extend(above.get(current, ()))
-    return frozenset(reached)
 
 
 def _list(cells: Mapping[object, tuple[object, object]], node: object) -> Iterator[object]:

@@ -2,19 +2,195 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import chain
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
+from itertools import chain, pairwise
 
-from skiros_py.world.ontology.check.cycles import cycles
-from skiros_py.world.ontology.check.depth import depths
-from skiros_py.world.ontology.check.ends import bad_ends
-from skiros_py.world.ontology.check.families import house_rules
-from skiros_py.world.ontology.check.findings import Finding
-from skiros_py.world.ontology.check.individuals import misfits
-from skiros_py.world.ontology.check.material import Material
+import pyoxigraph as ox
+
+from skiros_py.world.names import CORE
+from skiros_py.world.ontology.check.ends import bad_ends, misfits
+from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
+from skiros_py.world.ontology.check.material import Material, Statement, owl, rdfs, sk
 from skiros_py.world.ontology.check.undeclared import undeclared_terms
+from skiros_py.world.terms import MOST_ABOVE, Kind, closure, cycle, too_deep
 
-__all__ = ["structural_findings"]
+__all__ = ["cycles", "depths", "family_relations", "house_rules", "place_is_subject", "structural_findings"]
+
+
+_FAMILIES = (sk("placement"), sk("structure"), sk("computed"))
+_CORE_IRI = CORE.removesuffix("#")
+
+
+def house_rules(material: Material) -> Iterator[Finding]:
+    """Finds what the world model could not use, and what people could not read."""
+    yield from _place_ends(material)
+    yield from _two_families(material)
+    yield from _primary_parents(material)
+    yield from _without_words(material)
+
+
+def family_relations(material: Material, family: str) -> frozenset[str]:
+    """Returns the relations of a family, given by its top relation (IRI)."""
+    below: dict[str, list[str]] = {}
+    for one, above in material.pairs(rdfs("subPropertyOf")):
+        below.setdefault(above, []).append(one)
+    return frozenset(closure(below, family)) & material.declared[Kind.RELATION].keys()
+
+
+def place_is_subject(material: Material, relation: str) -> bool:
+    """Returns True when the subject of a placement relation is the place."""
+    return _place_end(material, relation) == "subject"
+
+
+def _place_end(material: Material, relation: str) -> str | None:
+    for statement in material.said(relation, sk("placeEnd")):
+        if isinstance(statement.triple.object, ox.Literal):
+            return str(statement.triple.object.value)
+    return None
+
+
+def _place_ends(material: Material) -> Iterator[Finding]:
+    for relation in sorted(family_relations(material, sk("placement"))):
+        end = _place_end(material, relation)
+        if end not in ("object", "subject"):
+            name = material.names.name(relation)
+            text = f'{name} is a placement and needs sk:placeEnd "object" or "subject", got {end or "none"}'
+            fault = material.declared[Kind.RELATION][relation].fault(text, relation, sk("placeEnd") if end else None)
+            yield finding_of(fault, FindingKind.PLACEMENT, name)
+
+
+def _two_families(material: Material) -> Iterator[Finding]:
+    families = {family: family_relations(material, family) for family in _FAMILIES}
+    for relation in sorted(frozenset[str]().union(*families.values())):
+        found = [material.names.name(family) for family, relations in families.items() if relation in relations]
+        if len(found) > 1:
+            name = material.names.name(relation)
+            text = f"{name} is below {' and '.join(found)}: a relation is of one family"
+            fault = material.declared[Kind.RELATION][relation].fault(text, relation)
+            yield finding_of(fault, FindingKind.PLACEMENT, name)
+
+
+def _primary_parents(material: Material) -> Iterator[Finding]:
+    for statement in material.about(sk("primaryParent")):
+        class_, parent = statement.subject, statement.object
+        if class_ is None or parent in material.parents.get(class_, ()):
+            continue
+        name = material.names.name(class_)
+        shown = material.names.name(parent) if parent else "no class"
+        text = f"sk:primaryParent of {name} is {shown}, which is none of its superclasses"
+        yield finding_of(statement.fault(text, parent), FindingKind.PARENT, name)
+
+
+def _without_words(material: Material) -> Iterator[Finding]:
+    """Finds terms without label or comment, in files that build on the upper ontology: people meet these in the UI."""
+    worded = {word: {s.subject for s in material.about(word)} for word in (rdfs("label"), rdfs("comment"))}
+    own = {id(d) for d in material.documents if d.iri == _CORE_IRI or _CORE_IRI in d.imports()}
+    for kind in (Kind.CLASS, Kind.RELATION, Kind.PROPERTY):
+        for term, document in material.declared[kind].items():
+            missing = [material.names.name(word) for word, terms in worded.items() if term not in terms]
+            if missing and id(document) in own and not term.startswith(owl("")):
+                name = material.names.name(term)
+                fault = document.fault(f"{name} has no {' and no '.join(missing)}", term)
+                yield finding_of(fault, FindingKind.UNEXPLAINED, name, severity=Severity.WARNING)
+
+
+# ---------------------------------------------------------------- cycles
+
+
+_MANY = 50
+"""Cycles reported of one kind."""
+_SHOWN = 50
+"""Statements of one cycle that are shown."""
+
+_Edges = dict[tuple[str, str], Statement]
+
+
+def cycles(material: Material) -> Iterator[Finding]:
+    """Finds cycles of superclasses, of super-relations, of pieces and of placements."""
+    for word, says in ((rdfs("subClassOf"), "is a subclass of"), (rdfs("subPropertyOf"), "is a sub-property of")):
+        yield from _cycles(material, _edges(material, {word: False}), says)
+    yield from _cycles(material, _edges(material, _oriented(material, sk("structure"))), "is built of")
+    yield from _cycles(material, _edges(material, _oriented(material, sk("placement"))), "is placed at")
+
+
+def _oriented(material: Material, family: str) -> dict[str, bool]:
+    """The relations of a family, and whether each points from the place to the thing."""
+    return {relation: place_is_subject(material, relation) for relation in sorted(family_relations(material, family))}
+
+
+def _edges(material: Material, words: Mapping[str, bool]) -> _Edges:
+    edges: _Edges = {}
+    for word, turned in words.items():
+        for statement in material.about(word):
+            one, other = statement.subject, statement.object
+            if one is not None and other is not None:
+                edges.setdefault((other, one) if turned else (one, other), statement)
+    return edges
+
+
+def _cycles(material: Material, edges: _Edges, says: str) -> Iterator[Finding]:
+    for _ in range(_MANY):
+        cycle = _one_cycle(edges)
+        if cycle is None:
+            return
+        yield _finding(material, edges, cycle, says)
+        del edges[cycle[0], cycle[1]]
+
+
+def _one_cycle(edges: _Edges) -> list[str] | None:
+    sorter: TopologicalSorter[str] = TopologicalSorter()
+    for above, below in sorted(edges):
+        sorter.add(below, above)
+    try:
+        sorter.prepare()
+    except CycleError as error:
+        found: list[str] = error.args[1]
+        # It always starts at its first name in order, however it was come upon.
+        start = found.index(min(found[:-1]))
+        ring = found[start:-1] + found[:start]
+        return [*ring, ring[0]]
+    return None
+
+
+def _finding(material: Material, edges: _Edges, cycle: list[str], says: str) -> Finding:
+    names = [material.names.name(term) for term in cycle]
+    why = []
+    for one, other in pairwise(cycle[: _SHOWN + 1]):
+        statement = edges[one, other]
+        fault = statement.fault("", statement.object)
+        why.append(f"{material.names.name(one)} {says} {material.names.name(other)} ({str(fault).removesuffix(': ')})")
+    if len(names) > _SHOWN + 1:
+        why.append(f"… and so on, {len(names) - 1} statements in all")
+        names = [*names[:_SHOWN], "…", names[-1]]
+    fault = edges[cycle[0], cycle[1]].fault(f"{f' {says} '.join(names)}: a cycle", cycle[1])
+    return finding_of(fault, FindingKind.CYCLE, names[0], why=tuple(why))
+
+
+# ---------------------------------------------------------------- depth
+
+
+def depths(material: Material) -> Iterator[Finding]:
+    """Finds the first class and the first relation or property with too many above it, unless a cycle explains it."""
+    for word in rdfs("subClassOf"), rdfs("subPropertyOf"):
+        above = _above(material, word)
+        deep = too_deep(above)
+        if deep is not None and not cycle(above):
+            name = material.names.name(deep)
+            text = f"{name} has more than {MOST_ABOVE} terms above it by {material.names.name(word)}"
+            yield finding_of(material.said(deep, word)[0].fault(text), FindingKind.DEPTH, name)
+
+
+def _above(material: Material, word: str) -> Mapping[str, Sequence[str]]:
+    above: dict[str, list[str]] = defaultdict(list)
+    for one, other in material.pairs(word):
+        above[one].append(other)
+    return above
+
+
+# ---------------------------------------------------------------- all structural checks
+
 
 _CHECKS: tuple[Callable[[Material], Iterator[Finding]], ...] = (
     undeclared_terms,

@@ -9,9 +9,17 @@ import pyoxigraph as ox
 from skiros_py.errors import UnknownName
 from skiros_py.world.names import split_iri
 from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severity, finding_of
-from skiros_py.world.ontology.check.material import Material, Statement, iri_of
-from skiros_py.world.ontology.check.owl import is_standard, is_standard_word, owl, rdf, rdfs
-from skiros_py.world.ontology.kinds import Kind
+from skiros_py.world.ontology.check.material import (
+    Material,
+    Statement,
+    iri_of,
+    is_standard,
+    is_standard_word,
+    owl,
+    rdf,
+    rdfs,
+)
+from skiros_py.world.terms import Kind
 
 __all__ = ["undeclared_terms"]
 
@@ -167,7 +175,7 @@ def _no_such_word(material: Material, statement: Statement, iri: str) -> Finding
 
 
 def _two_kinds(material: Material) -> Iterator[Finding]:
-    """Finds terms of two kinds; OWL tools declare annotation properties a second time, which harms nobody."""
+    """Finds terms of two kinds; OWL tools declare annotation properties a second time, which does no harm."""
     kinds = [kind for kind in Kind if kind is not Kind.ANNOTATION]
     for term in sorted({term for kind in kinds for term in material.declared[kind]}):
         found = [kind for kind in kinds if term in material.declared[kind]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -10,10 +11,9 @@ from pathlib import Path
 import pyoxigraph as ox
 import pytest
 
+from skiros_py.errors import MissingExtra
 from skiros_py.world.ontology.check import CheckReport, FindingKind
-from skiros_py.world.ontology.check.hermit import HermiT
-from skiros_py.world.ontology.check.logic import NoAnswer, NotStarted
-from skiros_py.world.ontology.check.owl_rl_process import OwlRlProcess
+from skiros_py.world.ontology.check.reasoner import HermiT, NoAnswer, NotStarted, OwlRlProcess
 
 Check = Callable[..., CheckReport]
 
@@ -129,3 +129,26 @@ def test_what_keeps_hermit_from_an_answer_is_told_apart(
         HermiT(os.fspath(program), time.monotonic() + 20.0).consistent([])
 
     assert raised.type is kind
+
+
+@pytest.fixture
+def bare_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither owlready2 nor reasonable is installed."""
+    for name in ("owlready2", "reasonable"):
+        monkeypatch.setitem(sys.modules, name, None)
+
+
+@pytest.mark.usefixtures("bare_install")
+def test_without_the_libraries_of_reasoners_the_rest_is_checked_and_the_extra_is_named(check: Check) -> None:
+    report = check(_APART, "auto")
+
+    assert (report.reasoner, report.errors) == (None, 0)
+    (silence,) = (f for f in report.findings if f.kind is FindingKind.REASONER)
+    assert "pip install 'skiros-py[ontology]'" in silence.text
+
+
+@pytest.mark.usefixtures("bare_install")
+@pytest.mark.parametrize("reasoner", ["hermit", "owl-rl"])
+def test_a_reasoner_that_is_asked_for_and_not_installed_is_refused_with_the_extra(check: Check, reasoner: str) -> None:
+    with pytest.raises(MissingExtra, match=rf"--reasoner {reasoner} needs the extra 'ontology'"):
+        check(_APART, reasoner)

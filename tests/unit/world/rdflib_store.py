@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -15,14 +14,9 @@ from rdflib.plugins.sparql.operators import register_custom_function, unregister
 from rdflib.plugins.sparql.sparql import SPARQLError
 
 from skiros_py.errors import UsageError
-from skiros_py.world.store.store import NO_FUNCTIONS, UNLIMITED, Answer, Functions, Most, Rows, Term
-
-__all__ = ["RDFLIB_SPARQL", "RdflibStore", "for_rdflib", "from_rdflib", "to_rdflib", "triple_of"]
-
-RDFLIB_SPARQL = threading.RLock()
-"""rdflib's parser and its table of functions are for one thread at a time."""
-
-_Node = rdflib.URIRef | rdflib.BNode | rdflib.Literal
+from skiros_py.world.queries.patterns import RDFLIB_SPARQL
+from skiros_py.world.store.rdflib_terms import Node, for_rdflib, from_rdflib, to_rdflib, triple_of
+from skiros_py.world.store.store import NO_FUNCTIONS, UNLIMITED, Answer, AnswerLimits, Functions, Rows, Term
 
 
 class RdflibStore:
@@ -71,12 +65,12 @@ class RdflibStore:
     def __len__(self) -> int:
         return sum(len(graph) for graph in self._dataset.graphs())
 
-    def query(self, text: str, *, functions: Functions = NO_FUNCTIONS, most: Most = UNLIMITED) -> Answer:
+    def query(self, text: str, *, functions: Functions = NO_FUNCTIONS, limits: AnswerLimits = UNLIMITED) -> Answer:
         """Answers a query; see the protocol."""
         with RDFLIB_SPARQL, _registered(functions), warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # rdflib uses parts of itself that it is about to drop
             try:
-                return _materialised(self._dataset.query(for_rdflib(text)), most)
+                return _materialised(self._dataset.query(for_rdflib(text)), limits)
             except (ParseException, RecursionError) as error:
                 raise UsageError(f"the query does not parse: {error}") from None
             except UsageError:
@@ -84,62 +78,25 @@ class RdflibStore:
             except Exception as error:  # noqa: BLE001  rdflib raises Exception itself
                 raise UsageError(f"the query cannot be answered: {error}") from None
 
-    def _parts(self, quad: ox.Quad) -> tuple[rdflib.Graph, tuple[_Node, _Node, _Node]]:
+    def _parts(self, quad: ox.Quad) -> tuple[rdflib.Graph, tuple[Node, Node, Node]]:
         assert isinstance(quad.graph_name, ox.NamedNode)
         triple = (to_rdflib(quad.subject), to_rdflib(quad.predicate), to_rdflib(quad.object))
         return self._dataset.graph(rdflib.URIRef(quad.graph_name.value)), triple
 
 
-def to_rdflib(term: object) -> _Node:
-    """Returns the term as rdflib has it."""
-    if isinstance(term, ox.NamedNode):
-        return rdflib.URIRef(term.value)
-    if isinstance(term, ox.BlankNode):
-        return rdflib.BNode(term.value)
-    assert isinstance(term, ox.Literal)
-    if term.language:
-        return rdflib.Literal(term.value, lang=term.language)
-    return rdflib.Literal(term.value, datatype=rdflib.URIRef(term.datatype.value), normalize=False)
-
-
-def from_rdflib(node: object) -> Term:
-    """Returns rdflib's term as ours."""
-    if isinstance(node, rdflib.URIRef):
-        return ox.NamedNode(str(node))
-    if isinstance(node, rdflib.BNode):
-        return ox.BlankNode(str(node))
-    assert isinstance(node, rdflib.Literal)
-    if node.language:
-        return ox.Literal(str(node), language=node.language)
-    return ox.Literal(str(node), datatype=ox.NamedNode(str(node.datatype)) if node.datatype else None)
-
-
-def for_rdflib(text: str) -> str:
-    r"""Returns the query with each ``\\`` spelt so that rdflib, which reads ``\u`` twice, reads it once."""
-    return text.replace("\\\\", "\\u005C\\u005C")
-
-
-def _materialised(result: Any, most: Most) -> Answer:
+def _materialised(result: Any, limits: AnswerLimits) -> Answer:
     if result.type == "ASK":
         return bool(result.askAnswer)
     if result.type == "SELECT":
         rows = (tuple(None if node is None else from_rdflib(node) for node in row) for row in result)
-        return Rows(tuple(str(variable) for variable in result.vars), tuple(most.checked(rows)))
-    return tuple(most.checked(map(triple_of, result.graph)))
-
-
-def triple_of(nodes: Iterable[object]) -> ox.Triple:
-    """Returns rdflib's triple as ours."""
-    subject, predicate, object_ = map(from_rdflib, nodes)
-    assert isinstance(subject, ox.NamedNode | ox.BlankNode)
-    assert isinstance(predicate, ox.NamedNode)
-    return ox.Triple(subject, predicate, object_)
+        return Rows(tuple(str(variable) for variable in result.vars), tuple(limits.checked(rows)))
+    return tuple(limits.checked(map(triple_of, result.graph)))
 
 
 @contextmanager
 def _registered(functions: Functions) -> Iterator[None]:
     """To rdflib, functions are known for the whole process only."""
-    own: Mapping[rdflib.URIRef, Callable[..., _Node]] = {
+    own: Mapping[rdflib.URIRef, Callable[..., Node]] = {
         rdflib.URIRef(iri): _as_rdflib(function) for iri, function in functions.items()
     }
     for iri, function in own.items():
@@ -151,8 +108,8 @@ def _registered(functions: Functions) -> Iterator[None]:
             unregister_custom_function(iri)
 
 
-def _as_rdflib(function: Callable[..., Term | None]) -> Callable[..., _Node]:
-    def call(*arguments: object) -> _Node:
+def _as_rdflib(function: Callable[..., Term | None]) -> Callable[..., Node]:
+    def call(*arguments: object) -> Node:
         answer = function(*(from_rdflib(argument) for argument in arguments))
         if answer is None:
             raise SPARQLError("no answer")

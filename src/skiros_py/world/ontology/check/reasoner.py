@@ -1,0 +1,363 @@
+"""Reasoners as the check sees them: the port, and the OWL-RL reasoner in a process of its own, which may be killed.
+
+One process answers all questions of a check, as it takes half a second to start. The kernel limits its memory and time.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from multiprocessing.connection import Connection
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
+
+import pyoxigraph as ox
+
+from skiros_py.processes import limit, start_python
+from skiros_py.world.ontology.check.material import owl, rdf
+
+__all__ = [
+    "MEMORY",
+    "HermiT",
+    "NoAnswer",
+    "NotStarted",
+    "OwlRlProcess",
+    "Reasoner",
+    "Verdict",
+    "java",
+    "main",
+    "one_of",
+    "some",
+]
+
+
+class NoAnswer(Exception):
+    """A reasoner could not answer: too little time, or statements that it does not take; the text says which."""
+
+
+class NotStarted(NoAnswer):
+    """A reasoner could not even be started, whatever the statements are; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What a reasoner found.
+
+    Attributes:
+        consistent: False when the statements contradict each other.
+        unsatisfiable: IRIs of the classes that nothing can be of, sorted; empty where not consistent.
+        near: IRIs of individuals at which a contradiction shows; empty where the reasoner does not say.
+    """
+
+    consistent: bool
+    unsatisfiable: tuple[str, ...] = ()
+    near: tuple[str, ...] = ()
+
+
+class Reasoner(Protocol):
+    """What the check asks of a reasoner."""
+
+    @property
+    def name(self) -> str:
+        """What people call it."""
+        ...
+
+    @property
+    def is_complete(self) -> bool:
+        """True when it sees every contradiction of OWL 2 DL."""
+        ...
+
+    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
+        """Looks for contradictions, and for classes (IRIs) that nothing can be of.
+
+        Raises:
+            NoAnswer: It could not be found out.
+        """
+        ...
+
+    def consistent(self, triples: Sequence[ox.Triple]) -> bool:
+        """Returns False when the statements contradict each other.
+
+        Raises:
+            NoAnswer: It could not be found out.
+        """
+        ...
+
+
+def some(class_: str) -> str:
+    """Returns the IRI of the one thing that is made up to be of a class (IRI)."""
+    return f"urn:skiros-check:one-of:{class_}"
+
+
+def one_of(class_: str) -> ox.Triple:
+    """Returns the statement that there is something of a class (IRI): a contradiction where nothing can be."""
+    return ox.Triple(ox.NamedNode(some(class_)), ox.NamedNode(rdf("type")), ox.NamedNode(class_))
+
+
+# ---------------------------------------------------------------- the OWL-RL process
+
+
+MEMORY = 2000 << 20
+"""Bytes that it may take beside what it takes at its start."""
+_OUT_OF_MEMORY = 99
+"""Exit status of a process that ran out of memory and could still say so."""
+_GRACE = 1.0
+"""How much later than we the kernel ends it [s]."""
+
+_Answer = Verdict | bool | NoAnswer
+
+
+class OwlRlProcess:
+    """Asks the OWL 2 RL reasoner. Close it, or use it in a ``with``.
+
+    Args:
+        time_limit: How long it may take for all questions together, from the first on [s].
+        memory: Bytes that it may take beside what it takes at its start.
+    """
+
+    name = "OWL-RL"
+    is_complete = False
+
+    def __init__(self, time_limit: float, memory: int = MEMORY) -> None:
+        self._time_limit = time_limit
+        self._memory = memory
+        self._deadline = math.inf
+        self._process: subprocess.Popen[bytes] | None = None
+        self._line: Connection | None = None
+        self._why_none = ""
+
+    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
+        """Looks for contradictions, and for classes (IRIs) that nothing can be of.
+
+        Raises:
+            NoAnswer: It takes too long or too much memory.
+        """
+        verdict = self._ask(triples, tuple(classes))
+        assert isinstance(verdict, Verdict)
+        return verdict
+
+    def consistent(self, triples: Sequence[ox.Triple]) -> bool:
+        """Returns False when the statements contradict each other.
+
+        Raises:
+            NoAnswer: It takes too long or too much memory.
+        """
+        answer = self._ask(triples, None)
+        assert isinstance(answer, bool)
+        return answer
+
+    def close(self) -> None:
+        """Ends the process, whatever it does, and waits for it; there are no answers any more."""
+        self._why_none = self._why_none or "the OWL-RL reasoner was closed"
+        if self._line is not None:
+            self._line.close()
+        if self._process is not None:
+            self._process.kill()
+            self._process.wait()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _ask(self, triples: Sequence[ox.Triple], classes: tuple[str, ...] | None) -> Verdict | bool:
+        if self._why_none:
+            raise NoAnswer(self._why_none)
+        line = self._line or self._started()
+        try:
+            line.send((ox.serialize(triples, format=ox.RdfFormat.N_TRIPLES), classes))
+            if not line.poll(max(self._deadline - time.monotonic(), 0.0)):
+                raise self._given_up("the OWL-RL reasoner found no answer in the time given")
+            answer: _Answer = line.recv()
+        except (OSError, EOFError):
+            raise self._given_up(self._why_it_died()) from None
+        if isinstance(answer, NoAnswer):
+            raise self._given_up(str(answer))
+        return answer
+
+    def _started(self) -> Connection:
+        self._deadline = time.monotonic() + self._time_limit
+        main = "skiros_py.world.ontology.check.reasoner:main"
+        self._process, line = start_python(main, self._deadline, self._memory)
+        self._line = Connection(line.detach())
+        return self._line
+
+    def _given_up(self, why: str) -> NoAnswer:
+        """Asked again, it would fail again: it is ended."""
+        self._why_none = why
+        self.close()
+        return NoAnswer(why)
+
+    def _why_it_died(self) -> str:
+        """What ended the process, which closed its end of the line."""
+        assert self._process is not None
+        try:
+            code = self._process.wait(_GRACE)
+        except subprocess.TimeoutExpired:
+            return "the OWL-RL reasoner hangs"
+        if code == -signal.SIGALRM:
+            return "the OWL-RL reasoner found no answer in the time given"
+        if code in (_OUT_OF_MEMORY, -signal.SIGABRT, -signal.SIGKILL):
+            return f"the OWL-RL reasoner needs more than {self._memory >> 20} MiB of memory"
+        return f"the OWL-RL reasoner broke down (status {code}; SKIROS_DEBUG=1 shows why)"
+
+
+# ---------------------------------------------------------------- in the process
+
+
+def main(line: int, deadline: float, memory: int) -> None:
+    """Answers questions until the parent is gone.
+
+    Args:
+        line: Descriptor of the socket on which questions come and answers go.
+        deadline: Time of :func:`time.monotonic` at which it is given up [s].
+        memory: Bytes that it may take beside what it takes now.
+    """
+    try:
+        from skiros_py.world.ontology.check.owl_rl import OwlRl  # rdflib takes its time
+
+        limit(seconds=max(deadline - time.monotonic(), 0.0) + _GRACE, memory=memory)
+        _serve(Connection(line), OwlRl(deadline))
+    except MemoryError:
+        os._exit(_OUT_OF_MEMORY)
+    except (EOFError, OSError):  # the parent is gone
+        os._exit(0)
+
+
+def _serve(line: Connection, reasoner: Reasoner) -> None:
+    while True:
+        packed, classes = line.recv()
+        triples = [quad.triple for quad in ox.parse(packed, format=ox.RdfFormat.N_TRIPLES)]
+        line.send(_answer(reasoner, triples, classes))
+
+
+def _answer(reasoner: Reasoner, triples: Sequence[ox.Triple], classes: Sequence[str] | None) -> _Answer:
+    try:
+        return reasoner.consistent(triples) if classes is None else reasoner.judge(triples, classes)
+    except NoAnswer as answer:
+        return answer
+
+
+# ---------------------------------------------------------------- HermiT
+
+
+_MAIN = "org.semanticweb.HermiT.cli.CommandLine"
+_INCONSISTENT = "InconsistentOntologyException"
+_NO_START = re.compile(r"initialization of VM|Could not (?:create the Java|find or load main)|UnsupportedClassVersion")
+_FAULT = re.compile(r"\w(?:Exception|Error)\b")
+_TOO_BIG = re.compile(r"OutOfMemoryError|StackOverflowError|insufficient memory")
+_MEMORY = ("-Xmx2000M", "-Xss256M")  # it goes as deep as classes are deep
+# No shared file of performance counters, and the compiler that is quick for programs of a second.
+_QUICK = ("-XX:-UsePerfData", "-XX:+UseSerialGC", "-XX:TieredStopAtLevel=1")
+
+
+def java() -> str | None:
+    """Returns the path of ``java``, or None where there is none."""
+    return shutil.which("java")
+
+
+class HermiT:
+    """Asks HermiT.
+
+    Args:
+        program: Path of ``java``.
+        deadline: Time of :func:`time.monotonic` at which a question is given up [s].
+    """
+
+    name = "HermiT"
+    is_complete = True
+
+    def __init__(self, program: str, deadline: float) -> None:
+        self._program = program
+        self._deadline = deadline
+
+    def judge(self, triples: Sequence[ox.Triple], classes: Sequence[str]) -> Verdict:
+        """Looks for contradictions, and for classes (IRIs) that nothing can be of.
+
+        Raises:
+            NoAnswer: It takes too long, or HermiT does not take the statements.
+        """
+        output = self._ask(triples, "--unsatisfiable", "--no-prefixes")
+        if output is None:
+            return Verdict(consistent=False)
+        found = {line.strip() for line in output.splitlines()} - {owl("Nothing")}
+        return Verdict(consistent=True, unsatisfiable=tuple(sorted(found.intersection(classes))))
+
+    def consistent(self, triples: Sequence[ox.Triple]) -> bool:
+        """Returns False when the statements contradict each other.
+
+        Raises:
+            NoAnswer: It takes too long, or HermiT does not take the statements.
+        """
+        return self._ask(triples, "--consistency") is not None
+
+    def _ask(self, triples: Sequence[ox.Triple], *question: str) -> str | None:
+        """Its answer, or None where the statements contradict each other."""
+        with tempfile.TemporaryDirectory(prefix="skiros-check-") as name:
+            file = Path(name) / "ontology.nt"
+            file.write_bytes(ox.serialize(triples, format=ox.RdfFormat.N_TRIPLES) or b"")
+            code, output, errors = self._run(Path(name), [*question, file.as_uri()])
+        if code == 0:
+            return output
+        if _INCONSISTENT in errors:
+            return None
+        raise _fault(code, f"{errors}\n{output}")  # Java says on either why it does not start
+
+    def _run(self, folder: Path, question: list[str]) -> tuple[int, str, str]:
+        path = _class_path()
+        options = [*_MEMORY, *_QUICK, f"-Djava.io.tmpdir={folder}", "-cp", path, _MAIN, "--ignoreUnsupportedDatatypes"]
+        try:
+            done = subprocess.run(
+                [self._program, *options, *question],
+                cwd=folder,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                encoding="utf-8",
+                errors="replace",
+                timeout=max(self._deadline - time.monotonic(), 0.0),
+                start_new_session=True,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            raise NoAnswer("HermiT found no answer in the time given") from None
+        except OSError as error:
+            raise NotStarted(f"HermiT does not start: {error.strerror or error}") from None
+        return done.returncode, done.stdout, done.stderr
+
+
+def _class_path() -> str:
+    spec = find_spec("owlready2")
+    assert spec is not None  # a dependency of ours
+    assert spec.origin is not None
+    folder = Path(spec.origin).parent / "hermit"
+    return os.pathsep.join([str(folder), str(folder / "HermiT.jar")])
+
+
+def _fault(code: int, errors: str) -> NoAnswer:
+    """What a run without an answer means: a Java that does not start, too little memory, or statements refused."""
+    reason = _reason(errors)
+    if _TOO_BIG.search(errors) or code == -signal.SIGKILL:
+        return NoAnswer(f"HermiT needs more memory than it may take ({_MEMORY[0].removeprefix('-Xmx')})")
+    if _NO_START.search(errors) or not reason:
+        said = " ".join(line.strip() for line in errors.splitlines() if line.strip())[:300]
+        return NotStarted(f"HermiT does not start: {said or f'Java ended with status {code}'}")
+    return NoAnswer(f"HermiT does not take these statements: {reason}")
+
+
+def _reason(errors: str) -> str:
+    """The first line of a fault of HermiT's own, without the names of its classes; nothing where there is none."""
+    line = next((line for line in errors.splitlines() if _FAULT.search(line)), "")
+    return (line.rpartition("Exception: ")[2] or line).strip()[:300]
