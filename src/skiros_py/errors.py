@@ -5,11 +5,13 @@
     SkirosError
     ├── UsageError            somebody asked for something that does not exist or does not parse
     │   ├── UnknownName       ... and here are the names that do exist
+    │   │   └── NotFound      ... which the request is addressed to
     │   ├── GoalSyntaxError   ... at this column of the goal
     │   ├── MissingExtra      ... that needs an extra of the distribution, which is not installed
     │   ├── KeyReused         ... with the key of an earlier request, which was another one
     │   └── WrongState        ... that cannot be done now, in the state things are in
     │       └── Removed       ... since it was done before, and what came of it was removed
+    ├── Refused               a use case cannot be done now, with a code for programs: no plan, no simulation, ...
     ├── FileError             a file cannot be read or understood: path, line, reason
     ├── WorldError            a write to the world model was refused
     │   ├── StaleVersion      ... because the author had not seen the latest change
@@ -46,7 +48,9 @@ __all__ = [
     "MissingExtra",
     "MissingSystemLibrary",
     "ModuleError",
+    "NotFound",
     "PlanningError",
+    "Refused",
     "Removed",
     "SkirosError",
     "StaleVersion",
@@ -99,6 +103,23 @@ class UnknownName(UsageError):
         there_is = f" Known: {shown}." if self.known else f" None of {len(names)} is like it." if many else _NONE
         cut = "…" if len(str(name)) > len(given) else ""
         super().__init__(f"unknown {kind} '{given}{cut}'{place}.{hint}{there_is}")
+
+
+class NotFound(UnknownName):
+    """What a request is addressed to does not exist.
+
+    Attributes:
+        code: The kind of thing, for programs.
+    """
+
+    code = "NotFound"
+
+    @classmethod
+    def of(cls, error: UnknownName, code: str) -> NotFound:
+        """Makes one of an unknown name."""
+        found = cls.__new__(cls, *error.args)
+        found.__dict__.update(error.__dict__, code=code)
+        return found
 
 
 _MANY = 1000
@@ -172,6 +193,20 @@ class Removed(WrongState):
     """Something that was there and was removed: asking for it once more does not bring it back."""
 
 
+class Refused(SkirosError):
+    """A use case cannot be done in the present state.
+
+    Attributes:
+        code: Why, for programs.
+        data: Further data, for programs.
+    """
+
+    def __init__(self, code: str, text: str, **data: object) -> None:
+        self.code = code
+        self.data = data
+        super().__init__(text)
+
+
 class FileError(SkirosError):
     """A file that cannot be read or understood; nothing was started.
 
@@ -194,11 +229,27 @@ class WorldError(SkirosError):
 
 
 class StaleVersion(WorldError):
-    """An edit was based on a state that is no longer the latest; look again, then decide."""
+    """An edit was based on a state that is no longer the latest; look again, then decide.
+
+    Attributes:
+        present: The present version, where it is known.
+    """
+
+    def __init__(self, text: str, *, present: int | None = None) -> None:
+        self.present = present
+        super().__init__(text)
 
 
 class Locked(WorldError):
-    """Somebody else has locked an element that an edit is about."""
+    """Somebody else has locked an element that an edit is about.
+
+    Attributes:
+        locks: Of each lock in the way its element, its owner and how long it still lasts [s].
+    """
+
+    def __init__(self, text: str, locks: tuple[tuple[str, str, float], ...] = ()) -> None:
+        self.locks = locks
+        super().__init__(text)
 
 
 class DescriptionError(SkirosError):

@@ -237,7 +237,7 @@ def test_health_and_what_needs_no_turn_are_answered_while_very_many_wait_for_the
     served: Served, admin: httpx2.Client
 ) -> None:
     held, go_on = threading.Event(), threading.Event()
-    served.services.control.soon(lambda _: (held.set(), go_on.wait(20)))
+    served.services.station.control.soon(lambda _: (held.set(), go_on.wait(20)))
     assert held.wait(20)
     try:
         with ThreadPoolExecutor(60) as pool:

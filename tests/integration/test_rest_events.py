@@ -21,7 +21,7 @@ from skiros_py.client.calls import events as calls
 from skiros_py.client.errors import ProblemError, Unreachable
 from skiros_py.client.streams import follow, follow_later
 from skiros_py.server.access.roles import Role
-from skiros_py.server.events.places import place_text
+from skiros_py.server.events.positions import position_text
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.events.event import Kind
 from skiros_py.tasks.jobs import JobOrder
@@ -58,13 +58,13 @@ def now(http):
 
 
 def rename(served, element, label):
-    with served.services.session.world.transaction("anna", "a test", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("anna", "a test", writer=Writer.PERSON) as tx:
         tx.set(element, LABEL, label)
 
 
 def run_job(served, id_, goal="InKit(Starter, kit_1)"):
     """Orders a job, and waits for its end."""
-    jobs, over = served.services.session.jobs, threading.Event()
+    jobs, over = served.services.station.session.jobs, threading.Event()
     end = jobs.subscribe(lambda job: job.id == id_ and not job.state.is_open and over.set())
     jobs.submit(JobOrder(id=id_, goal=(goal,)))
     assert over.wait(60)
@@ -85,7 +85,7 @@ def test_a_change_of_the_scene_is_told_with_author_and_edits(served, http):
 
 def test_what_was_learned_is_told_apart(served, http):
     after = now(http)
-    with served.services.session.world.transaction("anna", "taught", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("anna", "taught", writer=Writer.PERSON) as tx:
         tx.add(TAUGHT_POSE, "a lesson", learned=True)
     (event,) = islice(follow(http, calls.stream_events(kinds=["world"]), after=after), 1)
     assert event.type == "learned"
@@ -93,13 +93,13 @@ def test_what_was_learned_is_told_apart(served, http):
 
 def test_of_a_great_change_the_first_edits_are_told_and_where_the_rest_is(served, http):
     after = now(http)
-    with served.services.session.world.transaction("anna", "many parts", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("anna", "many parts", writer=Writer.PERSON) as tx:
         parts = [tx.add("kitting:Starter", placement=Placement(IN, "pallet_a")) for _ in range(200)]
     (event,) = islice(follow(http, calls.stream_events(kinds=["world"], element=parts[-1]), after=after), 1)
     assert len(event.data["edits"]) == 100
     assert event.data["all_edits"] >= 200
     assert http.get(event.data["read"].removeprefix("/api/v1")).status_code == 200
-    with served.services.session.world.transaction("anna", "enough of them", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("anna", "enough of them", writer=Writer.PERSON) as tx:
         for part in parts:
             tx.remove(part)
 
@@ -173,7 +173,7 @@ def test_a_stream_is_resumed_after_the_last_event_that_was_seen(served, http, he
     [("0000aaaa-3", "restarted"), ("garbage", "unknown"), ("%00%ff", "unknown"), ("{epoch}-999999", "future")],
 )
 def test_a_place_that_means_nothing_here_gets_a_reset_and_then_what_happens(served, http, given, code):
-    place = given.format(epoch=served.services.events.epoch)
+    place = given.format(epoch=served.services.station.events.epoch)
     items = follow(http, calls.stream_events(kinds=["world"]), after=place)
     reset = next(items)
     rename(served, "kit_1", f"after {place}"[:20])
@@ -186,7 +186,7 @@ def test_a_place_that_means_nothing_here_gets_a_reset_and_then_what_happens(serv
 def test_a_place_that_is_too_long_ago_gets_a_reset(served, http):
     after = now(http)
     for _ in range(KEPT + 1):
-        served.services.events.append(Kind.SYSTEM, "reset")
+        served.services.station.events.append(Kind.SYSTEM, "reset")
     (reset,) = islice(follow(http, calls.stream_events(), after=after), 1)
     assert reset.code == "gone"
 
@@ -269,7 +269,7 @@ def _resident():
 
 def test_a_client_that_never_reads_costs_nobody_anything(served, http):
     """100,000 events of 1 kB pass by it; what it does not take is not kept for it."""
-    events, bursts, each = served.services.events, 50, 2000
+    events, bursts, each = served.services.station.events, 50, 2000
     text = "x" * 1000
     with (
         closing(_open(served, "/api/v1/events?kind=task")),
@@ -302,8 +302,8 @@ def _count(reader, seen):
 
 def test_fifty_readers_get_every_event_in_order(tmp_path):
     with serving("kitting", tmp_path, settings=ServerSettings(streams=100)) as served:
-        events = served.services.events
-        url, after = f"{served.url}/api/v1", place_text(events, events.last)
+        events = served.services.station.events
+        url, after = f"{served.url}/api/v1", position_text(events, events.last)
 
         def read(_):
             with httpx2.Client(base_url=url) as http, http.sse(f"/events?kind=task&after={after}") as source:
@@ -354,7 +354,7 @@ def test_the_state_stream_has_no_places_for_it_is_never_replayed(http):
 
 
 def test_the_state_is_built_once_for_all_who_look_on_and_never_for_nobody(served, http):
-    live = served.services.live
+    live = served.services.station.live
     before = live.built
     time.sleep(0.2)
     assert live.built == before
@@ -389,7 +389,7 @@ def test_the_client_goes_on_over_a_restart_of_the_server_and_hears_of_the_gap(tm
 
         with serving("kitting", tmp_path) as served:
             port[0] = httpx2.URL(served.url).port
-            after = place_text(served.services.events, served.services.events.last)
+            after = position_text(served.services.station.events, served.services.station.events.last)
             items = follow(http, calls.stream_events(kinds=["world"]), after=after, patience=60.0)
             thread = threading.Thread(target=read, args=(items,))
             thread.start()
@@ -444,7 +444,7 @@ def test_a_broken_connection_is_made_again_and_nothing_is_missed_or_comes_twice(
     with _cutting(served, every=900) as url, httpx2.Client(base_url=f"{url}/api/v1") as shaky:
         items = follow(shaky, calls.stream_events(kinds=["task"]), after=now(http))
         for n in range(40):
-            served.services.events.append(Kind.TASK, "noise", data={"n": n})
+            served.services.station.events.append(Kind.TASK, "noise", data={"n": n})
         assert [event.data["n"] for event in islice(items, 40)] == list(range(40))
         items.close()
 
@@ -466,7 +466,7 @@ def test_the_asynchronous_client_follows_as_well(served):
     async def run():
         async with httpx2.AsyncClient(base_url=f"{served.url}/api/v1") as http:
             items = follow_later(
-                http, calls.stream_events(kinds=["world"]), after=place_text(served.services.events, 0)
+                http, calls.stream_events(kinds=["world"]), after=position_text(served.services.station.events, 0)
             )
             first = await anext(items)
             asyncio.get_running_loop().call_later(0.1, rename, served, "kit_1", "for later")

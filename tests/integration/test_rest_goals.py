@@ -180,7 +180,7 @@ def planned(api, goal):
 
 
 def test_a_preview_shows_the_plan_and_nothing_is_done(api, served):
-    before = served.services.session.world.version
+    before = served.services.station.session.world.version
     asked = api.post("/previews", json={"goal": KIT})
     assert asked.status_code == 202
     preview = api.get(asked.headers["location"].removeprefix("/api/v1"), params={"wait": 30}).json()
@@ -189,7 +189,7 @@ def test_a_preview_shows_the_plan_and_nothing_is_done(api, served):
         ("drive", []), ("pick", [0]), ("drive", [1]), ("place", [2])
     ]  # fmt: skip
     assert preview["wall"] > 0.0
-    assert served.services.session.world.version == before == preview["world"]
+    assert served.services.station.session.world.version == before == preview["world"]
 
 
 def test_what_holds_already_is_a_plan_without_steps(api):
@@ -198,7 +198,7 @@ def test_what_holds_already_is_a_plan_without_steps(api):
 
 
 def test_a_preview_without_a_plan_offers_repairs_that_make_one(api, served):
-    world = served.services.session.world
+    world = served.services.station.session.world
     with world.transaction("ann", "somebody took it") as tx:
         tx.remove("starter_1")
     preview = planned(api, KIT)
@@ -213,17 +213,17 @@ def test_a_preview_without_a_plan_offers_repairs_that_make_one(api, served):
 
 
 def test_a_repair_that_changes_the_goal_is_left_to_who_ordered(api, served):
-    before = served.services.session.world.version
+    before = served.services.station.session.world.version
     preview = planned(api, f"{KIT} and not {KIT}")
     assert preview["state"] == "no plan"
     (repair, *_) = (one for one in preview["repairs"] if one["without"])
     refused = problem(api.post(f"/previews/{preview['id']}/repairs/{repair['id']}/apply"), 409)
     assert refused["code"] == "RepairNotApplicable"
-    assert served.services.session.world.version == before
+    assert served.services.station.session.world.version == before
 
 
 def test_of_a_repair_that_changes_world_and_goal_only_the_world_is_told_as_done(api, served):
-    with served.services.session.world.transaction("ann", "it is taken") as tx:
+    with served.services.station.session.world.transaction("ann", "it is taken") as tx:
         tx.place("alternator_1", "sk:in", "kit_1_a")
     boxes = " and ".join(f"ObjectAtLocation({box}, kit_1_a)" for box in ("relay_box_1", "relay_box_2"))
     preview = planned(api, f"{boxes} and " + " and ".join(f"LocationEmpty(kit_1_{place})" for place in "bcd"))
@@ -298,5 +298,5 @@ def test_the_client_says_the_same(served):
 def test_a_server_that_ends_waits_for_no_plan(tmp_path):
     with serving("kitting", tmp_path) as served:
         httpx2.post(f"{served.url}/api/v1/previews", json={"goal": KIT}).raise_for_status()
-        (preview,) = served.services.previews.all()
+        (preview,) = served.services.station.preview_book.all()
     assert preview.ended.is_set()

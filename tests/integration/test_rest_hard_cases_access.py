@@ -121,7 +121,7 @@ def test_nothing_that_is_no_key_opens_the_door(locked: Served, headers: dict[str
             api.get("/openapi.json", headers=headers),
         ]
     assert {answer.status_code for answer in answers} <= {401, 429}
-    assert not locked.services.session.cycle.halted
+    assert not locked.services.station.session.cycle.halted
 
 
 # ------------------------------------------------------------------ case 19: webhooks

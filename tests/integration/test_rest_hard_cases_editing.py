@@ -218,16 +218,18 @@ def test_a_scene_name_that_a_file_system_takes_for_something_else_leaves_nothing
     served: Served, api: httpx2.Client, name: str
 ) -> None:
     before = {
-        path for path in served.services.data.rglob("*") if path.parent.name != "scenes" and "db" not in path.name
+        path
+        for path in served.services.station.data.rglob("*")
+        if path.parent.name != "scenes" and "db" not in path.name
     }
 
     answer = api.post("/scenes", json={"name": name})
 
-    after = files_beside_scenes(served.services.data)
+    after = files_beside_scenes(served.services.station.data)
     assert answer.status_code in (201, 400, 422)
-    assert after <= before | {served.services.data / "scenes"}
+    assert after <= before | {served.services.station.data / "scenes"}
     if answer.status_code == 201:  # then it is a plain file
-        assert (served.services.data / "scenes" / f"{name}.ttl").is_file()
+        assert (served.services.station.data / "scenes" / f"{name}.ttl").is_file()
 
 
 def files_beside_scenes(data: Path) -> set[Path]:
@@ -246,7 +248,7 @@ def test_a_scene_for_which_the_disk_has_no_room_is_told_and_the_old_one_stays(
     served: Served, api: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen = api.post("/scenes", json={"name": "kept"})
-    file = served.services.data / "scenes" / "kept.ttl"
+    file = served.services.station.data / "scenes" / "kept.ttl"
     before, files = file.read_bytes(), sorted(file.parent.iterdir())
     api.patch("/elements/rack_1", json={"label": "changed"}, headers=ANYHOW).raise_for_status()
 

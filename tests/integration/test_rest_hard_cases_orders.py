@@ -201,7 +201,7 @@ def test_whoever_jogs_a_robot_that_a_job_has_is_refused_and_the_job_goes_on(api:
 
 def test_behind_ten_thousand_queued_jobs_an_urgent_one_is_begun_and_done(tmp_path: Path) -> None:
     with serving("kitting", tmp_path / "data", SLOWLY) as served, api_of(served) as api:
-        jobs = served.services.session.jobs
+        jobs = served.services.station.session.jobs
         ordered = [JobOrder(id=f"q-{n}", goal=(HOLDS["goal"],), not_before=4e9) for n in range(10_000)]
         with ThreadPoolExecutor(16) as pool:
             list(pool.map(jobs.submit, ordered))
@@ -233,7 +233,7 @@ def test_a_wall_clock_that_jumps_an_hour_back_and_forth_stops_nothing_and_starts
         until(lambda: moves(api, "kit"))
         clock[0] = -3600.0
         assert over(api, "kit")["outcome"] == "succeeded"
-        with served.services.session.world.transaction("anna", "edits", writer=Writer.PERSON) as tx:
+        with served.services.station.session.world.transaction("anna", "edits", writer=Writer.PERSON) as tx:
             tx.set("rack_1", "rdfs:label", "earlier")
         assert api.post("/locks", json={"elements": ["kit_1"], "seconds": 60}).status_code == 201
         api.put("/jobs/in-30-min", json={**ALTERNATOR, "not_before": iso(1800 - 3600)}).raise_for_status()

@@ -64,7 +64,7 @@ def test_what_edits_and_jobs_leave_on_the_disk_is_little_and_the_log_of_events_i
                 api.patch("/elements/rack_1", json={"label": f"rack {number}"}, headers=ANYHOW).raise_for_status()
                 api.put("/jobs/again", json={**HOLDS, **LATER}).raise_for_status()
                 api.delete("/jobs/again").raise_for_status()
-            assert len(served.services.events.since(0, 100_000)) <= served.services.settings.kept_events
+            assert len(served.services.station.events.since(0, 100_000)) <= served.services.settings.kept_events
         # What is left when it ends: while it runs, a write-ahead log keeps the size that it once had.
         left.append(sum(file.stat().st_size for file in tmp_path.glob("*.db*")))
     per_round = (left[1] - left[0]) / 300

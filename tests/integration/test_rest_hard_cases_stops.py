@@ -155,7 +155,7 @@ def test_a_job_that_is_ended_by_many_at_once_in_mid_motion_ends_once_and_the_rob
 def test_stops_at_the_moment_of_natural_completion_leave_one_end_that_is_true(
     served: Served, api: httpx2.Client
 ) -> None:
-    jobs = served.services.session.jobs
+    jobs = served.services.station.session.jobs
     for number in range(12):
         id_, running = f"race-{number}", threading.Event()
         end = jobs.subscribe(lambda job, seen=running: job.state is JobState.RUNNING and seen.set())
@@ -214,7 +214,7 @@ def test_a_compartment_that_somebody_fills_behind_the_plan_is_left_alone(api: ht
 def test_a_world_that_somebody_changes_again_and_again_ends_the_job_after_a_bounded_number_of_plans(
     served: Served, api: httpx2.Client
 ) -> None:
-    session = served.services.session
+    session = served.services.station.session
     end = session.tasks.on_begin(lambda task: task.before_step(lambda _: move_away(session.world)) and None)
 
     order(api)

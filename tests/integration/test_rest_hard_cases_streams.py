@@ -56,7 +56,7 @@ def reader(served: Served, buffer: int = 4096) -> socket.socket:
 def test_two_hundred_readers_that_take_a_little_now_and_then_stop_neither_job_nor_those_who_read(
     served: Served, api: httpx2.Client, length: int, count: int
 ) -> None:
-    events, process = served.services.events, psutil.Process()
+    events, process = served.services.station.events, psutil.Process()
     with ExitStack() as stack:
         slow = [stack.enter_context(closing(reader(served))) for _ in range(200)]
         before = process.memory_info().rss
@@ -79,7 +79,7 @@ def test_whoever_read_too_slowly_is_told_of_the_gap_and_learns_the_end_of_the_jo
     with api.sse("/events?kind=job&kind=task") as source:
         first = next(event for event in source if event.id)
     for _ in range(6000):
-        served.services.events.append(Kind.TASK, "noise")
+        served.services.station.events.append(Kind.TASK, "noise")
     api.put("/jobs/gap", json=HOLDS).raise_for_status()
     over(api, "gap")
     items = follow(api, calls.stream_events(kinds=["job"]), after=first.id)

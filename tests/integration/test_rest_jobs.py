@@ -49,7 +49,7 @@ def problem(response, status):
 
 def over(served, id_):
     """Waits until a job is over, and returns it."""
-    jobs, changed = served.services.session.jobs, threading.Event()
+    jobs, changed = served.services.station.session.jobs, threading.Event()
     end = jobs.subscribe(lambda _job: changed.set())
     try:
         while jobs.job(id_).outcome is None:
@@ -171,7 +171,7 @@ def test_who_has_seen_a_job_that_is_gone_orders_no_new_one(api):
 
 
 def test_a_finished_order_is_known_again_although_the_world_has_gone_on(api, served):
-    world = served.services.session.world
+    world = served.services.station.session.world
     with world.transaction("ann", "a place for a while") as tx:
         place = tx.add("kitting:Starter", "short-lived", placement=Placement("sk:in", "pallet_a"))
     goal = [{"not": {"condition": "Holding", "arguments": ["gripper_1", place]}}]
@@ -228,7 +228,7 @@ def test_what_is_no_id_is_refused(api, id_):
 
 
 def test_a_full_queue_takes_no_more_and_what_is_there_stands(api, served):
-    jobs = served.services.session.jobs
+    jobs = served.services.station.session.jobs
     before = jobs.limit
     api.put("/jobs/stands", json={**HOLDS, **LATER}).raise_for_status()
     jobs.limit = 1
@@ -353,7 +353,7 @@ def test_a_goal_that_nobody_could_look_at_in_time_is_refused_at_every_door(api, 
         assert "546875 places to tell whether it holds, and 2000 are allowed" in problem(answer, 422)["detail"]
     problem(api.get("/jobs/endless"), 404)
     with pytest.raises(UsageError, match="546875 places"):
-        served.services.session.jobs.submit(Order(id="endless", goal=(endless["goal"],)))
+        served.services.station.session.jobs.submit(Order(id="endless", goal=(endless["goal"],)))
 
 
 def test_an_order_may_be_so_long_only(api):

@@ -195,7 +195,7 @@ def test_a_run_can_be_paused_stepped_resumed_and_stopped_for_good(api, services)
     assert done(api, calls.command_module_run(run.id, "stop")) == stopped
     for command in ("pause", "step", "resume"):
         assert api.post(f"/module-runs/{run.id}/{command}").status_code == 409
-    assert not any(m.running for m in services.session.managers.values())
+    assert not any(m.running for m in services.station.session.managers.values())
 
 
 def test_a_run_that_comes_to_a_standstill_and_goes_on_tells_so_once_each_time(api) -> None:
@@ -241,11 +241,11 @@ def test_runs_are_listed_youngest_first_by_whether_they_are_over(api) -> None:
 
 
 def test_nothing_starts_while_everything_is_halted(api, services) -> None:
-    services.session.cycle.halt("somebody pressed the button")
+    services.station.session.cycle.halt("somebody pressed the button")
     try:
         refused = api.post("/modules/base_1/drive/runs", json={"arguments": {"Location": "pallet_a"}})
     finally:
-        services.control.call(lambda session: session.reset())
+        services.station.control.call(lambda session: session.reset())
 
     assert refused.status_code == 409
     assert "somebody pressed the button" in refused.json()["detail"]

@@ -44,7 +44,7 @@ def test_requests_are_counted_by_the_template_of_their_path(served):
 
 def test_the_figures_follow_the_station(served):
     before = _figures(served)
-    session = served.services.session
+    session = served.services.station.session
     with session.world.transaction("ann", "for the figures") as tx:
         tx.set("starter_1", "rdfs:label", "another name")
     after = _figures(served)
@@ -56,19 +56,19 @@ def test_the_figures_follow_the_station(served):
 
 
 def test_a_halted_station_is_ready_and_says_that_it_is_halted(served):
-    served.services.session.cycle.halt("a test")
+    served.services.station.session.cycle.halt("a test")
     try:
         assert httpx2.get(f"{served.url}/readyz").json()["halted"]
         assert _figures(served)["skiros_halted"][()] == 1.0
     finally:
-        served.services.control.call(lambda session: session.reset())
+        served.services.station.control.call(lambda session: session.reset())
 
 
 def test_a_control_cycle_that_does_not_come_round_is_dead_though_the_server_answers(tmp_path, monkeypatch):
     monkeypatch.setattr("skiros_py.server.routes.health._LONGEST_CYCLE", 0.2)
     free = threading.Event()
     with serving("kitting", tmp_path) as server:
-        hold = threading.Thread(target=lambda: server.services.control.call(lambda _s: free.wait(8.0)))
+        hold = threading.Thread(target=lambda: server.services.station.control.call(lambda _s: free.wait(8.0)))
         hold.start()
         try:
             deadline = 50

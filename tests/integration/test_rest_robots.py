@@ -181,12 +181,12 @@ def test_what_is_no_robot_is_not_found(api) -> None:
 
 
 def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by_surprise(served, api) -> None:
-    claims = served.services.session.managers.claims
-    held = served.services.control.call(lambda _session: claims.request("somebody", {"gripper_1"}))
+    claims = served.services.station.session.managers.claims
+    held = served.services.station.control.call(lambda _session: claims.request("somebody", {"gripper_1"}))
     try:
         run = followed(api, done(api, robots.jog_robot("robot_1", Jog(gripper=JogGripper(width=0.01)))))
     finally:
-        served.services.control.call(lambda _session: held.release())
+        served.services.station.control.call(lambda _session: held.release())
 
     assert run.status == "failed"
     assert "something else uses its devices" in run.rounds[0].text

@@ -62,7 +62,7 @@ def test_a_scene_is_told_about_without_loading_it(served: Served, http: httpx2.C
 def test_a_scene_just_loaded_is_unchanged_and_an_edit_changes_it(served: Served, http: httpx2.Client) -> None:
     assert http.get("/scene").json()["changed"] is False
 
-    with served.services.session.world.transaction("ann", "paints it", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("ann", "paints it", writer=Writer.PERSON) as tx:
         tx.set("starter_1", "rdfs:label", "red starter")
 
     assert http.get("/scene").json()["changed"] is True
@@ -72,15 +72,15 @@ def test_a_scene_just_loaded_is_unchanged_and_an_edit_changes_it(served: Served,
 
 
 def test_loading_a_scene_brings_its_robots_up_and_keeps_what_was_learned(served: Served, http: httpx2.Client) -> None:
-    with served.services.session.world.transaction("ann", "taught", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("ann", "taught", writer=Writer.PERSON) as tx:
         mug = tx.add("kitting:Starter", label="mug", learned=True)
 
     loaded = http.put("/scene", json={"name": "kitting_two"}, headers={"If-Match": http.get("/scene").headers["ETag"]})
 
     assert loaded.status_code == 200
     assert loaded.headers["ETag"] == f'"{loaded.json()["version"]}"'
-    assert {"base_1", "base_2"} <= served.services.session.managers.keys()
-    assert served.services.session.world.has(mug)
+    assert {"base_1", "base_2"} <= served.services.station.session.managers.keys()
+    assert served.services.station.session.world.has(mug)
 
 
 def test_what_was_loaded_is_one_change_that_can_be_undone(served: Served, http: httpx2.Client) -> None:
@@ -88,7 +88,7 @@ def test_what_was_loaded_is_one_change_that_can_be_undone(served: Served, http: 
     http.put("/scene", json={"name": "kitting_carried"}, headers=ANY)
     assert http.get("/scene").json()["name"] == "kitting_carried"
 
-    undo(served.services.session.world, "ann")
+    undo(served.services.station.session.world, "ann")
 
     assert now(served) == before
     assert http.get("/scene").json()["name"] == "kitting"
@@ -103,7 +103,7 @@ def test_opening_a_session_anew_writes_nothing_into_the_world(served: Served, ht
 
 def test_a_scene_that_was_changed_since_is_not_replaced(served: Served, http: httpx2.Client) -> None:
     seen = http.get("/scene").headers["ETag"]
-    with served.services.session.world.transaction("ben", "meanwhile", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("ben", "meanwhile", writer=Writer.PERSON) as tx:
         tx.set("starter_1", "rdfs:label", "mine")
     before = now(served)
 
@@ -113,10 +113,10 @@ def test_a_scene_that_was_changed_since_is_not_replaced(served: Served, http: ht
 
 
 def test_a_locked_element_keeps_others_from_loading_another_scene(served: Served, http: httpx2.Client) -> None:
-    locks = served.services.session.world.locks
+    locks = served.services.station.session.world.locks
     locks.acquire(["starter_1"], "ben", 60.0)
     try:
-        with served.services.session.world.transaction("ben", "mine", writer=Writer.PERSON) as tx:
+        with served.services.station.session.world.transaction("ben", "mine", writer=Writer.PERSON) as tx:
             tx.set("starter_1", "rdfs:label", "ben's")
         refused = http.put("/scene", json={"name": "kitting"}, headers=ANY)
     finally:
@@ -132,7 +132,7 @@ def test_while_something_is_under_way_no_scene_is_loaded_and_nothing_reset(serve
         task.pause()
         return task
 
-    control = served.services.control
+    control = served.services.station.control
     busy = control.call(begin)
     before = http.get("/scene").headers["ETag"]
     answers = http.put("/scene", json={"name": "kitting_two"}, headers=ANY), http.post("/simulation/reset")
@@ -183,7 +183,7 @@ def test_a_scene_written_as_turtle_can_be_sent_back(served: Served, http: httpx2
     sent = http.put("/scene", content=text.encode(), headers=TURTLE)
 
     assert (sent.status_code, sent.json()["name"], sent.json()["changed"]) == (200, "", None)
-    assert served.services.session.world.element("starter_1").label == "painted"
+    assert served.services.station.session.world.element("starter_1").label == "painted"
     assert now(served) == text
 
 
@@ -245,7 +245,7 @@ def test_no_upload_breaks_the_server(served: Served, http: httpx2.Client, text: 
 def test_where_the_station_cannot_be_brought_up_the_old_scene_comes_back(
     served: Served, http: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before, control = now(served), served.services.control
+    before, control = now(served), served.services.station.control
 
     def refuse_two_robots(session: object) -> None:
         if len(session.managers) > 2:  # type: ignore[attr-defined]
@@ -281,7 +281,7 @@ def test_a_saved_scene_is_no_document_that_others_hear_of(http: httpx2.Client) -
 def test_two_engineers_do_not_overwrite_each_others_scene(served: Served, http: httpx2.Client) -> None:
     first = http.post("/scenes", json={"name": "shared"})
     blind = http.post("/scenes", json={"name": "shared"})
-    with served.services.session.world.transaction("ann", "paints it", writer=Writer.PERSON) as tx:
+    with served.services.station.session.world.transaction("ann", "paints it", writer=Writer.PERSON) as tx:
         tx.set("starter_1", "rdfs:label", "green")
     second = http.post("/scenes", json={"name": "shared"}, headers={"If-Match": first.headers["ETag"]})
     stale = http.post("/scenes", json={"name": "shared"}, headers={"If-Match": first.headers["ETag"]})
@@ -294,11 +294,11 @@ def test_two_engineers_do_not_overwrite_each_others_scene(served: Served, http: 
 @pytest.mark.parametrize("name", ["../x", "/etc/passwd", "a\0b", "x" * 65, "A", "-x", "x.ttl", "", "ä", "a/b", "\n"])
 def test_odd_names_are_refused(served: Served, http: httpx2.Client, name: str) -> None:
     assert http.post("/scenes", json={"name": name}).status_code in (400, 422)
-    assert not (served.services.data.parent / "x.ttl").exists()
+    assert not (served.services.station.data.parent / "x.ttl").exists()
 
 
 def test_links_to_elsewhere_are_not_followed(served: Served, http: httpx2.Client, tmp_path: Path) -> None:
-    folder = served.services.data / "scenes"
+    folder = served.services.station.data / "scenes"
     folder.mkdir(exist_ok=True)
     target = tmp_path / "secret.ttl"
     target.write_text("secret")
@@ -324,9 +324,9 @@ def test_installed_scenes_are_neither_replaced_nor_removed(served: Served, http:
 def test_a_folder_that_takes_no_files_is_told_and_nothing_is_half_written(
     served: Served, http: httpx2.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    blocked = served.services.data / "blocked"
+    blocked = served.services.station.data / "blocked"
     blocked.write_text("")
-    monkeypatch.setattr(served.services.scenes, "_folder", blocked)
+    monkeypatch.setattr(served.services.station.scenes, "_folder", blocked)
 
     answer = http.post("/scenes", json={"name": "full"})
 

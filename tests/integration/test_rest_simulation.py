@@ -62,23 +62,24 @@ def test_paces_that_make_no_sense_are_refused(pretending: Served, pace: str) -> 
 
 
 def stale_alarms(served: Served) -> list[Alarm]:
-    return [alarm for alarm in served.services.alarms.active if alarm.kind is AlarmKind.STALE]
+    return [alarm for alarm in served.services.station.alarm_book.active if alarm.kind is AlarmKind.STALE]
 
 
 def test_a_robot_that_was_changed_is_said_to_need_a_reset(pretending: Served) -> None:
     services = pretending.services
-    with services.session.world.transaction("ann", "elsewhere", writer=Writer.PERSON) as tx:
+    with services.station.session.world.transaction("ann", "elsewhere", writer=Writer.PERSON) as tx:
         tx.set("base_1", "sk:pose", Pose.of(0.5, 0.0, 0.0))
-    services.control.call(lambda _: None)
+    services.station.control.call(lambda _: None)
 
-    assert "base_1 was changed" in services.simulation.state().stale[0]
+    assert "base_1 was changed" in services.station.simulation.state().stale[0]
     (alarm,) = stale_alarms(pretending)
     assert (alarm.source, alarm.severity) == ("base_1", "low")
     assert "base_1 was changed" in alarm.text
-    services.simulation.reset(force=False)
-    assert services.simulation.state().stale == []
+    services.station.simulation.reset(force=False)
+    assert services.station.simulation.state().stale == []
     assert stale_alarms(pretending) == []
-    assert services.control.call(lambda s: s.cycle.board.snapshot.state("base_1", BaseState).pose.position[0]) == 0.5
+    base = services.station.control.call(lambda s: s.cycle.board.snapshot.state("base_1", BaseState))
+    assert base.pose.position[0] == 0.5
 
 
 # ---------------------------------------------------------------- with physics
@@ -99,12 +100,12 @@ def fresh(served: Served) -> Served:
 
 
 def write(served: Served, what: Callable[[Transaction], object], writer: Writer = Writer.PERSON) -> None:
-    with served.services.session.world.transaction("ann", "builds the scene", writer=writer) as tx:
+    with served.services.station.session.world.transaction("ann", "builds the scene", writer=writer) as tx:
         what(tx)
 
 
 def bodies(served: Served) -> dict[str, Any]:
-    return {body.id: body for body in served.services.simulation.bodies().items}
+    return {body.id: body for body in served.services.station.simulation.bodies().items}
 
 
 @pytest.mark.physics
@@ -112,7 +113,7 @@ def test_a_part_that_a_person_adds_comes_into_the_simulation_and_goes_when_that_
     write(fresh, lambda tx: tx.add("kitting:Starter", id="starter_7", placement=Placement("sk:in", "pallet_b")))
     assert bodies(fresh)["starter_7"].place == "pallet_b"
 
-    undo(fresh.services.session.world, "ann")
+    undo(fresh.services.station.session.world, "ann")
     assert "starter_7" not in bodies(fresh)
 
 
@@ -152,21 +153,21 @@ def test_furniture_that_a_person_moves_takes_its_compartments_along(fresh: Serve
 @pytest.mark.physics
 def test_what_cannot_follow_is_said(fresh: Served) -> None:
     write(fresh, lambda tx: tx.add("kitting:Starter", id="starter_8", placement=Placement("sk:on", "floor")))
-    fresh.services.control.call(lambda _: None)
+    fresh.services.station.control.call(lambda _: None)
 
     assert "starter_8" not in bodies(fresh)
-    assert any("starter_8" in sentence for sentence in fresh.services.simulation.state().stale)
-    fresh.services.simulation.reset(force=False)
-    assert fresh.services.session.world.value("starter_8", "sk:missing") is True
+    assert any("starter_8" in sentence for sentence in fresh.services.station.simulation.state().stale)
+    fresh.services.station.simulation.reset(force=False)
+    assert fresh.services.station.session.world.value("starter_8", "sk:missing") is True
 
 
 @pytest.mark.physics
 def test_what_somebody_has_left_unfinished_keeps_no_station_from_being_started_and_is_an_alarm(fresh: Served) -> None:
-    pose = fresh.services.session.world.value("pallet_a", "sk:pose")
+    pose = fresh.services.station.session.world.value("pallet_a", "sk:pose")
     write(fresh, lambda tx: tx.set("pallet_a", "sk:pose", None))
     with pytest.raises(WrongState, match="pallet_a has neither a pose nor a place"):
-        fresh.services.simulation.reset(force=False)
-    fresh.services.control.reopen()  # as a server does that is started anew
+        fresh.services.station.simulation.reset(force=False)
+    fresh.services.station.control.reopen()  # as a server does that is started anew
 
     assert "pallet_a" not in bodies(fresh)
     said = {alarm.source: alarm.text for alarm in stale_alarms(fresh)}
@@ -176,7 +177,7 @@ def test_what_somebody_has_left_unfinished_keeps_no_station_from_being_started_a
     write(fresh, lambda tx: tx.set("pallet_a", "sk:pose", pose))
     assert "pallet_a" in bodies(fresh)
     assert "pallet_a" not in {alarm.source for alarm in stale_alarms(fresh)}
-    fresh.services.simulation.reset(force=False)
+    fresh.services.station.simulation.reset(force=False)
     assert stale_alarms(fresh) == []
     assert bodies(fresh)["starter_1"].place == "pallet_a"
 
@@ -198,7 +199,7 @@ def test_a_lost_part_keeps_no_station_from_being_brought_up_anew(fresh: Served) 
 
 @pytest.mark.physics
 def test_a_body_that_is_moved_by_hand_changes_no_belief(fresh: Served) -> None:
-    version = fresh.services.session.world.version
+    version = fresh.services.station.session.world.version
     with Client(fresh.url) as client:
         client.send(calls.move_body("starter_1", (2.0, 2.5, 0.0)))
         client.send(calls.remove_body("compressor_1"))
@@ -206,7 +207,7 @@ def test_a_body_that_is_moved_by_hand_changes_no_belief(fresh: Served) -> None:
 
     assert found["starter_1"].position[:2] == pytest.approx([2.0, 2.5], abs=1e-2)
     assert "compressor_1" not in found
-    assert fresh.services.session.world.version == version
+    assert fresh.services.station.session.world.version == version
 
 
 @pytest.mark.physics

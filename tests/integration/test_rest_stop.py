@@ -54,7 +54,7 @@ def hanging(served):
         goes_on.wait(60)
 
     with ThreadPoolExecutor(1) as pool:
-        call = pool.submit(served.services.control.call, hang)
+        call = pool.submit(served.services.station.control.call, hang)
         assert hangs.wait(20)
         try:
             yield
@@ -66,7 +66,7 @@ def hanging(served):
 def halted_job(served, http, id_="kit"):
     """Orders a job, and stops everything in the midst of its first step."""
     began = threading.Event()
-    session = served.services.session
+    session = served.services.station.session
 
     def listen(task):
         task.before_step(lambda _step: began.set() or session.cycle.forbid("the test stops it"))
@@ -92,7 +92,7 @@ def test_a_stop_halts_everything_and_says_who_wanted_it_and_why(http):
 
 def test_a_stop_is_obeyed_in_the_next_cycle(served, http):
     """The cycle after the one in which it came begins with no task left."""
-    session = served.services.session
+    session = served.services.station.session
     ticks, halts = [], []
 
     def work():
@@ -102,7 +102,7 @@ def test_a_stop_is_obeyed_in_the_next_cycle(served, http):
 
     original = session.cycle.forbid
     session.cycle.forbid = lambda why: (halts.append(session.cycle.board.snapshot.cycle), original(why))
-    served.services.control.call(lambda _s: session.cycle.start(work(), "work"))
+    served.services.station.control.call(lambda _s: session.cycle.start(work(), "work"))
     until(lambda: len(ticks) > 5)
     http.post("/stop")
     assert ticks[-1] <= halts[0] + 1
@@ -134,7 +134,7 @@ def test_whatever_the_body_is_it_is_obeyed(shared, body, type_):
         answer = http.post("/stop", content=body, headers={"Content-Type": type_})
         assert answer.status_code == 200
         assert len(answer.json()["why"]) <= 1000
-        assert served.services.session.cycle.halted
+        assert served.services.station.session.cycle.halted
     finally:
         http.post("/reset")
 
@@ -167,32 +167,32 @@ def test_a_stop_works_when_the_control_thread_hangs_and_all_other_threads_are_ta
         assert answer.status_code == 202
         assert answer.json()["halted"] is True
         assert (answer.json()["obeyed"], answer.json()["standing"]) == (False, None)
-        assert served.services.session.cycle.halted == "now"
+        assert served.services.station.session.cycle.halted == "now"
 
 
 def test_a_stop_while_the_station_is_being_opened_anew_holds_for_the_new_one(served, http):
     opening, go_on = threading.Event(), threading.Event()
-    original = served.services.control._opening
+    original = served.services.station.control._opening
 
     def slow():
         opening.set()
         go_on.wait(20)
         return original()
 
-    served.services.control._opening = slow
+    served.services.station.control._opening = slow
     with ThreadPoolExecutor(1) as pool:
-        reopened = pool.submit(served.services.control.reopen)
+        reopened = pool.submit(served.services.station.control.reopen)
         assert opening.wait(20)
         assert http.post("/stop", json={"reason": "not now"}).json()["halted"]
         go_on.set()
         reopened.result(60)
-    assert served.services.session.cycle.halted == "not now"
+    assert served.services.station.session.cycle.halted == "not now"
     assert http.get("/stop").json()["why"] == "not now"
 
 
 def test_a_stop_while_the_station_is_braked_to_be_opened_anew_holds_until_somebody_resets(served, http):
     """A job that is queued must not start in the new session as if nobody had pressed anything."""
-    session, control = served.services.session, served.services.control
+    session, control = served.services.station.session, served.services.station.control
     braking, go_on = threading.Event(), threading.Event()
 
     def brake():
@@ -211,14 +211,14 @@ def test_a_stop_while_the_station_is_braked_to_be_opened_anew_holds_until_somebo
         reopened.result(60)
     beat = control.beat
     until(lambda: control.beat > beat + 20)
-    assert served.services.session.jobs.job("kit").state is JobState.ALLOWED_TO_START
+    assert served.services.station.session.jobs.job("kit").state is JobState.ALLOWED_TO_START
     assert http.get("/stop").json() | {"standing": None, "obeyed": None} == stopped | {"standing": None, "obeyed": None}
     assert http.post("/reset").status_code == 200
-    until(lambda: served.services.session.jobs.job("kit").state is JobState.ENDED)
+    until(lambda: served.services.station.session.jobs.job("kit").state is JobState.ENDED)
 
 
 def test_a_station_that_is_opened_anew_was_halted_by_nobody(served, http):
-    served.services.control.reopen()
+    served.services.station.control.reopen()
     assert http.get("/stop").json()["halted"] is False
     assert [one["type"] for one in http.get("/events/recent").json()["items"] if one["kind"] == "alarm"] == []
     assert "halted" not in [one["type"] for one in http.get("/events/recent").json()["items"]]
@@ -244,7 +244,7 @@ def test_a_reset_where_nothing_is_halted_changes_nothing(http):
 def test_a_job_that_was_halted_is_held_and_goes_on_when_it_was_reset_and_answered(served, http):
     stopped = halted_job(served, http)
     assert stopped["halted"]
-    until(lambda: served.services.session.jobs.job("kit").state is JobState.INTERRUPTED)
+    until(lambda: served.services.station.session.jobs.job("kit").state is JobState.INTERRUPTED)
     (alarm,) = until(lambda: active(http, "job"))
     assert (alarm["job"], alarm["severity"], alarm["choices"]) == ("kit", "high", ["retry", "abort"])
     (halt,) = active(http, "halted")
@@ -252,7 +252,7 @@ def test_a_job_that_was_halted_is_held_and_goes_on_when_it_was_reset_and_answere
     assert (early.status_code, early.json()["code"]) == (409, "WrongState")
     assert http.post("/reset").status_code == 200
     assert http.post(f"/alarms/{alarm['id']}/answer", json={"answer": "retry"}).status_code == 200
-    until(lambda: served.services.session.jobs.job("kit").state is JobState.ENDED)
+    until(lambda: served.services.station.session.jobs.job("kit").state is JobState.ENDED)
     assert http.get(f"/alarms/{alarm['id']}").json()["state"] == "normal"
     assert http.get(f"/alarms/{halt['id']}").json()["state"] == "returned"
     assert http.get("/alarms", params={"active": True}).json()["items"] == []
@@ -262,12 +262,12 @@ def test_a_job_that_was_halted_is_held_and_goes_on_when_it_was_reset_and_answere
 
 
 def test_a_question_of_a_robot_is_an_alarm_that_is_answered(served, http):
-    session = served.services.session
+    session = served.services.station.session
 
     def ask(_session):
         return session.questions.ask(QuestionKind.REFILL, "bring starters", ("done", "skip"), asker="pick", time=1.0)
 
-    asked = served.services.control.call(ask)
+    asked = served.services.station.control.call(ask)
     (alarm,) = until(lambda: active(http, "question"))
     assert (alarm["text"], alarm["choices"], alarm["question"]) == ("bring starters", ["done", "skip"], 1)
     wrong = http.post(f"/alarms/{alarm['id']}/answer", json={"answer": "perhaps"})
@@ -284,7 +284,7 @@ def test_a_broken_module_is_an_alarm_until_it_is_acknowledged(served, http):
     from skiros_py.execution.monitor import ModuleEvent, Status
 
     event = ModuleEvent(0.0, "primitive", "grasp", Status.ERROR, -3, "it broke: KeyError", agent="arm_1")
-    served.services.control.call(lambda session: session.monitor.publish(event))
+    served.services.station.control.call(lambda session: session.monitor.publish(event))
     (alarm,) = active(http, "module")
     assert alarm["text"] == "grasp of arm_1 is broken: it broke: KeyError"
     acknowledged = http.post(f"/alarms/{alarm['id']}/acknowledge").json()
@@ -296,10 +296,10 @@ def test_a_lost_manager_is_an_alarm_until_there_is_another(served, http):
     def lose(session):
         session.managers["arm_1"].lose("its process is gone")
 
-    served.services.control.call(lose)
+    served.services.station.control.call(lose)
     (alarm,) = until(lambda: active(http, "manager"))
     assert (alarm["source"], alarm["text"]) == ("arm_1", "the skill manager of arm_1 is lost: its process is gone")
-    served.services.control.call(lambda session: session.managers.open("arm_1"))
+    served.services.station.control.call(lambda session: session.managers.open("arm_1"))
     until(lambda: not active(http, "manager"))
 
 
@@ -307,11 +307,11 @@ def test_a_broken_control_cycle_is_an_alarm_until_the_station_is_opened_anew(ser
     def breaks():
         raise RuntimeError("the driver is gone")
 
-    served.services.control.call(lambda session: session.cycle.observe(breaks))
+    served.services.station.control.call(lambda session: session.cycle.observe(breaks))
     (alarm,) = until(lambda: active(http, "station"))
     assert "the driver is gone" in alarm["text"]
     assert alarm["severity"] == "critical"
-    served.services.control.reopen()
+    served.services.station.control.reopen()
     assert active(http, "station") == []
 
 
@@ -319,7 +319,7 @@ def test_pages_of_alarms_go_on_where_the_one_before_ended(served, http):
     from skiros_py.api.alarms import AlarmKind
 
     for n in range(25):
-        served.services.alarms.raise_(AlarmKind.WEBHOOK, f"letter {n}", str(n))
+        served.services.station.alarm_book.raise_(AlarmKind.WEBHOOK, f"message {n}", str(n))
     texts, cursor = [], None
     while True:
         page = http.get("/alarms", params={"limit": 10} | ({"cursor": cursor} if cursor else {})).json()
@@ -327,7 +327,7 @@ def test_pages_of_alarms_go_on_where_the_one_before_ended(served, http):
         cursor = page["next"]
         if cursor is None:
             break
-    assert texts == [f"letter {n}" for n in range(25)]
+    assert texts == [f"message {n}" for n in range(25)]
 
 
 @pytest.mark.parametrize("path", ["/alarms/never", "/alarms/%00", "/alarms/..%2f"])
@@ -341,7 +341,7 @@ def test_an_alarm_that_is_not_there_is_not_found(http, path):
 @pytest.mark.physics
 def test_arms_and_base_that_move_stand_after_a_stop_and_stay_where_they_are(tmp_path):
     with serving("kitting", tmp_path, Options()) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as http:
-        session = served.services.session
+        session = served.services.station.session
         board = session.cycle.board
         session.jobs.submit(JobOrder(id="kit", goal=(STARTER,)))
         until(lambda: not board.still)
@@ -364,16 +364,16 @@ def test_arms_and_base_that_move_stand_after_a_stop_and_stay_where_they_are(tmp_
 
         def reset_at_once(_session):
             session.cycle.forbid("while it moves")
-            served.services.stops.reset("anna")
+            served.services.station.stops.reset("anna")
 
         with pytest.raises(WrongState, match="not yet"):
-            served.services.control.call(reset_at_once)
+            served.services.station.control.call(reset_at_once)
 
 
 @pytest.mark.physics
 def test_a_stop_while_robots_and_bodies_are_being_brought_up_holds_until_somebody_resets(tmp_path):
     with serving("kitting", tmp_path, Options()) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as http:
-        control = served.services.control
+        control = served.services.station.control
         http.get("/stop")
         with ThreadPoolExecutor(1) as pool:
             reopened = pool.submit(control.reopen)
@@ -384,10 +384,10 @@ def test_a_stop_while_robots_and_bodies_are_being_brought_up_holds_until_somebod
             reopened.result(120)
         said = http.get("/stop").json()
         assert (said["halted"], said["why"], said["by"]) == (True, "not now", "local")
-        assert served.services.session.cycle.halted == "not now"
-        served.services.session.jobs.submit(JobOrder(id="kit", goal=(STARTER,)))
+        assert served.services.station.session.cycle.halted == "not now"
+        served.services.station.session.jobs.submit(JobOrder(id="kit", goal=(STARTER,)))
         beat = control.beat
         until(lambda: control.beat > beat + 20)
-        assert served.services.session.jobs.job("kit").state is JobState.ALLOWED_TO_START
+        assert served.services.station.session.jobs.job("kit").state is JobState.ALLOWED_TO_START
         assert http.post("/reset").json()["halted"] is False
-        until(lambda: served.services.session.jobs.job("kit").state is JobState.RUNNING)
+        until(lambda: served.services.station.session.jobs.job("kit").state is JobState.RUNNING)

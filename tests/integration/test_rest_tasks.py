@@ -242,7 +242,7 @@ def test_a_sequence_without_steps_is_never_run(api) -> None:
 def test_a_step_whose_element_has_gone_is_said_to_and_can_be_taken_out(served, api) -> None:
     pick = WantedStep(skill="pick", arguments={"Object": "compressor_1"})
     made = done(api, seq.create_sequence(NewSequence(steps=[TO_PALLET, pick])))
-    with served.services.session.world.transaction("person", "throws it away") as tx:
+    with served.services.station.session.world.transaction("person", "throws it away") as tx:
         tx.remove("compressor_1")
 
     shown = done(api, seq.get_sequence(made.id))

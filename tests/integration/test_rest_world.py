@@ -117,7 +117,7 @@ def test_computed_relations_are_worked_out_where_they_are_asked_for(api: httpx2.
 
 
 def test_what_was_taught_is_told_as_such(served: Served, api: httpx2.Client) -> None:
-    with served.services.session.world.transaction("teach", "shown by hand") as tx:
+    with served.services.station.session.world.transaction("teach", "shown by hand") as tx:
         lesson = tx.add(TAUGHT_GRASP, properties={APPLIES_TO: "kitting:RelayBox", GRASP_WIDTH: 0.031}, learned=True)
     pump = add(api, **{"class": "kitting:RelayBox"})
 
@@ -458,7 +458,7 @@ def test_undo_takes_back_what_people_did_one_by_one(api: httpx2.Client) -> None:
 
 def test_what_something_was_built_on_is_not_undone(served: Served, api: httpx2.Client) -> None:
     one = add(api)
-    with served.services.session.world.transaction("look", "seen there", writer=Writer.SKILL) as tx:
+    with served.services.station.session.world.transaction("look", "seen there", writer=Writer.SKILL) as tx:
         tx.place(one["id"], "sk:in", "pallet_b")
 
     told = problem(api.post("/world/undo"), 409)
@@ -499,7 +499,7 @@ def test_a_lock_that_makes_no_sense_is_refused(api: httpx2.Client, order: dict[s
 
 
 def test_what_was_learned_is_listed_written_as_a_file_and_forgotten(served: Served, api: httpx2.Client) -> None:
-    with served.services.session.world.transaction("teach", "shown by hand") as tx:
+    with served.services.station.session.world.transaction("teach", "shown by hand") as tx:
         lesson = tx.add(TAUGHT_GRASP, properties={APPLIES_TO: "kitting:Starter", GRASP_WIDTH: 0.04}, learned=True)
     told = {one["id"]: one for one in get(api, "/learned")["items"]}[lesson]
     turtle = api.get("/learned.ttl")
@@ -624,7 +624,7 @@ def test_the_world_outlives_the_server(tmp_path: Path) -> None:
 def test_changes_that_were_forgotten_are_told_to_be_so(tmp_path: Path) -> None:
     with serving("kitting", tmp_path) as served, httpx2.Client(base_url=f"{served.url}/api/v1") as api:
         one = add(api)
-        live = served.services.session.world
+        live = served.services.station.session.world
         assert isinstance(live.log, Journal)
         live.log.compact(*live.state(), keep=1)
 

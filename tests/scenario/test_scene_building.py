@@ -25,14 +25,14 @@ def test_a_part_that_was_added_by_hand_is_put_where_it_is_wanted(tmp_path: Path)
 
     with serving("kitting", tmp_path / "data", Options(seed=1)) as served:
         services = served.services
-        with services.session.world.transaction("ann", "one more", writer=Writer.PERSON) as tx:
+        with services.station.session.world.transaction("ann", "one more", writer=Writer.PERSON) as tx:
             tx.add("kitting:Starter", id="starter_9", placement=Placement("sk:in", "pallet_b"))
             tx.remove("starter_1")
-        before = services.control.call(truth)
-        services.session.jobs.submit(JobOrder(id="job", goal=(GOAL,)))
-        while services.session.jobs.job("job").state.is_open:
+        before = services.station.control.call(truth)
+        services.station.session.jobs.submit(JobOrder(id="job", goal=(GOAL,)))
+        while services.station.session.jobs.job("job").state.is_open:
             time.sleep(0.1)
 
         assert before == (False,)
-        assert services.control.call(truth) == (True,)
-        assert services.session.jobs.job("job").outcome == "succeeded"
+        assert services.station.control.call(truth) == (True,)
+        assert services.station.session.jobs.job("job").outcome == "succeeded"

@@ -11,6 +11,8 @@ from skiros_py.errors import (
     GoalSyntaxError,
     MissingExtra,
     MissingSystemLibrary,
+    NotFound,
+    Refused,
     SkirosError,
     UnknownName,
     WorldError,
@@ -24,6 +26,8 @@ EXAMPLES = [
     MissingExtra("ontology", "entailment"),
     MissingSystemLibrary("open3d", "libGL.so.1", "libgl1"),
     WorldError("refused"),
+    NotFound.of(UnknownName("job", "a", ["b"]), "UnknownJob"),
+    Refused("NoPlan", "there is no plan", reasons=["the box is full"]),
 ]
 
 

@@ -131,12 +131,12 @@ def test_stop_all_halts_everything_and_a_reset_lets_it_go_on(station, visit, exp
     page = visit(served.url)
     stop_button(page).click()
     expect(page.get_by_text("The stop was obeyed.")).to_be_visible()
-    assert served.services.session.cycle.halted
+    assert served.services.station.session.cycle.halted
     expect(page).to_have_title(re.compile("halted"))
     page.get_by_role("button", name="Reset").click()
     page.get_by_role("button", name="I have looked: reset").click()
     expect(page.get_by_text("Everything is halted")).to_have_count(0)
-    assert not served.services.session.cycle.halted
+    assert not served.services.station.session.cycle.halted
 
 
 @pytest.mark.parametrize("how", ["click", "key"])
@@ -151,7 +151,7 @@ def test_stop_all_works_while_a_dialog_is_open_and_somebody_writes(station, visi
     else:
         stop_button(page).click()
     expect(page.get_by_text("The stop was obeyed.")).to_be_visible()
-    assert served.services.session.cycle.halted
+    assert served.services.station.session.cycle.halted
 
 
 def test_a_stop_that_nobody_hears_says_so_until_somebody_does(station, visit, expect):
@@ -163,7 +163,7 @@ def test_a_stop_that_nobody_hears_says_so_until_somebody_does(station, visit, ex
     expect(page.get_by_text("NO ANSWER TO THE STOP")).to_be_visible()
     page.unroute("**/api/v1/stop")
     expect(page.get_by_text("The stop was obeyed.")).to_be_visible()
-    assert served.services.session.cycle.halted
+    assert served.services.station.session.cycle.halted
 
 
 def test_whoever_stops_elsewhere_is_named_with_the_reason(station, visit, expect):
@@ -183,7 +183,7 @@ def test_whoever_stops_elsewhere_is_named_with_the_reason(station, visit, expect
 @contextmanager
 def asking(served: Served, text: str = "Is the pallet full?") -> Iterator[object]:
     """A robot asks while the block runs."""
-    questions = served.services.session.questions
+    questions = served.services.station.session.questions
     asked = questions.ask(QuestionKind.CONFIRM, text, ("yes", "no"), asker="confirm", time=0.0)
     try:
         yield asked

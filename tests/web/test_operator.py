@@ -76,7 +76,7 @@ def stops_everything_while_the_robot_moves(anna: Person, served: Any) -> None:
     anna.press("Stop all")
     anna.expect(anna.page.get_by_role("alert").get_by_text("STOPPED", exact=True)).to_be_visible()
     anna.expect(anna.page.get_by_text("The stop was obeyed.")).to_be_visible()
-    assert served.services.session.cycle.halted
+    assert served.services.station.session.cycle.halted
     anna.expect(anna.page.get_by_text("robot stands", exact=True)).to_be_visible()
     stands = anna.ask("/state")["bases"]["base_1"]["pose"]["position"]
     anna.sees("robot_1", stands, 0.01)

@@ -7,8 +7,10 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, field_validator
 
-__all__ = ["ElementId", "GivenPose", "GivenValue", "Name", "Placement", "Pose", "Reason"]
+__all__ = ["EVERYTHING", "ElementId", "GivenPose", "GivenValue", "Name", "Placement", "Pose", "Reason"]
 
+EVERYTHING = "sk:Element"
+"""The class of all elements."""
 _FARTHEST = 1e6
 """No coordinate is farther from its frame than this [m]: simulators and planners break beyond."""
 _OFF = 1e-3

@@ -218,7 +218,7 @@ def _say_what_lives(services: Services, scene: str, data: Path) -> None:
     from skiros_py.station.scenes.loading import scene_of
     from skiros_py.station.session import scene_title
 
-    found, _ = scene_of(services.session.world)
+    found, _ = scene_of(services.station.session.world)
     if found == scene_title(scene):
         return
     name = escaped(found) if found else "another one, of no name"
@@ -231,14 +231,14 @@ def _expect_people(services: Services, url: str) -> None:
 
     if pages_of(services.settings) is not None:
         click.echo(f"pages   {url}/ for people", err=True)
-        services.robot_models.prepare(robot.model for robot in services.session.spec.robots)
+        services.station.robot_models.prepare(robot.model for robot in services.station.session.spec.robots)
 
 
 def _say_where(services: Services, url: str, data: Path, *, as_json: bool) -> None:
     if as_json:
         answer({"url": url, "data": str(data)})
     click.echo(f"serving {url}, described at {url}/api/v1/docs", err=True)
-    if services.doorkeeper.keys_needed:
+    if services.authenticator.keys_needed:
         click.echo("access  with a key; programs of yours on this machine find their own through --data", err=True)
     else:
         locking = f"skiros key create NAME --role admin --data {shlex.quote(str(data))}"

@@ -18,9 +18,15 @@ from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
+from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AGENT, HAS_A
 
-__all__ = ["Managers"]
+__all__ = ["Managers", "subsystems"]
+
+
+def subsystems(view: WorldView, robot: str) -> tuple[str, ...]:
+    """Returns the ids of a robot's subsystems, each of which may have a skill manager."""
+    return tuple(e for e in view.objects(robot, HAS_A) if view.ontology.is_a(view.element(e).type, AGENT))
 
 
 class Managers(Mapping[str, SkillManager]):
@@ -76,11 +82,9 @@ class Managers(Mapping[str, SkillManager]):
 
     def open_all(self, robots: Sequence[str]) -> None:
         """Opens one manager for each subsystem of each robot."""
-        view = self._context.world
         for robot in robots:
-            for agent in view.objects(robot, HAS_A):
-                if view.ontology.is_a(view.element(agent).type, AGENT):
-                    self.open(agent)
+            for agent in subsystems(self._context.world, robot):
+                self.open(agent)
 
     def open(self, agent: str) -> SkillManager:
         """Opens the skill manager of a subsystem and registers what it can do; in the place of one that was lost.

@@ -9,8 +9,9 @@ from fastapi import Depends, Header
 
 from skiros_py.api.problem import ProblemDetails
 from skiros_py.server.problems import Problem
+from skiros_py.station.requests import Seen
 
-__all__ = ["NEEDS_VERSION", "VersionDep", "etag", "expected_version", "require_version", "tagged"]
+__all__ = ["NEEDS_VERSION", "SeenDep", "etag", "expected_version", "tagged"]
 
 _TAG = re.compile(r'(?:W/)?"(\d{1,18})"')
 
@@ -20,12 +21,12 @@ async def _if_match(
         str | None,
         Header(description="Version that was seen: the ETag of an answer; * for whichever it is.", examples=['"17"']),
     ] = None,
-) -> str | None:
-    return if_match
+) -> Seen | None:
+    return None if if_match is None else Seen(expected_version(if_match))
 
 
-VersionDep = Annotated[str | None, Depends(_if_match)]
-"""For routes: what If-Match says; None where there is no such header."""
+SeenDep = Annotated[Seen | None, Depends(_if_match)]
+"""For routes: the version that If-Match names; None where there is no such header."""
 
 NEEDS_VERSION: dict[int | str, dict[str, Any]] = {
     428: {
@@ -70,25 +71,3 @@ def expected_version(given: str | None) -> int | None:
     if match is None:
         raise Problem(412, "StaleVersion", f'If-Match takes an ETag of this API such as "17", or *, not {given[:100]}')
     return int(match[1])
-
-
-def require_version(given: str | None, now: int) -> None:
-    """Sees that the caller has seen the present version.
-
-    Args:
-        given: What If-Match says.
-        now: The present version.
-
-    Raises:
-        Problem: If-Match is missing (428), or names another version (412).
-    """
-    if given is None:
-        raise Problem(428, "VersionMissing", f'say which version you have seen: If-Match: "{now}" is the present one')
-    seen = expected_version(given)
-    if seen is not None and seen != now:
-        raise Problem(
-            412,
-            "StaleVersion",
-            f"version {seen} is not the present one: it was changed since; look again",
-            headers={"ETag": etag(now)},
-        )

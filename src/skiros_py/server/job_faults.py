@@ -10,6 +10,7 @@ from skiros_py.errors import (
     Busy,
     GoalSyntaxError,
     KeyReused,
+    NotFound,
     Removed,
     SkirosError,
     StaleVersion,
@@ -41,6 +42,8 @@ def _problem(error: SkirosError) -> Problem | None:
     match error:
         case UnknownName(kind="job"):
             return Problem(404, "UnknownJobOrderID", str(error), return_status=UNKNOWN_ID)
+        case NotFound():
+            return None
         case KeyReused():
             return _invalid("IdempotencyKeyReused", error)
         case Removed():

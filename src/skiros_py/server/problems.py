@@ -5,8 +5,8 @@ from __future__ import annotations
 import errno
 import json
 import logging
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -21,6 +21,8 @@ from skiros_py.errors import (
     FileError,
     GoalSyntaxError,
     Locked,
+    NotFound,
+    Refused,
     SkirosError,
     StaleVersion,
     UnknownName,
@@ -29,7 +31,7 @@ from skiros_py.errors import (
     WrongState,
 )
 
-__all__ = ["PROBLEMS", "Problem", "add_problem_handlers", "found", "problem_response"]
+__all__ = ["PROBLEMS", "Problem", "add_problem_handlers", "problem_response"]
 
 _log = logging.getLogger(__name__)
 
@@ -59,16 +61,23 @@ class Problem(Exception):
         self.extra = extra
 
 
-@contextmanager
-def found(code: str = "NotFound") -> Iterator[None]:
-    """Answers 404 where something that the address names is not there; use it around looking that up only."""
-    try:
-        yield
-    except UnknownName as error:
-        raise Problem(404, code, str(error), known=list(error.known[:20]), nearest=error.nearest) from None
+_REFUSED = {
+    "Forgotten": 410,
+    "JobOrderRemoved": 410,
+    "NoModel": 404,
+    "NoReplay": 404,
+    "NotFound": 404,
+    "NotSaved": 507,
+    "SceneUnreadable": 422,
+    "VersionMissing": 428,
+}
+"""Status of a refusal by its code; 409 for all others."""
+_NAMES = {"SceneUnreadable": "SceneBroken"}
+"""Codes of refusals that are answered with the same code but another status."""
 
 
 _KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
+    (NotFound, 404, ""),
     (WrongState, 409, "WrongState"),
     (StaleVersion, 412, "StaleVersion"),
     (Locked, 423, "Locked"),
@@ -93,14 +102,29 @@ def _answer_fault(request: Request, error: Exception) -> Response:
 def _of(error: SkirosError) -> Problem:
     if isinstance(error, FileError):
         return _of_file(error)
+    if isinstance(error, Refused):
+        refused = Problem(_REFUSED.get(error.code, 409), _NAMES.get(error.code, error.code), str(error))
+        refused.extra.update(error.data)
+        return refused
     status, code = next((status, code) for kind, status, code in _KINDS if isinstance(error, kind))
     extra: dict[str, Any] = {}
+    if isinstance(error, NotFound):
+        code = error.code
     if isinstance(error, UnknownName):
         extra = {"known": list(error.known[:20]), "nearest": error.nearest}
     if isinstance(error, GoalSyntaxError):
         extra = {"column": error.column}
+    if isinstance(error, Locked):
+        extra = {"locks": [_lock(*lock) for lock in error.locks]}
+    if isinstance(error, StaleVersion) and error.present is not None:
+        return Problem(status, code, str(error), headers={"ETag": f'"{error.present}"'})
     headers = {"Retry-After": f"{max(1, round(error.retry_after))}"} if isinstance(error, Busy) else {}
     return Problem(status, code, str(error), headers=headers, **extra)
+
+
+def _lock(element: str, owner: str, seconds: float) -> dict[str, str]:
+    until = datetime.now(UTC) + timedelta(seconds=max(0.0, seconds))
+    return {"element": element, "owner": owner, "until": until.isoformat()}
 
 
 def _of_file(error: FileError) -> Problem:

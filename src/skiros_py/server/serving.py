@@ -139,10 +139,11 @@ class _Server(uvicorn.Server):
 
 def _halt(services: Services) -> None:
     """Brakes everything before the connections are waited for; running jobs wait for a person then."""
+    services.station.ending = True
     services.streams.end()
-    if not services.control.alive:
+    if not services.station.control.alive:
         return
     try:
-        services.session.cycle.halt("the server ends")
+        services.station.session.cycle.halt("the server ends")
     except SkirosError as error:
         _log.error("not everything was halted: %s", error)

@@ -16,6 +16,7 @@ from skiros_py.catalogue import Catalogue, choose_planners, fitting, load_catalo
 from skiros_py.config import find_scene, ontology_paths
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.execution.digest import RunDigest
+from skiros_py.execution.managers import subsystems
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.process import PlanningProcess
@@ -205,6 +206,11 @@ class Session:
         if self.simulates:
             respawn(directory.world, directory.journal)
         return directory.world, faults
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Ids of the subsystems of its robots: each may have a skill manager."""
+        return tuple(agent for robot in self.spec.robots for agent in subsystems(self.world, robot.id))
 
     @property
     def simulates(self) -> bool:

@@ -136,8 +136,8 @@ class Stops:
 
     # ------------------------------------------------------------------ starting again
 
-    def reset(self, by: str) -> bool:
-        """Lets things start again; returns False where nothing was halted.
+    def reset(self, by: str) -> Stopped:
+        """Lets things start again; where nothing is halted this changes nothing.
 
         Args:
             by: Who wants it: they have looked at why everything was halted.
@@ -160,7 +160,7 @@ class Stops:
         done = self._control.call(do, urgent=True)
         if done:
             self._events.append(Kind.SYSTEM, "reset", data={"by": by})
-        return done
+        return self.now()
 
     # ------------------------------------------------------------------ what is known
 

@@ -83,9 +83,9 @@ class Locks:
         if unknown:
             raise UsageError(f"there is nothing to lock by the name of {', '.join(unknown)}")
         with self._guard:
-            problems = self._problems([*names, *sorted({*self._related(names)}.difference(names))], owner)
-            if problems:
-                raise Locked("; ".join(problems))
+            fault = self._fault([*names, *sorted({*self._related(names)}.difference(names))], owner)
+            if fault is not None:
+                raise fault
             until = self._clock() + seconds
             taken = tuple(Lock(element, owner, until, name) for element in names)
             self._locks.update((lock.element, lock) for lock in taken)
@@ -113,22 +113,21 @@ class Locks:
         """Keeps all locks as they are while its 'with' block runs."""
         return self._guard
 
-    def problems(self, elements: Iterable[str], owner: str) -> Sequence[str]:
-        """Returns a sentence for each element that somebody else has locked."""
+    def fault(self, elements: Iterable[str], owner: str) -> Locked | None:
+        """Returns the fault of an edit of elements that somebody else has locked; None where nobody has."""
         if not self._locks:
-            return ()
+            return None
         with self._guard:
-            return self._problems(sorted(set(elements)), owner)
+            return self._fault(sorted(set(elements)), owner)
 
-    def _problems(self, elements: Sequence[str], owner: str) -> list[str]:
+    def _fault(self, elements: Sequence[str], owner: str) -> Locked | None:
         self._expire()
-        found = [self._locks[name] for name in elements if name in self._locks]
         now = self._clock()
-        return [
-            f"{lock.element} is locked by {lock.shown} for {lock.until - now:.0f} s more"
-            for lock in found
-            if lock.owner != owner
-        ]
+        others = [self._locks[name] for name in elements if name in self._locks and self._locks[name].owner != owner]
+        if not others:
+            return None
+        locks = tuple((lock.element, lock.shown, lock.until - now) for lock in others)
+        return Locked("; ".join(f"{name} is locked by {who} for {left:.0f} s more" for name, who, left in locks), locks)
 
     def _expire(self) -> None:
         now = self._clock()

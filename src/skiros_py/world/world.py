@@ -256,9 +256,9 @@ class World(ForwardingView):
         """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""
         if write.writer in (Writer.PERSON, Writer.JOB):
             concerned = {name for edit in edits for name in edit.concerns()}
-            locked = self.locks.problems((*concerned, *_wholes(before, after, concerned)), write.holder)
-            if locked:
-                raise Locked(f"refused: {'; '.join(locked)}")
+            locked = self.locks.fault((*concerned, *_wholes(before, after, concerned)), write.holder)
+            if locked is not None:
+                raise Locked(f"refused: {locked}", locked.locks)
         if self.reasoners.may_veto:
             vetoes = self.reasoners.vetoes(Proposal(before, after, edits, write.author, write.writer))
             if vetoes:

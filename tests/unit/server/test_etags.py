@@ -7,11 +7,13 @@ from typing import Any
 
 import pytest
 
+from skiros_py.errors import Refused, StaleVersion
 from skiros_py.server.app import create_app
-from skiros_py.server.etags import expected_version, require_version
+from skiros_py.server.etags import expected_version
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
+from skiros_py.station.requests import ANY_VERSION, Seen, require_seen
 
 Operations = dict[tuple[str, str], dict[str, Any]]
 
@@ -51,13 +53,20 @@ def test_for_what_takes_a_version_there_is_an_answer_that_gives_one(operations: 
 
 
 def test_a_version_that_was_not_given_is_asked_for_and_another_one_refused() -> None:
-    for given, status in ((None, 428), ('"16"', 412), ("17", 412), ('"16", "17"', 400)):
+    with pytest.raises(Refused) as missing:
+        require_seen(None, 17)
+    with pytest.raises(StaleVersion) as stale:
+        require_seen(Seen(16), 17)
+
+    assert missing.value.code == "VersionMissing"
+    assert stale.value.present == 17
+    for given, status in (("17", 412), ('"16", "17"', 400)):
         with pytest.raises(Problem) as refused:
-            require_version(given, 17)
+            expected_version(given)
         assert refused.value.status == status
 
 
 def test_the_present_version_is_taken_and_a_star_for_whichever_it_is() -> None:
-    for given in ('"17"', 'W/"17"', "*"):
-        require_version(given, 17)
-    assert (expected_version('"17"'), expected_version("*"), expected_version(None)) == (17, None, None)
+    for seen in (Seen(17), ANY_VERSION):
+        require_seen(seen, 17)
+    assert [expected_version(given) for given in ('"17"', 'W/"17"', "*", None)] == [17, 17, None, None]

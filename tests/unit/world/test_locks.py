@@ -82,12 +82,12 @@ def test_every_element_that_is_locked_is_named(locks: Locks) -> None:
 def test_a_lock_ends_by_itself(locks: Locks, clock: Clock) -> None:
     locks.acquire(["a"], "ann", 10)
     clock.now += 9.9
-    assert locks.problems(["a"], "bob")
+    assert locks.fault(["a"], "bob")
 
     clock.now += 0.1
 
     assert locks.held() == ()
-    assert not locks.problems(["a"], "bob")
+    assert not locks.fault(["a"], "bob")
     assert locks.acquire(["a"], "bob", 10) == (Lock("a", "bob", 120.0),)
 
 

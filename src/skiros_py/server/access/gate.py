@@ -15,12 +15,12 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from skiros_py.server.access.audit import AuditEntry, AuditLog
+from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.bodies import read_body, replayed
-from skiros_py.server.access.doorkeeper import Doorkeeper
 from skiros_py.server.access.keys import without_keys
 from skiros_py.server.access.load import Load
 from skiros_py.server.access.networks import network_of
-from skiros_py.server.access.places import SAFE, Places
+from skiros_py.server.access.origin_policy import SAFE, OriginPolicy
 from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.logs import request_id
@@ -70,7 +70,7 @@ class Guarded(Protocol):
         ...
 
     @property
-    def doorkeeper(self) -> Doorkeeper:
+    def authenticator(self) -> Authenticator:
         """Tells who comes."""
         ...
 
@@ -93,7 +93,7 @@ class Gate:
         self._app = app
         self._pages = pages
         self._services = services
-        self._places = Places(services.settings)
+        self._origins = OriginPolicy(services.settings)
         self._rates = Rates(services.settings.rate, 1.0)
         self._refusals = Rates(_REFUSALS, 60.0)
         self._refusals_of_all = Rates(_REFUSALS_OF_ALL, 60.0)
@@ -114,7 +114,7 @@ class Gate:
         request.state.id = _request_id(headers)
         request_id.set(request.state.id)
         request.state.caller = _NOBODY
-        answer = _Answer(send, request, self._places.answer(headers), self._services)
+        answer = _Answer(send, request, self._origins.answer(headers), self._services)
         try:
             await self._pass(request, headers, receive, answer)
         except Problem as problem:
@@ -132,11 +132,11 @@ class Gate:
     async def _pass(self, request: Request, headers: Headers, receive: Receive, answer: _Answer) -> None:
         scope, what = request.scope, (request.method, request.scope["path"])
         _check_size(scope)
-        self._places.check_host(headers)
+        self._origins.check_host(headers)
         if request.method == "OPTIONS" and "access-control-request-method" in headers:
-            await Response(status_code=204, headers=self._places.preflight(headers))(scope, receive, answer)
+            await Response(status_code=204, headers=self._origins.preflight(headers))(scope, receive, answer)
             return
-        self._places.check_origin(request.method, scope["scheme"], headers)
+        self._origins.check_origin(request.method, scope["scheme"], headers)
         _check_url(scope)
         if self._pages is not None and is_page(*what):
             await self._pages(scope, receive, answer)
@@ -147,7 +147,7 @@ class Gate:
                 await self._app(scope, replayed(body, receive), answer)
             return
         if what not in OPEN:
-            request.state.caller = self._services.doorkeeper.caller(headers, _address(scope))
+            request.state.caller = self._services.authenticator.caller(headers, _address(scope))
         if what in OPEN or what == _STOP:  # which is obeyed whatever its body is, or before it is there
             await self._app(scope, receive, answer)
             return
@@ -191,7 +191,7 @@ class _Answer:
     async def __call__(self, message: Message) -> None:
         if message["type"] == "http.response.start":
             self._begin(message)
-        elif self._stream and not self._services.doorkeeper.still(self._request.state.caller):
+        elif self._stream and not self._services.authenticator.still(self._request.state.caller):
             self.revoked = True
             await self._send({"type": "http.response.body", "body": b"", "more_body": False})
             raise ConnectionAbortedError("the reader's key was revoked")

@@ -10,6 +10,7 @@ from fastapi import Depends, Request
 
 from skiros_py.server.access.parameters import check_query
 from skiros_py.server.problems import Problem
+from skiros_py.station.requests import Author
 
 __all__ = ["LOCAL", "Caller", "CallerDep", "Need", "Role", "needs"]
 
@@ -54,6 +55,11 @@ class Caller:
     def holder(self) -> str:
         """Whose locks are theirs: people of the same name are told apart by their keys."""
         return f"key {self.key}" if self.key not in ("", LOCAL) else self.name
+
+    @property
+    def author(self) -> Author:
+        """The author of what they write."""
+        return Author(self.name, self.holder)
 
 
 @dataclass(frozen=True, slots=True)

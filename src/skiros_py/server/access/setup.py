@@ -6,7 +6,7 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 
 from skiros_py.server.access.audit import AuditLog
-from skiros_py.server.access.doorkeeper import Doorkeeper, check_access
+from skiros_py.server.access.authenticator import Authenticator, check_access
 from skiros_py.server.access.file import open_access
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.settings import ServerSettings
@@ -15,7 +15,7 @@ from skiros_py.world.journal.data_directory import make_folder
 __all__ = ["set_up_access"]
 
 
-def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Doorkeeper, AuditLog]:
+def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:
     """Opens the keys and the audit log of a data directory, which is made where it is missing.
 
     Args:
@@ -34,4 +34,4 @@ def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tup
     audit = AuditLog(open_access(data), besides=keys.keep_uses)
     stack.callback(audit.close)
     audit.start()
-    return keys, Doorkeeper(settings, keys), audit
+    return keys, Authenticator(settings, keys), audit

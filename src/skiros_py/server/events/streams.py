@@ -14,7 +14,7 @@ from fastapi.sse import format_sse_event
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.events.choice import Choice
-from skiros_py.server.events.places import Reset, find_place, missed, place_text
+from skiros_py.server.events.positions import Reset, find_position, missed, position_text
 from skiros_py.station.events.log import EventLog
 
 __all__ = ["Streams"]
@@ -113,7 +113,7 @@ class Streams:
                 number, text = self._next(number, choice)
                 now = time.monotonic()
                 if not text and now - sent >= _QUIET:
-                    text = _still_here(place_text(self.log, number))
+                    text = _still_here(position_text(self.log, number))
                 if text:
                     sent = now
                     yield text
@@ -153,11 +153,13 @@ class Streams:
 
     def _begin(self, after: str | None) -> tuple[int, bytes]:
         """Returns where a stream begins, and what it says first: so that the client knows where it stands."""
-        place = self.log.last if after is None else self.log.first - 1 if after == "" else find_place(self.log, after)
+        place = (
+            self.log.last if after is None else self.log.first - 1 if after == "" else find_position(self.log, after)
+        )
         if isinstance(place, Reset):
             number = self.log.last
             return number, _reset(place)
-        return place, format_sse_event(comment="events follow", id=place_text(self.log, place), retry=_AGAIN)
+        return place, format_sse_event(comment="events follow", id=position_text(self.log, place), retry=_AGAIN)
 
     # ------------------------------------------------------------------ waking
 

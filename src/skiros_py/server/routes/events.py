@@ -12,9 +12,10 @@ from skiros_py.api.events import EventInfo, EventPage, ResetInfo
 from skiros_py.api.state import StationState
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.events.choice import EVERYTHING, Choice
-from skiros_py.server.events.places import Reset, find_place, missed, place_text
+from skiros_py.server.events.positions import Reset, find_position, missed, position_text
 from skiros_py.server.events.sse import EventStream
-from skiros_py.server.problems import Problem, found
+from skiros_py.server.job_faults import job_faults
+from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep
 from skiros_py.station.events.event import Event, Kind
 
@@ -96,15 +97,15 @@ def list_events(
 ) -> EventPage:
     """Lists events after a place, oldest first, for those who cannot keep a stream open; without a place, all kept."""
     choice = _choice(caller, kind, type_, job, element)
-    log = services.events
-    place = log.first - 1 if not after else find_place(log, after)
+    log = services.station.events
+    place = log.first - 1 if not after else find_position(log, after)
     if isinstance(place, Reset):
         return EventPage(items=(), next=place.place, reset=_reset(place))
     events, end = _page(services, place, choice, limit)
     gap = missed(log, place) if after and not events else None
     return EventPage(
         items=tuple(EventInfo.model_validate(json.loads(event.text)) for event in events),
-        next=place_text(log, end),
+        next=position_text(log, end),
         reset=_reset(gap) if gap is not None else None,
     )
 
@@ -125,8 +126,8 @@ def stream_job_events(
     last_event_id: LastSeen = None,
 ) -> EventStream:
     """Streams what happens for one job: first all that is kept of it, or what came after the event seen last."""
-    with found("UnknownJobOrderID"):
-        services.session.jobs.job(job)
+    with job_faults():
+        services.station.jobs.get(job)
     return _stream(services, caller, Choice(job=job), _first_given(last_event_id, after) or "")
 
 
@@ -146,14 +147,14 @@ async def stream_state(
     rate: Annotated[float, Query(ge=0.1, le=20.0, description="How often at most [Hz].", examples=[10])] = 10.0,
 ) -> EventStream:
     """Streams the present state of all robots. Only the latest counts: what a client is too slow for is left out."""
-    frames = services.live.follow(rate, lambda: services.streams.allowed(caller))
+    frames = services.station.live.follow(rate, lambda: services.streams.allowed(caller))
     return EventStream(frames, services.streams.listening(caller))
 
 
 @router.get("/state", summary="See what the robots do", dependencies=[needs(Role.VIEWER)])
 def get_state(services: ServicesDep) -> StationState:
     """Returns the state of all robots at this moment."""
-    return StationState.model_validate(services.live.state(services.session))
+    return StationState.model_validate(services.station.live.state(services.station.session))
 
 
 def _choice(caller: Caller, kinds: list[Kind] | None, types: list[str] | None, job: str, element: str) -> Choice:
@@ -182,7 +183,7 @@ def _stream(services: Services, caller: Caller, choice: Choice, after: str | Non
 def _page(services: Services, place: int, choice: Choice, limit: int) -> tuple[list[Event], int]:
     """Returns the first events after a place that fit, and the place behind what was looked through."""
     fitting: list[Event] = []
-    for event in services.events.since(place, _LOOKED_THROUGH):
+    for event in services.station.events.since(place, _LOOKED_THROUGH):
         place = event.number
         if choice.takes(event):
             fitting.append(event)

@@ -10,7 +10,8 @@ from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 from skiros_py.api.health import Health, Readiness
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import PROBLEMS
-from skiros_py.server.services import Services, ServicesDep
+from skiros_py.server.services import ServicesDep, StationDep
+from skiros_py.station.station import Station
 
 __all__ = ["router"]
 
@@ -19,9 +20,9 @@ router = APIRouter(tags=["operation"])
 
 @router.head("/healthz", include_in_schema=False)
 @router.get("/healthz", summary="Is the server alive?", responses={503: {"model": Health}})
-async def get_health(services: ServicesDep, response: Response) -> Health:
+async def get_health(station: StationDep, response: Response) -> Health:
     """Answers 200 while the control cycle goes round or the station is being opened, else 503. Needs no key."""
-    control = services.control
+    control = station.control
     if control.fault is not None:
         return _unhealthy(response, "the station is not running: see the alarms")
     if control.stuck_for() > _LONGEST_CYCLE:
@@ -44,22 +45,22 @@ def _unhealthy(response: Response, why: str) -> Health:
 
 @router.head("/readyz", include_in_schema=False)
 @router.get("/readyz", summary="Can orders be fulfilled?", responses={503: {"model": Readiness}})
-async def get_readiness(services: ServicesDep, response: Response) -> Readiness:
+async def get_readiness(station: StationDep, response: Response) -> Readiness:
     """Answers 200 while the station runs, halted or not, and what is ordered can be kept; else 503. Needs no key."""
-    why = _not_ready(services)
+    why = _not_ready(station)
     if why:
         response.status_code = 503
         return Readiness(ready=False, why=why)
-    return Readiness(ready=True, halted=bool(services.session.cycle.halted))
+    return Readiness(ready=True, halted=bool(station.session.cycle.halted))
 
 
 # Both are asynchronous: whoever asks whether the server is alive must not wait for a place in the thread pool.
 
 
-def _not_ready(services: Services) -> str:
-    if not services.control.alive:
-        return "the station is not open" if services.control.fault is None else "the station is not running"
-    return "" if shutil.disk_usage(services.data).free > _LEAST_ROOM else "the disk is full: no order could be kept"
+def _not_ready(station: Station) -> str:
+    if not station.control.alive:
+        return "the station is not open" if station.control.fault is None else "the station is not running"
+    return "" if shutil.disk_usage(station.data).free > _LEAST_ROOM else "the disk is full: no order could be kept"
 
 
 @router.get(

@@ -7,14 +7,12 @@ from typing import Annotated
 from fastapi import APIRouter, Body, Depends, Query, Request, Response
 
 from skiros_py.api.jobs import AcceptedJob, JobAnswer, JobComment
-from skiros_py.errors import StaleVersion, WrongState
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import tagged
 from skiros_py.server.job_faults import job_faults
-from skiros_py.server.routes.job_access import ExpectedDep, JobId, JobsDep, accepted, said_by
-from skiros_py.tasks.jobs import Job as Known
-from skiros_py.tasks.jobs import JobManager
+from skiros_py.server.routes.job_access import ExpectedDep, JobId, accepted
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
@@ -41,7 +39,7 @@ CommentDep = Annotated[str, Depends(_comment)]
 @router.post("/jobs/{id}/start", summary="Give a job leave to start", dependencies=_NEEDS)
 def start_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
@@ -49,13 +47,14 @@ def start_job(
 ) -> AcceptedJob:
     """Lets a job start by itself when its turn comes."""
     with job_faults():
-        return accepted(jobs.start(id, said_by(caller, comment), expects=expected), response)
+        job = station.jobs.command(id, "start", comment=comment, expects=expected, author=caller.author)
+        return accepted(job, response)
 
 
 @router.post("/jobs/{id}/revoke-start", summary="Take back the leave to start", dependencies=_NEEDS)
 def revoke_start_of_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
@@ -63,13 +62,14 @@ def revoke_start_of_job(
 ) -> AcceptedJob:
     """Keeps a job that has not begun until somebody gives leave to start again."""
     with job_faults():
-        return accepted(jobs.revoke_start(id, said_by(caller, comment), expects=expected), response)
+        job = station.jobs.command(id, "revoke_start", comment=comment, expects=expected, author=caller.author)
+        return accepted(job, response)
 
 
 @router.post("/jobs/{id}/pause", summary="Let a job stand for a while", dependencies=_NEEDS)
 def pause_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
@@ -77,13 +77,14 @@ def pause_job(
 ) -> AcceptedJob:
     """Lets a job come to a standstill where it is."""
     with job_faults():
-        return accepted(jobs.pause(id, said_by(caller, comment), expects=expected), response)
+        job = station.jobs.command(id, "pause", comment=comment, expects=expected, author=caller.author)
+        return accepted(job, response)
 
 
 @router.post("/jobs/{id}/resume", summary="Go on with a job that stands", dependencies=_NEEDS)
 def resume_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
@@ -91,13 +92,14 @@ def resume_job(
 ) -> AcceptedJob:
     """Goes on with a job that stands; what waits for an answer goes on with that."""
     with job_faults():
-        return accepted(jobs.resume(id, said_by(caller, comment), expects=expected), response)
+        job = station.jobs.command(id, "resume", comment=comment, expects=expected, author=caller.author)
+        return accepted(job, response)
 
 
 @router.post("/jobs/{id}/stop", summary="End a job in good order", dependencies=_NEEDS)
 def stop_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
@@ -105,13 +107,14 @@ def stop_job(
 ) -> AcceptedJob:
     """Ends a job that is under way; it is over when everything that it moved stands."""
     with job_faults():
-        return accepted(jobs.stop(id, said_by(caller, comment), expects=expected), response)
+        job = station.jobs.command(id, "stop", comment=comment, expects=expected, author=caller.author)
+        return accepted(job, response)
 
 
 @router.post("/jobs/{id}/abort", summary="Give a job up", dependencies=_NEEDS)
 def abort_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
@@ -119,13 +122,14 @@ def abort_job(
 ) -> AcceptedJob:
     """Gives a job up, begun or not; it is over when everything that it moved stands."""
     with job_faults():
-        return accepted(jobs.abort(id, said_by(caller, comment), expects=expected), response)
+        job = station.jobs.command(id, "abort", comment=comment, expects=expected, author=caller.author)
+        return accepted(job, response)
 
 
 @router.post("/jobs/{id}/cancel", summary="Remove a job that has not begun", dependencies=_NEEDS)
 def cancel_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
@@ -133,13 +137,13 @@ def cancel_job(
     """Removes a job that has not begun, and answers with what it was."""
     del comment  # the audit log has it
     with job_faults():
-        return accepted(jobs.cancel(id, expects=expected), response)
+        return accepted(station.jobs.command(id, "cancel", expects=expected), response)
 
 
 @router.post("/jobs/{id}/clear", summary="Remove a job that is over", dependencies=_NEEDS)
 def clear_job(
     id: JobId,  # noqa: A002 - the name in the address
-    jobs: JobsDep,
+    station: StationDep,
     expected: ExpectedDep,
     response: Response,
     comment: CommentDep,
@@ -147,14 +151,14 @@ def clear_job(
     """Says that its result was fetched: removes a job that is over with all that is known of it."""
     del comment  # the audit log has it
     with job_faults():
-        return accepted(jobs.clear(id, expects=expected), response)
+        return accepted(station.jobs.command(id, "clear", expects=expected), response)
 
 
 @router.delete("/jobs/{id}", summary="Remove a job", dependencies=_NEEDS)
 def remove_job(
     id: JobId,  # noqa: A002 - the name in the address
     request: Request,
-    jobs: JobsDep,
+    station: StationDep,
     expected: ExpectedDep,
     response: Response,
     comment: Annotated[str, Query(max_length=1000, description="Why, for the audit log.")] = "",
@@ -162,8 +166,7 @@ def remove_job(
     """Removes a job that has not begun, or is over: cancel or clear, whichever fits."""
     note(request, job=id, comment=comment)
     with job_faults():
-        remove = jobs.cancel if jobs.job(id).state.is_open else jobs.clear
-        return accepted(remove(id, expects=expected), response)
+        return accepted(station.jobs.command(id, "remove", expects=expected), response)
 
 
 @router.post("/jobs/{id}/answer", summary="Answer what a job waits for", dependencies=_NEEDS)
@@ -171,7 +174,7 @@ def answer_job(
     id: JobId,  # noqa: A002 - the name in the address
     body: JobAnswer,
     request: Request,
-    jobs: JobsDep,
+    station: StationDep,
     caller: CallerDep,
     expected: ExpectedDep,
     response: Response,
@@ -179,17 +182,4 @@ def answer_job(
     """Answers what a job waits for: with one of its `choices`."""
     note(request, job=id, comment=body.answer)
     with job_faults():
-        return accepted(_answered(jobs, id, body, caller.name, expected), response)
-
-
-def _answered(jobs: JobManager, id_: str, body: JobAnswer, by: str, expected: int | None) -> Known:
-    """Answers, unless it asks something else by now than what was answered."""
-    now = jobs.job(id_)
-    if body.question is None or expected is not None:
-        return jobs.answer(id_, body.answer, by=by, expects=expected)
-    if now.question != body.question:
-        raise WrongState(f"job '{id_}' does not wait for the answer to question {body.question} (any more)")
-    try:
-        return jobs.answer(id_, body.answer, by=by, expects=now.version)
-    except StaleVersion:
-        raise WrongState(f"job '{id_}' has gone on meanwhile: look what it asks now") from None
+        return accepted(station.jobs.answer(id, body, expects=expected, author=caller.author), response)

@@ -9,9 +9,9 @@ from fastapi import APIRouter, Path, Response
 from skiros_py.api.keys import ApiKey, KeyOrder, NewKey
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.problems import found
 from skiros_py.server.services import ServicesDep
 from skiros_py.server.settings import is_loopback
+from skiros_py.station.requests import addressed
 
 __all__ = ["router"]
 
@@ -38,7 +38,7 @@ def create_key(order: KeyOrder, services: ServicesDep, response: Response) -> Ne
 @router.get("/{key_id}", summary="One key", dependencies=[needs(Role.ADMIN)])
 def get_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
     """Tells what is known of a key."""
-    with found("UnknownKey"):
+    with addressed("UnknownKey"):
         return shown(services.keys.key(key_id))
 
 
@@ -48,5 +48,5 @@ def revoke_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
 
     Where other machines reach the server, the last key of an administrator stays.
     """
-    with found("UnknownKey"):
+    with addressed("UnknownKey"):
         return shown(services.keys.revoke(key_id, open_to_others=not is_loopback(services.settings.host)))

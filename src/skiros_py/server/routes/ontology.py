@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from itertools import islice
 from typing import Annotated
 
 from fastapi import APIRouter, Query
@@ -15,14 +13,10 @@ from skiros_py.api.ontology import (
     PropertyPage,
     RelationPage,
 )
-from skiros_py.errors import UsageError
+from skiros_py.api.values import EVERYTHING
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.problems import found
 from skiros_py.server.routes.parameters import Cursor, Limit, NamePath
-from skiros_py.server.services import ServicesDep
-from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
-from skiros_py.station.world.placements import placement_options
-from skiros_py.world.vocabulary import ELEMENT
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
@@ -31,50 +25,37 @@ router = APIRouter(prefix="/ontology", tags=["ontology"])
 
 @router.get("/classes", summary="Read the classes as a tree", dependencies=[needs(Role.VIEWER)])
 def read_classes(
-    services: ServicesDep,
+    station: StationDep,
     root: Annotated[
         str, Query(min_length=1, max_length=300, description="Where to begin.", examples=["sk:Manipulatable"])
-    ] = ELEMENT,
+    ] = EVERYTHING,
     depth: Annotated[int, Query(ge=0, le=50, description="How many levels below it.")] = 50,
 ) -> ClassNode:
     """Tells what kinds of things there can be; a class with several parents stands below its primary one."""
-    view = services.session.world.snapshot()
-    with found():
-        return class_tree(view, root, depth)
+    return station.ontology.classes(root, depth)
 
 
 @router.get("/classes/{name}", summary="Read a class", dependencies=[needs(Role.VIEWER)])
-def read_class(name: NamePath, services: ServicesDep) -> ClassDetails:
+def read_class(name: NamePath, station: StationDep) -> ClassDetails:
     """Tells what a class means, what its things may have, how many there are, and what takes them."""
-    session = services.session
-    with found():
-        return class_details(session.world.snapshot(), name, session.catalogue)
+    return station.ontology.class_(name)
 
 
 @router.get("/relations", summary="List relations", dependencies=[needs(Role.VIEWER)])
-def list_ontology_relations(services: ServicesDep, limit: Limit = 1000, cursor: Cursor = None) -> RelationPage:
+def list_ontology_relations(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> RelationPage:
     """Lists relations by name, with what may stand at their ends."""
-    view = services.session.world.snapshot()
-    names, more = _page(view.ontology.relations, limit, cursor)
-    return RelationPage(items=[relation_info(view, view.ontology.relations[name]) for name in names], next=more)
+    return station.ontology.relations(limit, cursor or "")
 
 
 @router.get("/properties", summary="List properties", dependencies=[needs(Role.VIEWER)])
-def list_ontology_properties(services: ServicesDep, limit: Limit = 1000, cursor: Cursor = None) -> PropertyPage:
+def list_ontology_properties(station: StationDep, limit: Limit = 1000, cursor: Cursor = None) -> PropertyPage:
     """Lists properties by name, with data type and unit."""
-    ontology = services.session.world.ontology
-    names, more = _page(ontology.properties, limit, cursor)
-    return PropertyPage(items=[property_info(ontology.properties[name]) for name in names], next=more)
-
-
-def _page(names: Iterable[str], limit: int, cursor: str | None) -> tuple[list[str], str | None]:
-    found = list(islice((name for name in sorted(names) if name > (cursor or "")), limit + 1))
-    return found[:limit], found[limit - 1] if len(found) > limit else None
+    return station.ontology.properties(limit, cursor or "")
 
 
 @router.get("/placements", summary="Ask what may be put where", dependencies=[needs(Role.VIEWER)])
 def read_placements(
-    services: ServicesDep,
+    station: StationDep,
     class_: Annotated[
         str | None, Query(alias="class", min_length=1, max_length=300, description="A new thing of this class.")
     ] = None,
@@ -88,12 +69,4 @@ def read_placements(
     Either `class` or `element` says what is to be put somewhere. Each place is tried in a state that nobody sees: what
     ontology and reasoners would refuse is refused here in the same words.
     """
-    if (class_ is None) == (element is None):
-        raise UsageError("say what is to be put somewhere: either class=kitting:Starter or element=starter_1")
-    if cursor is not None and relation is None:
-        raise UsageError("a cursor goes on with the places of one relation: give relation=sk:in, too")
-    view = services.session.world.snapshot()
-    what = view.element(element).type if element is not None else class_
-    assert what is not None
-    view.ontology.ancestors(what)
-    return placement_options(view, what, element, limit, relation, cursor or "")
+    return station.ontology.placements(class_, element, relation, limit, cursor)

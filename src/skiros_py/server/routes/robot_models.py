@@ -7,12 +7,9 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Response
 
-from skiros_py.errors import Busy, SkirosError, UnknownName
+from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.problems import Problem, found
-from skiros_py.server.services import Services, ServicesDep
-from skiros_py.station.robots import robots
-from skiros_py.station.robots.models import DrawnModel
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
@@ -36,7 +33,7 @@ _STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "cont
     response_class=Response,
     responses=_URDF,
 )
-def get_robot_model(id: _Id, services: ServicesDep) -> Response:  # noqa: A002 - as the address says it
+def get_robot_model(id: _Id, station: StationDep) -> Response:  # noqa: A002 - as the address says it
     """Tells what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
 
     Files of meshes are named from the address of the model, are binary STL, and have few triangles. The description of
@@ -44,7 +41,7 @@ def get_robot_model(id: _Id, services: ServicesDep) -> Response:  # noqa: A002 -
     ask again.
     """
     try:
-        return Response(_model(services, id).urdf, media_type="application/xml")
+        return Response(station.robots.model(id).urdf, media_type="application/xml")
     except Busy as busy:
         return Response(status_code=202, headers={"Retry-After": str(math.ceil(busy.retry_after))})
 
@@ -56,21 +53,6 @@ def get_robot_model(id: _Id, services: ServicesDep) -> Response:  # noqa: A002 -
     response_class=Response,
     responses=_STL,
 )
-def get_robot_mesh(id: _Id, name: _MeshName, services: ServicesDep) -> Response:  # noqa: A002
+def get_robot_mesh(id: _Id, name: _MeshName, station: StationDep) -> Response:  # noqa: A002
     """Gives one of the meshes that the model names, as binary STL [m]; nothing else."""
-    meshes = _model(services, id).meshes
-    with found("UnknownMesh"):
-        if name not in meshes:
-            raise UnknownName("mesh", name, meshes)
-    return Response(meshes[name], media_type="model/stl", headers=_FOREVER)
-
-
-def _model(services: Services, id_: str) -> DrawnModel:
-    with found():
-        robot = robots.robot_of(services.session, id_)
-    try:
-        return services.robot_models.get(robot.model)
-    except Busy:
-        raise
-    except SkirosError as error:  # cells of plug-ins may have robots of their own
-        raise Problem(404, "NoModel", f"nobody knows what {id_} looks like: {error}") from None
+    return Response(station.robots.mesh(id, name), media_type="model/stl", headers=_FOREVER)

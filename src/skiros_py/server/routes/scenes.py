@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -18,31 +16,18 @@ from skiros_py.api.scenes import (
     Scene,
     SceneDifference,
     SceneEntry,
-    SceneRobot,
     Scenes,
 )
-from skiros_py.errors import FileError, UsageError
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, expected_version, require_version, tagged
-from skiros_py.server.problems import Problem, found
-from skiros_py.server.services import Services, ServicesDep
-from skiros_py.station.scenes.content import scene_only
-from skiros_py.station.scenes.loading import load, require_rest, scene_of
-from skiros_py.station.scenes.scenes import SceneFile
-from skiros_py.station.scenes.stage import shown
-from skiros_py.world.element import is_learned
-from skiros_py.world.index import Index
-from skiros_py.world.scene import describe
-from skiros_py.world.scene.writer import scene_turtle
-from skiros_py.world.vocabulary import ELEMENT, ROBOT
+from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
+from skiros_py.server.problems import Problem
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
 router = APIRouter(tags=["scenes"])
 
 TURTLE = "text/turtle"
-_UNKNOWN = "UnknownScene"
-_SAVED_AS = "saved as"
 
 SceneName = Annotated[
     str, Path(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$", description="Name of the scene.", examples=["kitting"])
@@ -55,11 +40,9 @@ Cursor = Annotated[str | None, Query(max_length=100, description="From the page 
 
 
 @router.get("/scenes", summary="Scenes that can be loaded", dependencies=[needs(Role.VIEWER)])
-def list_scenes(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None) -> Scenes:
+def list_scenes(station: StationDep, limit: Limit = 100, cursor: Cursor = None) -> Scenes:
     """Lists the scenes that came with packages and those saved here, by name."""
-    names = [name for name in services.scenes.names() if cursor is None or name > cursor]
-    page = names[:limit]
-    return Scenes(items=list(_entries(services, page)), next=page[-1] if len(names) > limit else None)
+    return station.scenes.all(limit, cursor or "")
 
 
 @router.post(
@@ -69,58 +52,40 @@ def list_scenes(services: ServicesDep, limit: Limit = 100, cursor: Cursor = None
     dependencies=[needs(Role.OPERATOR)],
     responses=NEEDS_VERSION | tagged(201),
 )
-def save_scene(wanted: SaveScene, services: ServicesDep, seen: VersionDep, response: Response) -> SceneEntry:
+def save_scene(wanted: SaveScene, station: StationDep, seen: SeenDep, response: Response) -> SceneEntry:
     """Saves what is believed now as a scene, whole or not at all; where everything is, and which goals go with it.
 
     A saved scene of that name is replaced if ``If-Match`` says which version of it you have seen.
     """
-    version, now = services.session.world.state()
-    expects = _expected_file(services, wanted.name, seen)
-    with _unwritable():
-        file = services.scenes.save(wanted.name, now, expects=expects)
-    services.documents.put("scene", _SAVED_AS, {"name": wanted.name, "version": version})
+    entry, version = station.scenes.save(wanted.name, seen)
     response.headers["Location"] = f"/api/v1/scenes/{wanted.name}"
-    response.headers["ETag"] = etag(file.version)
-    return _entry(file)
+    response.headers["ETag"] = etag(version)
+    return entry
 
 
 @router.get(
     "/scenes/{name}", summary="One scene that can be loaded", dependencies=[needs(Role.VIEWER)], responses=tagged()
 )
-def get_scene_file(name: SceneName, services: ServicesDep, response: Response) -> Scene:
+def get_scene_file(name: SceneName, station: StationDep, response: Response) -> Scene:
     """Tells what a scene consists of, without loading it."""
-    file = _file(services, name)
-    with _broken(409, name):
-        scene, title = services.stage.read(services.session, file), services.stage.title(file)
-    response.headers["ETag"] = etag(file.version)
-    return Scene(
-        name=name,
-        source=_source(file),
-        version=file.version,
-        title=title,
-        elements=len(scene_only(scene).instances(ELEMENT)),
-        robots=_robots(scene),
-        goals=list(scene.goals),
-    )
+    scene = station.scenes.get(name)
+    response.headers["ETag"] = etag(scene.version)
+    return scene
 
 
 @router.delete("/scenes/{name}", status_code=204, summary="Remove a saved scene", dependencies=[needs(Role.OPERATOR)])
-def delete_scene(name: SceneName, services: ServicesDep, seen: VersionDep) -> None:
+def delete_scene(name: SceneName, station: StationDep, seen: SeenDep) -> None:
     """Removes a saved scene; what is believed now stays. With ``If-Match`` only that version of it."""
-    file = _file(services, name)
-    if not file.saved:
-        raise Problem(409, "SceneInstalled", f"scene '{name}' came with a package, and stays")
-    with found(_UNKNOWN):
-        services.scenes.remove(name, expects=expected_version(seen))
+    station.scenes.delete(name, seen)
 
 
 # ---------------------------------------------------------------- the present scene
 
 
 @router.get("/scene", summary="The present scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
-def get_scene(services: ServicesDep, response: Response) -> PresentScene:
+def get_scene(station: StationDep, response: Response) -> PresentScene:
     """Tells which scene was loaded last, what is in it now, and whether that is another by now."""
-    return _present(services, response)
+    return _tagged(station.scenes.present(), response)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,9 +137,9 @@ _LOAD_BODY = {
 )
 def load_scene(
     wish: Annotated[_Wish, Depends(_wish)],
-    services: ServicesDep,
+    station: StationDep,
     caller: CallerDep,
-    seen: VersionDep,
+    seen: SeenDep,
     response: Response,
 ) -> PresentScene:
     """Makes the present scene another one: one by name, or one sent as Turtle. What robots were taught stays.
@@ -184,20 +149,7 @@ def load_scene(
     it is done; other requests wait meanwhile, jobs stay in their queue. Only while nothing is under way.
     ``If-Match`` names the version of the world that you have seen.
     """
-    session = services.session
-    require_version(seen, session.world.version)
-    services.control.call(require_rest)
-    if wish.name:
-        file = _file(services, wish.name)
-        with _broken(409, wish.name):
-            scene = services.stage.read(session, file)
-    else:
-        with _broken(422, "the scene that was sent"):
-            scene = services.stage.read_text(session, wish.turtle)
-    services.stage.check(session, scene)
-    version = expected_version(seen)
-    load(services.control, services.data, scene, wish.name, author=caller.name, holder=caller.holder, seen=version)
-    return _present(services, response)
+    return _tagged(station.scenes.load(wish.name, wish.turtle, seen, caller.author), response)
 
 
 @router.get(
@@ -207,15 +159,15 @@ def load_scene(
     response_class=Response,
     responses={200: {"description": "The scene.", "content": {TURTLE: {}}, **tagged()[200]}},
 )
-def get_scene_turtle(services: ServicesDep) -> Response:
+def get_scene_turtle(station: StationDep) -> Response:
     """Writes what is believed now as a scene file, in an order that depends on content alone."""
-    version, now = services.session.world.state()
-    return Response(scene_turtle(scene_only(now)), media_type=TURTLE, headers={"ETag": etag(version)})
+    text, version = station.scenes.turtle()
+    return Response(text, media_type=TURTLE, headers={"ETag": etag(version)})
 
 
 @router.get("/scene/diff", summary="What was changed in a scene", dependencies=[needs(Role.VIEWER)])
 def get_scene_difference(
-    services: ServicesDep,
+    station: StationDep,
     with_: Annotated[
         str,
         Query(
@@ -229,104 +181,9 @@ def get_scene_difference(
     cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$", description="From the page before.")] = None,
 ) -> SceneDifference:
     """Tells what makes the present scene of another one."""
-    session, file, begin = services.session, _file(services, with_), int(cursor or 0)
-    with _broken(409, with_):
-        version, edits = services.stage.compare(session, file)
-    page = edits[begin : begin + limit]
-    return SceneDifference(
-        name=with_,
-        version=version,
-        total=len(edits),
-        edits=[edit.as_json() for edit in page],
-        lines=list(describe(session.world.ontology, page)),
-        next=str(begin + limit) if len(edits) > begin + limit else None,
-    )
+    return station.scenes.difference(with_, int(cursor or 0), limit)
 
 
-# ---------------------------------------------------------------- pieces
-
-
-def _present(services: Services, response: Response) -> PresentScene:
-    session = services.session
-    version, now = session.world.state()
-    name = _name(services)
-    response.headers["ETag"] = etag(version)
-    return PresentScene(
-        name=name,
-        version=version,
-        changed=_is_changed(services, name),
-        elements=len(scene_only(now).instances(ELEMENT)),
-        learned=sum(map(is_learned, now.ids())),
-        robots=_robots(now),
-        goals=list(now.goals),
-    )
-
-
-def _name(services: Services) -> str:
-    name, number = scene_of(services.session.world)
-    saved = services.documents.get("scene", _SAVED_AS)
-    return str(saved.data["name"]) if saved is not None and saved.data["version"] >= number else name
-
-
-def _is_changed(services: Services, name: str) -> bool | None:
-    try:
-        return bool(services.stage.compare(services.session, services.scenes.find(name))[1])
-    except (UsageError, FileError):  # it was uploaded, or removed since
-        return None
-
-
-def _robots(scene: Index) -> list[SceneRobot]:
-    robots = (scene.element(id_) for id_ in scene.instances(ROBOT))
-    return [SceneRobot(id=robot.id, label=robot.label, type=robot.type) for robot in robots]
-
-
-def _entries(services: Services, names: list[str]) -> Iterator[SceneEntry]:
-    for name in names:
-        try:
-            yield _entry(services.scenes.find(name))
-        except (UsageError, FileError):  # it was removed meanwhile, or its plug-in is broken, which GET /plugins tells
-            continue
-
-
-def _entry(file: SceneFile) -> SceneEntry:
-    return SceneEntry(name=file.name, source=_source(file), saved=file.written)
-
-
-def _source(file: SceneFile) -> Any:
-    return "saved" if file.saved else "installed"
-
-
-def _file(services: Services, name: str) -> SceneFile:
-    with found(_UNKNOWN), _broken(409, name):
-        return services.scenes.find(name)
-
-
-def _expected_file(services: Services, name: str, seen: str | None) -> int | None:
-    """Returns the version of the saved scene that may be replaced; None where there is none."""
-    try:
-        with _broken(409, name):
-            file = services.scenes.find(name)
-    except UsageError:
-        return expected_version(seen)
-    if not file.saved:
-        raise Problem(409, "SceneInstalled", f"'{name}' is a scene that came with a package: choose another name")
-    require_version(seen, file.version)
-    return file.version
-
-
-@contextmanager
-def _broken(status: int, name: str) -> Iterator[None]:
-    """Says of a scene that cannot be read what is wrong with it, and where."""
-    try:
-        yield
-    except FileError as error:
-        text = f"{name} is broken, nothing was changed: {shown(error)}"
-        raise Problem(status, "SceneBroken", text, line=error.line) from None
-
-
-@contextmanager
-def _unwritable() -> Iterator[None]:
-    try:
-        yield
-    except FileError as error:
-        raise Problem(507, "NotSaved", f"the scene is not saved: {shown(error)}") from None
+def _tagged(scene: PresentScene, response: Response) -> PresentScene:
+    response.headers["ETag"] = etag(scene.version)
+    return scene

@@ -37,7 +37,7 @@ def get_session(request: Request, services: ServicesDep, caller: CallerDep) -> M
 async def login(login: Login, request: Request, services: ServicesDep, response: Response) -> Me:
     """Takes a key, and gives a cookie for it, for pages in a browser; for 12 hours, or until the key is revoked."""
     address = request.client.host if request.client is not None else ""
-    key, text = services.doorkeeper.login(login.key, address)
+    key, text = services.authenticator.login(login.key, address)
     request.state.caller = Caller(key.name, key.role, key.id)
     response.set_cookie(_cookie(request), text, max_age=LIFETIME, **_options(request))
     return _me(request, services, request.state.caller)
@@ -46,7 +46,7 @@ async def login(login: Login, request: Request, services: ServicesDep, response:
 @router.delete("", status_code=204, summary="Log out", dependencies=[needs(Role.VIEWER, mes=True)])
 async def logout(request: Request, services: ServicesDep) -> Response:
     """Ends the login that the cookie stands for. Once more does no harm."""
-    services.doorkeeper.logout(request.headers)
+    services.authenticator.logout(request.headers)
     response = Response(status_code=204)
     response.delete_cookie(_cookie(request), **_options(request))
     return response
@@ -71,7 +71,7 @@ def _me(request: Request, services: Services, caller: Caller) -> Me:
             "name": caller.name,
             "role": caller.role.value,
             "key": caller.key,
-            "keys_needed": services.doorkeeper.keys_needed,
+            "keys_needed": services.authenticator.keys_needed,
             "operations": sorted(allowed),
         }
     )

@@ -7,10 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Query, Response
 
 from skiros_py.api.simulation import Bodies, BodyPose, NewPace, Pace, SimulationState
-from skiros_py.geometry import Pose
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.problems import found
-from skiros_py.server.services import ServicesDep
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
@@ -22,34 +20,32 @@ _PICTURE: dict[int | str, dict[str, Any]] = {200: {"description": "The picture."
 
 
 @router.get("", summary="How the simulation goes on", dependencies=[needs(Role.VIEWER)])
-def get_simulation(services: ServicesDep) -> SimulationState:
+def get_simulation(station: StationDep) -> SimulationState:
     """Tells what is behind the robots, whether time goes on and how fast, and what waits for a reset."""
-    return services.simulation.state()
+    return station.simulation.state()
 
 
 @router.get("/bodies", summary="Where everything really is", dependencies=[needs(Role.VIEWER)])
-def list_bodies(services: ServicesDep) -> Bodies:
+def list_bodies(station: StationDep) -> Bodies:
     """Lists the bodies with their true poses. This is for people who look on: no robot ever learns it."""
-    return services.simulation.bodies()
+    return station.simulation.bodies()
 
 
 @router.put("/bodies/{body}/pose", status_code=204, summary="Move a body", dependencies=[needs(Role.ENGINEER)])
-def move_body(body: BodyId, pose: BodyPose, services: ServicesDep) -> None:
+def move_body(body: BodyId, pose: BodyPose, station: StationDep) -> None:
     """Puts a body somewhere else, at rest. No robot is told: it has to find out, as if somebody had done it by hand."""
-    with found("UnknownBody"):
-        services.simulation.move(body, Pose(pose.position, pose.orientation))
+    station.simulation.move(body, pose)
 
 
 @router.delete("/bodies/{body}", status_code=204, summary="Take a body away", dependencies=[needs(Role.ENGINEER)])
-def remove_body(body: BodyId, services: ServicesDep) -> None:
+def remove_body(body: BodyId, station: StationDep) -> None:
     """Takes a body away. No robot is told; a reset brings it back where it is believed to be."""
-    with found("UnknownBody"):
-        services.simulation.remove(body)
+    station.simulation.remove(body)
 
 
 @router.post("/reset", summary="Begin anew", dependencies=[needs(Role.ENGINEER)])
 def reset_simulation(
-    services: ServicesDep,
+    station: StationDep,
     force: Annotated[bool, Query(description="Stop first whatever is under way; its jobs wait for a person.")] = False,
 ) -> SimulationState:
     """Brings everything up anew: robots where the scene puts them, bodies as they are believed, beliefs as they are.
@@ -57,14 +53,13 @@ def reset_simulation(
     It is answered when the station is up again. This also helps where the control cycle broke. Where everything was
     halted, it still is.
     """
-    services.simulation.reset(force=force)
-    return services.simulation.state()
+    return station.simulation.reset(force=force)
 
 
 @router.put("/pace", summary="Go on faster or slower", dependencies=[needs(Role.ENGINEER)])
-def set_pace(wanted: NewPace, services: ServicesDep) -> Pace:
+def set_pace(wanted: NewPace, station: StationDep) -> Pace:
     """Changes how fast simulated time goes on, where the server was started with a pace and not in lockstep."""
-    return Pace(pace=services.simulation.set_pace(wanted.pace))
+    return Pace(pace=station.simulation.set_pace(wanted.pace))
 
 
 @router.get(
@@ -75,7 +70,7 @@ def set_pace(wanted: NewPace, services: ServicesDep) -> Pace:
     responses=_PICTURE,
 )
 def get_picture(
-    services: ServicesDep,
+    station: StationDep,
     eye: Annotated[
         str, Query(pattern=_COORDINATES, description="Where the observer is: x,y,z in the map [m].")
     ] = "3.5,-3.5,3",
@@ -86,7 +81,7 @@ def get_picture(
     height: Annotated[int, Query(ge=16, le=960, description="[px].")] = 480,
 ) -> Response:
     """Draws the scene as it really is now, as PNG. One at a time: 503 says when to ask again."""
-    png = services.simulation.picture(_point(eye), _point(target), width, height)
+    png = station.simulation.picture(_point(eye), _point(target), width, height)
     return Response(png, media_type="image/png", headers={"Cache-Control": "no-store"})
 
 

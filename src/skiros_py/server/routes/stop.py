@@ -13,7 +13,7 @@ from starlette.requests import ClientDisconnect
 from skiros_py.api.stop import StopInfo, StopRequest
 from skiros_py.api.wire import moment
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.services import ServicesDep
+from skiros_py.server.services import StationDep
 from skiros_py.station.stops import Stopped
 
 __all__ = ["router"]
@@ -39,33 +39,32 @@ _BODY: dict[str, Any] = {
     openapi_extra=_BODY,
     responses={202: {"model": StopInfo, "description": "The control thread does not come round: do not rely on it."}},
 )
-async def stop(request: Request, response: Response, services: ServicesDep, caller: CallerDep) -> StopInfo:
+async def stop(request: Request, response: Response, station: StationDep, caller: CallerDep) -> StopInfo:
     """Halts all robots in the next control cycle, past all queues.
 
     Running jobs are held, and nothing moves until somebody resets the station and answers. Whatever is wrong with the
     body of this request, it is obeyed.
     """
     reason = await _reason(request) or "a stop was asked for"
-    stopped = await services.stops.stop(reason, caller.name)
+    stopped = await station.stops.stop(reason, caller.name)
     if not stopped.obeyed:
         response.status_code = 202
     return _info(stopped)
 
 
 @router.get("/stop", summary="See whether everything is halted", dependencies=[needs(Role.VIEWER, mes=True)])
-async def get_stop(services: ServicesDep) -> StopInfo:
+async def get_stop(station: StationDep) -> StopInfo:
     """Tells whether everything is halted, why, since when and by whom, and whether all stands."""
-    return _info(services.stops.now())
+    return _info(station.stops.now())
 
 
 @router.post("/reset", summary="Let things start again", dependencies=[needs(Role.OPERATOR)])
-def reset(services: ServicesDep, caller: CallerDep) -> StopInfo:
+def reset(station: StationDep, caller: CallerDep) -> StopInfo:
     """Lets things start again after a halt; whoever asks for it has looked why that was, and that nobody is in the way.
 
     Held jobs go on when they are answered. Where nothing is halted, this changes nothing.
     """
-    services.stops.reset(caller.name)
-    return _info(services.stops.now())
+    return _info(station.stops.reset(caller.name))
 
 
 def _info(stopped: Stopped) -> StopInfo:

@@ -9,11 +9,7 @@ from fastapi import APIRouter, Path, Query, Response
 
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.problems import found
-from skiros_py.server.sequences import begin_goal, begin_steps, steps_of
-from skiros_py.server.services import ServicesDep
-from skiros_py.station.tasks.book import KeptTask
-from skiros_py.station.tasks.views import task_info, task_trace
+from skiros_py.server.services import StationDep
 
 __all__ = ["place_of", "router"]
 
@@ -23,62 +19,52 @@ Name = Annotated[str, Path(max_length=200, examples=["task 1"])]
 Command = Literal["pause", "resume", "step", "stop"]
 
 
-def place_of(task: KeptTask) -> str:
-    """Returns where a task is followed."""
+def place_of(task: TaskInfo) -> str:
+    """Returns the address of a task."""
     return f"/api/v1/tasks/{quote(task.name, safe='')}"
 
 
 @router.get("/tasks", summary="List the tasks", dependencies=[needs(Role.VIEWER)])
 def list_tasks(
-    services: ServicesDep,
+    station: StationDep,
     active: Annotated[bool | None, Query(description="Only what is under way, or only what is over.")] = None,
     limit: Annotated[int, Query(ge=1, le=1000, description="So many at most.")] = 100,
 ) -> Tasks:
     """What the robots pursue, for jobs and beside them, the youngest first; of what is over the last 100 are kept."""
-    wanted = [task for task in services.tasks.all() if active is None or active != task.over]
-    return Tasks(items=tuple(task_info(task, in_full=False) for task in wanted[:limit]))
+    return station.tasks.all(active=active, limit=limit)
 
 
 @router.post("/tasks", status_code=202, summary="Begin a task", dependencies=[needs(Role.OPERATOR)])
-def begin_task(request: NewTask, services: ServicesDep, caller: CallerDep, response: Response) -> TaskInfo:
+def begin_task(request: NewTask, station: StationDep, caller: CallerDep, response: Response) -> TaskInfo:
     """Begins at once to pursue a goal, or to run steps as they are; it is not kept over a restart, as jobs are.
 
     For a person who stands at the robot; a factory system orders jobs.
     """
-    if request.goal is not None:
-        task = begin_goal(services, request.goal, request.policy, caller.name)
-    else:
-        steps = steps_of(services.session, request.steps or [])
-        task = begin_steps(services, steps, request.iterate, caller.name, anyway=request.anyway, policy=request.policy)
+    task = station.tasks.begin(request, caller.author)
     response.headers["Location"] = place_of(task)
-    return task_info(task)
+    return task
 
 
 @router.get("/tasks/{name}", summary="Follow a task", dependencies=[needs(Role.VIEWER)])
-def get_task(name: Name, services: ServicesDep) -> TaskInfo:
+def get_task(name: Name, station: StationDep) -> TaskInfo:
     """What it does, its plan with order and starts, the steps that were started, what it asks, what came of it."""
-    with found():
-        return task_info(services.tasks.find(name))
+    return station.tasks.get(name)
 
 
 @router.get("/tasks/{name}/trace", summary="See what happened in a task", dependencies=[needs(Role.VIEWER)])
 def get_task_trace(
     name: Name,
-    services: ServicesDep,
+    station: StationDep,
     limit: Annotated[int, Query(ge=1, le=1000, description="The last so many entries.")] = 1000,
 ) -> TaskTrace:
     """What happened, in sentences and as data, oldest first; of very much the last 1000 entries are kept."""
-    with found():
-        return task_trace(services.tasks.find(name), limit)
+    return station.tasks.trace(name, limit)
 
 
 @router.post("/tasks/{name}/{command}", summary="Command a task", dependencies=[needs(Role.OPERATOR)])
-def command_task(name: Name, command: Command, services: ServicesDep, caller: CallerDep) -> TaskInfo:
+def command_task(name: Name, command: Command, station: StationDep, caller: CallerDep) -> TaskInfo:
     """Pauses a task, resumes it, lets it do one step, or stops it; obeyed in the coming control cycle.
 
     A job's task is commanded through the job.
     """
-    with found():
-        task = services.tasks.find(name)
-    task.command(command, caller.name)
-    return task_info(task)
+    return station.tasks.command(name, command, caller.author)

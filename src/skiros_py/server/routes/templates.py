@@ -8,12 +8,9 @@ from fastapi import APIRouter, Path, Response
 
 from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, VersionDep, etag, require_version, tagged
+from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.job_faults import job_faults
-from skiros_py.server.problems import found
-from skiros_py.server.routes.job_access import TemplatesDep
-from skiros_py.server.services import ServicesDep
-from skiros_py.station.jobs.templates import check_template
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
@@ -25,9 +22,9 @@ TemplateName = Annotated[
 
 
 @router.get("/goal-templates", summary="List goal templates", dependencies=[needs(Role.VIEWER, mes=True)])
-def list_goal_templates(templates: TemplatesDep) -> GoalTemplates:
+def list_goal_templates(station: StationDep) -> GoalTemplates:
     """Lists the goal templates, by name."""
-    return GoalTemplates(templates=templates.all())
+    return station.templates.all()
 
 
 @router.get(
@@ -36,10 +33,9 @@ def list_goal_templates(templates: TemplatesDep) -> GoalTemplates:
     dependencies=[needs(Role.VIEWER, mes=True)],
     responses=tagged(),
 )
-def get_goal_template(name: TemplateName, templates: TemplatesDep, response: Response) -> GoalTemplate:
+def get_goal_template(name: TemplateName, station: StationDep, response: Response) -> GoalTemplate:
     """Shows a goal template."""
-    with found():
-        return _shown(templates.find(name), response)
+    return _shown(station.templates.get(name), response)
 
 
 @router.put(
@@ -53,25 +49,18 @@ def get_goal_template(name: TemplateName, templates: TemplatesDep, response: Res
 def put_goal_template(
     name: TemplateName,
     content: GoalTemplateContent,
-    services: ServicesDep,
-    templates: TemplatesDep,
-    seen: VersionDep,
+    station: StationDep,
+    seen: SeenDep,
     response: Response,
 ) -> GoalTemplate:
     """Writes a goal template; for one that is there already, `If-Match` names the version that was seen.
 
     Jobs that were ordered with it stay as they are.
     """
-    session = services.session
     with job_faults():
-        check_template(content, session.world.ontology, session.catalogue.conditions)
-    known = templates.get(name)
-    if known is not None:
-        require_version(seen, known.version)
-    with job_faults():
-        written = templates.put(name, content, expects=0 if known is None else known.version)
-    response.status_code = 201 if known is None else 200
-    return _shown(written, response)
+        template, new = station.templates.put(name, content, seen)
+    response.status_code = 201 if new else 200
+    return _shown(template, response)
 
 
 @router.delete(
@@ -81,13 +70,10 @@ def put_goal_template(
     dependencies=[needs(Role.OPERATOR)],
     responses=NEEDS_VERSION,
 )
-def remove_goal_template(name: TemplateName, templates: TemplatesDep, seen: VersionDep) -> None:
+def remove_goal_template(name: TemplateName, station: StationDep, seen: SeenDep) -> None:
     """Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay."""
-    with found():
-        known = templates.find(name)
-    require_version(seen, known.version)
     with job_faults():
-        templates.remove(name, expects=known.version)
+        station.templates.remove(name, seen)
 
 
 def _shown(template: GoalTemplate, response: Response) -> GoalTemplate:

@@ -7,10 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Response
 
 from skiros_py.api.view import WorldView
-from skiros_py.devices.base import BaseState
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.services import ServicesDep
-from skiros_py.station.world.view import view_of
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
@@ -32,7 +30,7 @@ _Id = Annotated[str, Query(max_length=300)]
     responses=_ANSWERS,
 )
 def read_view(
-    services: ServicesDep,
+    station: StationDep,
     element: Annotated[
         list[_Id] | None,
         Query(
@@ -49,16 +47,12 @@ def read_view(
     robot's base is told in the frame of that base, and what a gripper holds in that of the tool: where these are is
     told by `/state` and its stream from moment to moment.
     """
-    session = services.session
-    index = session.world.snapshot()
-    # Another start may know other shapes at the same version of the world.
-    tag = f'"{index.version}.{services.events.epoch}"'
+    tag = f'"{station.world.view_tag()}"'
     if _knows(if_none_match, tag):
         return Response(status_code=304, headers={"ETag": tag})
-    bases = {name: base.pose for name, base in session.cycle.board.snapshot.of(BaseState).items()}
-    told = view_of(index, element, bases)
     # Made into text at once: what was checked when it was made is not checked again.
-    return Response(told.model_dump_json(by_alias=True), media_type="application/json", headers={"ETag": tag})
+    text = station.world.view(element).model_dump_json(by_alias=True)
+    return Response(text, media_type="application/json", headers={"ETag": tag})
 
 
 def _knows(given: str | None, tag: str) -> bool:

@@ -22,10 +22,11 @@ from skiros_py.api.webhooks import (
 )
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.problems import Problem, found
+from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep
 from skiros_py.server.webhooks.store import Post, Subscription, new_secret
 from skiros_py.server.webhooks.target import resolve, target_of
+from skiros_py.station.requests import addressed
 
 __all__ = ["router"]
 
@@ -53,7 +54,7 @@ def create_webhook(order: WebhookOrder, services: ServicesDep, response: Respons
     subscription = Subscription(
         f"wh_{secrets.token_hex(6)}", order.url, secret, order.states, order.jobs, order.description, True, time.time()
     )
-    services.webhooks.add(subscription, services.session.jobs.last_announcement)
+    services.webhooks.add(subscription, services.station.session.jobs.last_announcement)
     response.headers["Location"] = f"/api/v1/webhooks/{subscription.id}"
     return WebhookSecret(webhook=_shown(services, subscription), secret=secret)
 
@@ -67,7 +68,7 @@ def list_dead_letters(services: ServicesDep, limit: Limit = 100, cursor: Cursor 
 @router.get("/{webhook}", summary="One webhook")
 def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
     """Tells about one webhook; its key is not shown again."""
-    with found(_UNKNOWN):
+    with addressed(_UNKNOWN):
         return _shown(services, services.webhooks.subscription(webhook))
 
 
@@ -75,7 +76,7 @@ def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
 def change_webhook(webhook: WebhookId, change: WebhookChange, services: ServicesDep) -> Webhook:
     """Changes what a webhook is told, or lets it rest; what happens meanwhile is kept for it."""
     _check_states(change.states or ())
-    with found(_UNKNOWN):
+    with addressed(_UNKNOWN):
         changed = services.webhooks.change(webhook, **change.model_dump(exclude_none=True))
     services.send_webhooks()
     return _shown(services, changed)
@@ -84,14 +85,14 @@ def change_webhook(webhook: WebhookId, change: WebhookChange, services: Services
 @router.delete("/{webhook}", status_code=204, summary="Remove a webhook")
 def delete_webhook(webhook: WebhookId, services: ServicesDep) -> None:
     """Removes a webhook with all that waits for it."""
-    with found(_UNKNOWN):
+    with addressed(_UNKNOWN):
         services.webhooks.remove(webhook)
 
 
 @router.post("/{webhook}/ping", status_code=202, summary="Try a webhook out")
 def ping_webhook(webhook: WebhookId, services: ServicesDep, response: Response) -> None:
     """Sends a message of type ``io.skiros.ping.v1``; the deliveries show whether it arrived."""
-    with found(_UNKNOWN):
+    with addressed(_UNKNOWN):
         services.webhooks.ping(webhook, time.time())
     services.send_webhooks()
     response.headers["Location"] = f"/api/v1/webhooks/{webhook}/deliveries"
@@ -106,7 +107,7 @@ def list_deliveries(
     cursor: Cursor = None,
 ) -> Deliveries:
     """Lists the messages of a webhook, the latest first; of those that arrived the last thousand."""
-    with found(_UNKNOWN):
+    with addressed(_UNKNOWN):
         services.webhooks.subscription(webhook)
     return _page(services, webhook, state, cursor, limit)
 
@@ -114,9 +115,9 @@ def list_deliveries(
 @router.post("/{webhook}/deliveries/{number}/redeliver", status_code=202, summary="Send a dead letter again")
 def redeliver(webhook: WebhookId, number: Number, services: ServicesDep) -> None:
     """Sends a message again that was given up."""
-    with found(_UNKNOWN):
+    with addressed(_UNKNOWN):
         services.webhooks.subscription(webhook)
-    with found("UnknownDeadLetter"):
+    with addressed("UnknownDeadLetter"):
         services.webhooks.redeliver(webhook, number, time.time())
     services.send_webhooks()
 

@@ -1,49 +1,50 @@
-"""Brings up what sends webhooks."""
+"""Opens the sender of webhooks."""
 
 from __future__ import annotations
 
 import socket
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from skiros_py.api.alarms import AlarmKind, Severity
-from skiros_py.server.webhooks.office import WebhookOffice
+from skiros_py.server.webhooks.sender import WebhookSender
 from skiros_py.server.webhooks.store import Post, WebhookStore
-from skiros_py.station.jobs.views import job_view
-from skiros_py.tasks.jobs.announcements import Announcement
+from skiros_py.station.jobs.views import Announcement, job_view
+from skiros_py.station.station import Station
 
-if TYPE_CHECKING:
-    from skiros_py.server.services import Services
-
-__all__ = ["open_office"]
+__all__ = ["open_sender"]
 
 
-def open_office(services: Services, stack: ExitStack) -> tuple[WebhookStore, WebhookOffice]:
+def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tuple[WebhookStore, WebhookSender]:
     """Opens the file of webhooks and begins to send.
 
     Args:
-        services: Whose jobs are told of.
-        stack: Ends it.
+        station: The station whose jobs are announced.
+        hosts: Hosts that webhooks may be sent to.
+        stack: Closes them.
     """
-    source = f"urn:skiros:{socket.gethostname()}:{services.data.name}"
-    store = stack.enter_context(closing(WebhookStore(services.data / "webhooks.db", source)))
+    origin = f"urn:skiros:{socket.gethostname()}:{station.data.name}"
+    store = stack.enter_context(closing(WebhookStore(station.data / "webhooks.db", origin)))
 
     def on_dead(post: Post, why: str) -> None:
         text = f"{post.webhook} was not told of {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
-        services.alarms.raise_(AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job)
+        station.alarm_book.raise_(
+            AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job
+        )
 
-    office = WebhookOffice(
+    sender = WebhookSender(
         store,
-        lambda after, most: services.session.jobs.announcements(after, most),
-        lambda: services.session.jobs.last_announcement,
-        lambda upto: services.session.jobs.forget_announcements(upto),
+        lambda after, most: station.session.jobs.announcements(after, most),
+        lambda: station.session.jobs.last_announcement,
+        lambda upto: station.session.jobs.forget_announcements(upto),
         _data,
-        services.settings.webhook_hosts,
+        hosts,
         on_dead=on_dead,
     )
-    stack.enter_context(closing(office))
-    office.start()
-    return store, office
+    stack.enter_context(closing(sender))
+    sender.start()
+    return store, sender
 
 
 def _data(announcement: Announcement) -> Any:

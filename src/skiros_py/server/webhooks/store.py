@@ -14,9 +14,8 @@ from typing import Any
 from skiros_py.api.webhooks import DeliveryState
 from skiros_py.database import Database, Schema
 from skiros_py.errors import Busy, UnknownName
-from skiros_py.server.webhooks.letter import JOB_STATE, PING, letter
-from skiros_py.station.jobs.views import state_name
-from skiros_py.tasks.jobs.announcements import Announcement
+from skiros_py.server.webhooks.payload import JOB_STATE, PING, payload
+from skiros_py.station.jobs.views import Announcement, state_name
 
 __all__ = ["Post", "Subscription", "WebhookStore", "new_secret", "state_of"]
 
@@ -209,7 +208,7 @@ class WebhookStore:
                 for one in announcements:
                     if one.number > seen and subscription.wants(state_of(one), one.job.id):
                         number += 1
-                        text = letter(
+                        text = payload(
                             event := f"{subscription.id}-{one.number}",
                             JOB_STATE,
                             self._source,
@@ -236,7 +235,7 @@ class WebhookStore:
                 "UPDATE subscriptions SET last = last + 1 WHERE id = ? RETURNING last", (webhook,)
             ).fetchall()
             event = f"{webhook}-ping-{number}"
-            text = letter(event, PING, self._source, subject="", sequence=number, wall=now, data={"ping": webhook})
+            text = payload(event, PING, self._source, subject="", sequence=number, wall=now, data={"ping": webhook})
             _insert(connection, (webhook, number, "", event, now, text))
         return int(number)
 

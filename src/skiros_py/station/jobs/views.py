@@ -21,8 +21,19 @@ from skiros_py.api.wire import moment
 from skiros_py.tasks.jobs import Intent, JobOrder, Transition
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobState as State
+from skiros_py.tasks.jobs.announcements import Announcement
 
-__all__ = ["STATES", "commands_of", "job_view", "state_name", "state_view", "steps_view", "transitions_view"]
+__all__ = [
+    "STATES",
+    "Announcement",
+    "commands_of",
+    "is_open",
+    "job_view",
+    "state_name",
+    "state_view",
+    "steps_view",
+    "transitions_view",
+]
 
 STATES: dict[StateName, State] = {StateName(s.name.title().replace("_", "")): s for s in State}
 """The states of jobs by their names in the standard."""
@@ -32,6 +43,11 @@ _NAMES = {state: name for name, state in STATES.items()}
 def state_name(state: State) -> StateName:
     """Returns the name that a state has in the standard, and with everybody outside."""
     return _NAMES[state]
+
+
+def is_open(job: Job) -> bool:
+    """Tells whether a job is not over."""
+    return State(job.state.number).is_open
 
 
 _COMMANDS: dict[State, tuple[str, ...]] = {

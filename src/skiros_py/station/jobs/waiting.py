@@ -8,7 +8,7 @@ import time
 from skiros_py.station.session import Session
 from skiros_py.tasks.jobs import Job, JobManager, JobState
 
-__all__ = ["JobDesk"]
+__all__ = ["JobWaiter"]
 
 _MOST = 8
 """So many may wait at the same time: each holds a thread that other requests may need."""
@@ -16,7 +16,7 @@ _GLANCE = 0.25
 """Time between two looks whether the server ends [s]."""
 
 
-class JobDesk:
+class JobWaiter:
     """Sets up the queue of each session, and lets those wait who ordered.
 
     Args:

@@ -36,7 +36,7 @@ from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, Round
 from skiros_py.station.session import Session
 
-__all__ = ["managers", "module", "modules", "panel", "run_info", "skills", "skills_of"]
+__all__ = ["manager", "managers", "module", "modules", "panel", "run_info", "skills", "skills_of"]
 
 ModuleKind = Literal["skill", "primitive", "document"]
 
@@ -45,10 +45,11 @@ ModuleKind = Literal["skill", "primitive", "document"]
 
 def managers(session: Session) -> list[ManagerInfo]:
     """Describes all skill managers; in the control thread."""
-    return [_manager(session, manager) for _, manager in sorted(session.managers.items())]
+    return [manager(session, one) for _, one in sorted(session.managers.items())]
 
 
-def _manager(session: Session, manager: SkillManager) -> ManagerInfo:
+def manager(session: Session, manager: SkillManager) -> ManagerInfo:
+    """Describes a skill manager."""
     element = session.world.element(manager.agent) if session.world.has(manager.agent) else None
     offered = set(manager.descriptions)
     return ManagerInfo(

@@ -18,7 +18,7 @@ from skiros_py.world.index import Index
 from skiros_py.world.scene.atomic import write_atomically
 from skiros_py.world.scene.writer import scene_turtle
 
-__all__ = ["SceneFile", "SceneShelf"]
+__all__ = ["SceneFile", "SceneStore"]
 
 _NAME = re.compile(SCENE_NAME)
 _SUFFIX = ".ttl"
@@ -59,7 +59,7 @@ class SceneFile:
             return None
 
 
-class SceneShelf:
+class SceneStore:
     """The scenes of a server; for any thread.
 
     Args:

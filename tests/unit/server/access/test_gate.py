@@ -20,7 +20,7 @@ from starlette.testclient import TestClient
 
 from skiros_py.errors import FileError
 from skiros_py.server.access.audit import AuditLog, note
-from skiros_py.server.access.doorkeeper import Doorkeeper
+from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.roles import CallerDep, Role, needs
@@ -37,7 +37,7 @@ class _Thing(BaseModel):
 class _Guarded:
     settings: ServerSettings
     keys: KeyStore
-    doorkeeper: Doorkeeper
+    authenticator: Authenticator
     audit: AuditLog
 
 

@@ -9,7 +9,7 @@ from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.events import streams as module
 from skiros_py.server.events.choice import EVERYTHING, Choice
-from skiros_py.server.events.places import place_text
+from skiros_py.server.events.positions import position_text
 from skiros_py.server.events.streams import Streams
 from skiros_py.station.events.event import Kind
 from skiros_py.station.events.log import EventLog
@@ -56,28 +56,28 @@ def take(streams, count, choice=EVERYTHING, after=None, then=lambda: None, calle
 def test_a_new_stream_says_at_once_where_it_stands(streams, log):
     write(log, 3)
     (first,) = take(streams, 1)
-    assert read(first) == [{"id": place_text(log, 3), "retry": "1000"}]
+    assert read(first) == [{"id": position_text(log, 3), "retry": "1000"}]
 
 
 def test_a_stream_gets_what_happens_from_then_on(streams, log):
     write(log, 3)
     _, frame = take(streams, 2, then=lambda: write(log, 2))
-    assert [one["id"] for one in read(frame)] == [place_text(log, 4), place_text(log, 5)]
+    assert [one["id"] for one in read(frame)] == [position_text(log, 4), position_text(log, 5)]
 
 
 def test_a_stream_goes_on_after_the_last_event_that_was_seen(streams, log):
     write(log, 5)
-    _, frame = take(streams, 2, after=place_text(log, 2))
+    _, frame = take(streams, 2, after=position_text(log, 2))
     assert [json.loads(one["data"])["number"] for one in read(frame)] == [3, 4, 5]
 
 
 def test_where_events_are_gone_there_is_a_reset_and_then_only_what_is_new(streams, log):
     write(log, 150)
-    first, second = take(streams, 2, after=place_text(log, 3), then=lambda: write(log, 1))
+    first, second = take(streams, 2, after=position_text(log, 3), then=lambda: write(log, 1))
     (reset,) = read(first)
-    assert (reset["event"], reset["id"]) == ("reset", place_text(log, 150))
+    assert (reset["event"], reset["id"]) == ("reset", position_text(log, 150))
     assert json.loads(reset["data"])["code"] == "gone"
-    assert [one["id"] for one in read(second)] == [place_text(log, 151)]
+    assert [one["id"] for one in read(second)] == [position_text(log, 151)]
 
 
 def test_who_reads_too_slowly_gets_a_reset_and_not_a_silent_gap(streams, log):
@@ -85,7 +85,7 @@ def test_who_reads_too_slowly_gets_a_reset_and_not_a_silent_gap(streams, log):
     _, frame = take(streams, 2, then=lambda: write(log, 500))
     (reset,) = read(frame)
     assert json.loads(reset["data"])["why"] == "the events 2 to 401 are not kept any more"
-    assert reset["id"] == place_text(log, 501)
+    assert reset["id"] == position_text(log, 501)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_a_quiet_stream_says_where_it_stands_so_that_it_is_not_thought_to_have_m
     chosen = Choice(kinds=frozenset({Kind.ALARM}))
     _, frame = take(streams, 2, chosen, then=lambda: write(log, 90))
     assert frame.startswith(b": still here\n")
-    assert read(frame) == [{"id": place_text(log, 90)}]
+    assert read(frame) == [{"id": position_text(log, 90)}]
 
 
 def test_a_burst_of_events_wakes_all_streams_once(streams, log):
@@ -155,7 +155,7 @@ def test_streams_that_want_the_same_are_sent_the_same_bytes_made_once(streams, l
 
     first, second, other = asyncio.run(asyncio.wait_for(run(), 20))
     assert first is second
-    assert [one["id"] for one in read(other)] == [place_text(log, 2)]
+    assert [one["id"] for one in read(other)] == [position_text(log, 2)]
 
 
 def test_a_batch_of_long_events_is_bounded_in_bytes_and_loses_none(streams, log, monkeypatch):

@@ -1,4 +1,4 @@
-"""The post office: sends what waits, in order for each job, until it is taken or there is no sense in it any more."""
+"""Sends webhooks: in order for each job, until they are accepted or given up."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ import httpx2
 
 from skiros_py.api.webhooks import DeliveryState
 from skiros_py.errors import SkirosError, UsageError
-from skiros_py.server.webhooks.letter import signed
+from skiros_py.server.webhooks.payload import signed
 from skiros_py.server.webhooks.store import Post, Subscription, WebhookStore
 from skiros_py.server.webhooks.target import resolve, target_of
-from skiros_py.tasks.jobs.announcements import Announcement
+from skiros_py.station.jobs.views import Announcement
 
-__all__ = ["Patience", "WebhookOffice"]
+__all__ = ["Patience", "WebhookSender"]
 
 _log = logging.getLogger(__name__)
 
@@ -53,7 +53,7 @@ class Patience:
         return min(self.longest, self.first * 2.0 ** min(attempts, 30)) * random.uniform(0.8, 1.2)  # noqa: S311
 
 
-class WebhookOffice:
+class WebhookSender:
     """Sends in a thread of its own; a slow target delays nobody but itself. Start it, and close it.
 
     Args:

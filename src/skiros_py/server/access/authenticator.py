@@ -15,7 +15,7 @@ from skiros_py.server.access.roles import LOCAL, Caller, Role
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings, is_loopback
 
-__all__ = ["Doorkeeper", "check_access"]
+__all__ = ["Authenticator", "check_access"]
 
 _GUESSES = 10
 """Wrong keys that one address may show in a minute."""
@@ -41,7 +41,7 @@ def check_access(settings: ServerSettings, keys: KeyStore) -> None:
         )
 
 
-class Doorkeeper:
+class Authenticator:
     """Tells who comes. For the thread of the event loop.
 
     Args:

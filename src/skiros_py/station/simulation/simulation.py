@@ -7,11 +7,11 @@ import threading
 from typing import TYPE_CHECKING
 
 from skiros_py.api.simulation import Bodies as BodiesInfo
-from skiros_py.api.simulation import SimulatedBody, SimulationState
-from skiros_py.errors import Busy, DescriptionError, DeviceError, UnknownName, UsageError, WrongState
+from skiros_py.api.simulation import BodyPose, SimulatedBody, SimulationState
+from skiros_py.errors import Busy, DescriptionError, DeviceError, Refused, UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
-from skiros_py.server.problems import Problem
 from skiros_py.station.control import ControlThread
+from skiros_py.station.requests import addressed
 from skiros_py.station.scenes.loading import require_rest
 from skiros_py.station.session import Session
 from skiros_py.station.simulation.bodies import Bodies
@@ -98,18 +98,19 @@ class Simulation:
         ]
         return BodiesInfo(time=time, items=items)
 
-    def move(self, body: str, pose: Pose) -> None:
+    def move(self, body: str, pose: BodyPose) -> None:
         """Puts a body somewhere else, at rest, and tells no robot.
 
         Raises:
-            UnknownName: There is no such body.
+            NotFound: There is no such body.
             WrongState: It is bolted to a robot, or a region of another body.
         """
 
         def do(session: Session) -> None:
             cell = _cell(session)
-            _require_free(cell, body)
-            cell.move_body(body, pose)
+            with addressed("UnknownBody"):
+                _require_free(cell, body)
+            cell.move_body(body, Pose(pose.position, pose.orientation))
 
         self._control.call(do)
 
@@ -117,13 +118,14 @@ class Simulation:
         """Takes a body away, and tells no robot.
 
         Raises:
-            UnknownName: There is no such body.
+            NotFound: There is no such body.
             WrongState: It is bolted to a robot, or a region of another body.
         """
 
         def do(session: Session) -> None:
             cell = _cell(session)
-            _require_free(cell, body)
+            with addressed("UnknownBody"):
+                _require_free(cell, body)
             cell.remove_body(body)
 
         self._control.call(do)
@@ -152,7 +154,7 @@ class Simulation:
         if self._pace is not None and session.cycle.pace is not None:
             session.cycle.set_pace(self._pace)
 
-    def reset(self, *, force: bool) -> None:
+    def reset(self, *, force: bool = False) -> SimulationState:
         """Opens the session anew: robots where the scene puts them, bodies as they are believed.
 
         Args:
@@ -172,6 +174,7 @@ class Simulation:
                 raise WrongState(f"nothing was reset, for what is believed cannot be brought up: {error}") from None
 
         self._control.reopen(prepare)
+        return self.state()
 
     # ------------------------------------------------------------------ looking
 
@@ -211,17 +214,13 @@ class Simulation:
 
 def _cell(session: Session) -> SimulatedCell:
     if not session.simulates:
-        raise Problem(
-            409, "NoSimulation", "no physics is simulated behind these robots: start without --fake or --driver"
-        )
+        raise Refused("NoSimulation", "no physics is simulated behind these robots: start without --fake or --driver")
     return session.simulation
 
 
 def _require_simulated_time(session: Session) -> None:
     if session.options.driver is not None:
-        raise Problem(
-            409, "NoSimulation", "these robots are real, or somebody else simulates them: their time is their own"
-        )
+        raise Refused("NoSimulation", "these robots are real, or somebody else simulates them: their time is their own")
 
 
 def _require_free(cell: SimulatedCell, body: str) -> None:

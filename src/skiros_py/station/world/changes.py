@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from skiros_py.api.world import Change, ChangePage, Undoable, Written
-from skiros_py.server.problems import Problem
+from skiros_py.errors import Refused
 from skiros_py.world import change as world_change
 from skiros_py.world.change import Edit
 from skiros_py.world.journal import Head, Journal
@@ -46,7 +46,7 @@ def change_page(world: World, beyond: int, limit: int, *, newest_first: bool) ->
     """Tells of some changes.
 
     Raises:
-        Problem: Changes were asked for that are remembered no longer (410).
+        Refused: Changes were asked for that are no longer remembered.
     """
     journal = _journal(world)
     if not newest_first and 0 < beyond < journal.first - 1:
@@ -71,14 +71,14 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
     """Tells of one change.
 
     Raises:
-        Problem: There is none of that number (404), or it is remembered no longer (410).
+        Refused: There is none of that number, or it is no longer remembered.
     """
     journal = _journal(world)
     if 0 < number < journal.first:
         raise _forgotten(journal, f"change {number}")
     heads = journal.page(number - 1, 1) if 0 < number <= journal.version else ()
     if not heads:
-        raise Problem(404, "NotFound", f"there is no change {number}: the latest is {journal.version}")
+        raise Refused("NotFound", f"there is no change {number}: the latest is {journal.version}")
     head = heads[0]
     return _told(head.change, journal.edits(head, start, most), start, head.edits, head.wall)
 
@@ -109,10 +109,10 @@ def _page(journal: Journal, heads: Sequence[Head], limit: int) -> ChangePage:
 
 def _journal(world: World) -> Journal:
     if not isinstance(world.log, Journal):
-        raise Problem(409, "NoJournal", "this world is kept nowhere: serve it with a data directory")
+        raise Refused("NoJournal", "this world is kept nowhere: serve it with a data directory")
     return world.log
 
 
-def _forgotten(journal: Journal, what: str) -> Problem:
+def _forgotten(journal: Journal, what: str) -> Refused:
     text = f"{what} cannot be told: changes are remembered from number {journal.first} on"
-    return Problem(410, "Forgotten", text, remembered_from=journal.first)
+    return Refused("Forgotten", text, remembered_from=journal.first)

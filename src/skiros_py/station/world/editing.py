@@ -9,9 +9,8 @@ from functools import singledispatch
 
 from skiros_py.api import world as api
 from skiros_py.api.elements import Addition, ElementPatch, NewRelation
-from skiros_py.errors import Locked, UsageError
-from skiros_py.server.access.roles import Caller
-from skiros_py.server.problems import Problem
+from skiros_py.errors import UsageError
+from skiros_py.station.requests import Author
 from skiros_py.station.world.values import set_value
 from skiros_py.world.change import Writer
 from skiros_py.world.drafts import add_draft, draft_of, instantiate
@@ -21,49 +20,27 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import LABEL, STRUCTURE
 from skiros_py.world.world import World
 
-__all__ = ["add", "change", "operate", "told_lock", "writing", "writing_locks"]
+__all__ = ["add", "change", "operate", "told_lock", "writing"]
 
 
 @contextmanager
 def writing(
-    world: World, caller: Caller, reason: str, expects: Mapping[str, int] | None = None
+    world: World, author: Author, reason: str, expects: Mapping[str, int] | None = None
 ) -> Iterator[Transaction]:
     """Opens a transaction of a person.
 
     Args:
         world: The world.
-        caller: Who writes.
+        author: Who writes.
         reason: Why.
         expects: The versions that they have seen.
 
     Raises:
-        Problem: Somebody else has locked what it is about (423); the problem lists who, and until when.
+        Locked: Somebody else has locked what it is about.
     """
-    transaction = world.transaction(caller.name, reason, writer=Writer.PERSON, expects=expects, holder=caller.holder)
-    with writing_locks(world), transaction as tx:
+    transaction = world.transaction(author.name, reason, writer=Writer.PERSON, expects=expects, holder=author.holder)
+    with transaction as tx:
         yield tx
-
-
-@contextmanager
-def writing_locks(world: World) -> Iterator[None]:
-    """Answers who has locked what is in the way, and until when.
-
-    Raises:
-        Problem: Somebody has (423).
-    """
-    try:
-        yield
-    except Locked as error:
-        raise _locked(world, error) from None
-
-
-def _locked(world: World, error: Locked) -> Problem:
-    """The fault names elements and owners in its text only; the locks of these are looked up."""
-    text = str(error)
-    locks = [lock for lock in world.locks.held() if f"{lock.element} is locked by {lock.shown} " in text]
-    plain = [told_lock(world, lock) for lock in locks]
-    told = [{"element": name, "owner": owner, "until": until.isoformat()} for name, owner, until, _ in plain]
-    return Problem(423, "Locked", text, locks=told)
 
 
 def told_lock(world: World, lock: Lock) -> tuple[str, str, datetime, float]:

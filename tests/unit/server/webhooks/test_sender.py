@@ -13,7 +13,7 @@ from standardwebhooks import Webhook as Checker
 from standardwebhooks import WebhookVerificationError
 
 from skiros_py.api.webhooks import DeliveryState
-from skiros_py.server.webhooks.office import Patience, WebhookOffice
+from skiros_py.server.webhooks.sender import Patience, WebhookSender
 from skiros_py.server.webhooks.store import Subscription, WebhookStore, new_secret
 from skiros_py.tasks.jobs import Job, JobOrder, JobState
 from skiros_py.tasks.jobs.announcements import Announcement
@@ -92,7 +92,7 @@ class _Jobs:
 def _office(tmp_path, jobs, *, patience=_QUICK, allowed=("127.0.0.1",), dead=None) -> Iterator[tuple]:
     store = WebhookStore(tmp_path / "webhooks.db", "urn:test")
     told = [] if dead is None else dead
-    office = WebhookOffice(
+    office = WebhookSender(
         store,
         jobs.after,
         lambda: len(jobs.all),

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skiros_py.server.events.places import Reset, find_place, missed, place_text
+from skiros_py.server.events.positions import Reset, find_position, missed, position_text
 from skiros_py.station.events.event import Kind
 from skiros_py.station.events.log import EventLog
 
@@ -19,7 +19,7 @@ def log():
 
 @pytest.mark.parametrize("number", [20, 25, 30])
 def test_a_place_whose_next_event_is_kept_is_found(log, number):
-    assert find_place(log, place_text(log, number)) == number
+    assert find_position(log, position_text(log, number)) == number
 
 
 @pytest.mark.parametrize(
@@ -37,15 +37,15 @@ def test_a_place_whose_next_event_is_kept_is_found(log, number):
     ],
 )
 def test_any_other_is_a_reset_that_says_why_and_where_it_goes_on(log, given, code):
-    gap = find_place(log, given.format(epoch=log.epoch))
+    gap = find_position(log, given.format(epoch=log.epoch))
     assert isinstance(gap, Reset)
-    assert (gap.code, gap.place) == (code, place_text(log, 30))
+    assert (gap.code, gap.place) == (code, position_text(log, 30))
     assert len(gap.why) < 200
 
 
 @given(text=st.text())
 def test_no_text_at_all_breaks_it(text):
-    assert isinstance(find_place(EventLog(1), text), Reset)
+    assert isinstance(find_position(EventLog(1), text), Reset)
 
 
 def test_a_reset_says_what_to_read_anew(log):

@@ -10,7 +10,7 @@ from starlette.datastructures import Headers
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings
 
-__all__ = ["SAFE", "Places"]
+__all__ = ["SAFE", "OriginPolicy"]
 
 SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 """Methods that change nothing."""
@@ -21,7 +21,7 @@ _TAKEN = "Authorization, X-API-Key, Content-Type, If-Match, Idempotency-Key, Pre
 _TOLD = "ETag, Location, Retry-After, X-Request-Id"
 
 
-class Places:
+class OriginPolicy:
     """Checks what browsers say about the page that makes a request; other programs say nothing, or what they like.
 
     Args:

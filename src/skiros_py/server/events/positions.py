@@ -9,7 +9,7 @@ from typing import Any
 from skiros_py.station.events.event import as_text
 from skiros_py.station.events.log import EventLog
 
-__all__ = ["Reset", "find_place", "missed", "place_text"]
+__all__ = ["Reset", "find_position", "missed", "position_text"]
 
 _PLACE = re.compile(r"([0-9a-f]{8})-(\d{1,18})", re.ASCII)
 
@@ -41,12 +41,12 @@ class Reset:
         return as_text(self.as_json())
 
 
-def place_text(log: EventLog, number: int) -> str:
+def position_text(log: EventLog, number: int) -> str:
     """Returns the id of an event: what a client says to go on from there."""
     return f"{log.epoch}-{number}"
 
 
-def find_place(log: EventLog, given: str) -> int | Reset:
+def find_position(log: EventLog, given: str) -> int | Reset:
     """Finds out where a client stands that says which event was its last.
 
     Args:
@@ -76,4 +76,4 @@ def missed(log: EventLog, number: int) -> Reset | None:
 
 
 def _reset(log: EventLog, code: str, why: str) -> Reset:
-    return Reset(code, why, place_text(log, log.last))
+    return Reset(code, why, position_text(log, log.last))

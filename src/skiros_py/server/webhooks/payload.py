@@ -10,14 +10,14 @@ from cloudevents.core.formats.json import JSONFormat
 from cloudevents.core.v1.event import CloudEvent
 from standardwebhooks import Webhook as Signer
 
-__all__ = ["JOB_STATE", "MEDIA_TYPE", "PING", "letter", "signed"]
+__all__ = ["JOB_STATE", "MEDIA_TYPE", "PING", "payload", "signed"]
 
 JOB_STATE = "io.skiros.job.state.v1"
 PING = "io.skiros.ping.v1"
 MEDIA_TYPE = "application/cloudevents+json"
 
 
-def letter(event: str, type_: str, source: str, *, subject: str, sequence: int, wall: float, data: Any) -> str:
+def payload(event: str, type_: str, source: str, *, subject: str, sequence: int, wall: float, data: Any) -> str:
     """Writes a message.
 
     Args:

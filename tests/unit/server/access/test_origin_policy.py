@@ -5,22 +5,22 @@ from __future__ import annotations
 import pytest
 from starlette.datastructures import Headers
 
-from skiros_py.server.access.places import Places
+from skiros_py.server.access.origin_policy import OriginPolicy
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings
 
 _OURS = "http://127.0.0.1:8000"
 
 
-def _places(**settings) -> Places:
-    return Places(ServerSettings(**settings))
+def _origins(**settings) -> OriginPolicy:
+    return OriginPolicy(ServerSettings(**settings))
 
 
 @pytest.mark.parametrize(
     "host", ["127.0.0.1", "127.0.0.1:8000", "localhost:1", "LocalHost", "[::1]:8000", "robot.example:1"]
 )
 def test_names_of_ours_are_taken_whatever_the_port(host: str) -> None:
-    _places(allowed_hosts=("Robot.example",)).check_host(Headers({"host": host}))
+    _origins(allowed_hosts=("Robot.example",)).check_host(Headers({"host": host}))
 
 
 @pytest.mark.parametrize(
@@ -37,11 +37,11 @@ def test_names_of_ours_are_taken_whatever_the_port(host: str) -> None:
 )
 def test_other_names_are_refused(host: str) -> None:
     with pytest.raises(Problem, match="not called"):
-        _places().check_host(Headers({"host": host}))
+        _origins().check_host(Headers({"host": host}))
 
 
 def test_a_server_at_all_addresses_is_called_by_any_address_and_by_no_name() -> None:
-    places = _places(host="0.0.0.0")
+    places = _origins(host="0.0.0.0")
     places.check_host(Headers({"host": "192.168.1.5:8000"}))
 
     with pytest.raises(Problem):
@@ -63,19 +63,19 @@ def test_pages_of_others_change_nothing_but_may_ask(said: dict[str, str]) -> Non
     headers = Headers({"host": "127.0.0.1:8000", **said})
 
     with pytest.raises(Problem) as caught:
-        _places().check_origin("POST", "http", headers)
+        _origins().check_origin("POST", "http", headers)
 
     assert caught.value.status == 403
-    _places().check_origin("GET", "http", headers)
+    _origins().check_origin("GET", "http", headers)
 
 
 @pytest.mark.parametrize("said", [{}, {"origin": _OURS}, {"origin": _OURS, "sec-fetch-site": "same-origin"}])
 def test_our_own_pages_and_programs_may_change_things(said: dict[str, str]) -> None:
-    _places().check_origin("DELETE", "http", Headers({"host": "127.0.0.1:8000", **said}))
+    _origins().check_origin("DELETE", "http", Headers({"host": "127.0.0.1:8000", **said}))
 
 
 def test_pages_that_are_allowed_are_told_so_and_others_nothing() -> None:
-    places = _places(allowed_origins=("https://mes.example/",))
+    places = _origins(allowed_origins=("https://mes.example/",))
     theirs = Headers({"host": "127.0.0.1", "origin": "https://mes.example", "sec-fetch-site": "cross-site"})
     places.check_origin("POST", "http", theirs)
 

@@ -10,7 +10,7 @@ import pytest
 from starlette.datastructures import Headers
 
 from skiros_py.errors import UsageError
-from skiros_py.server.access.doorkeeper import Doorkeeper, check_access
+from skiros_py.server.access.authenticator import Authenticator, check_access
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.logins import COOKIE
 from skiros_py.server.access.roles import Caller, Role
@@ -24,31 +24,31 @@ def keys(tmp_path: Path) -> Iterator[KeyStore]:
         yield opened
 
 
-def _caller(doorkeeper: Doorkeeper, address: str = "127.0.0.1", **headers: str) -> Caller:
-    return doorkeeper.caller(Headers({name.replace("_", "-"): text for name, text in headers.items()}), address)
+def _caller(authenticator: Authenticator, address: str = "127.0.0.1", **headers: str) -> Caller:
+    return authenticator.caller(Headers({name.replace("_", "-"): text for name, text in headers.items()}), address)
 
 
-def _refused(doorkeeper: Doorkeeper, address: str = "127.0.0.1", **headers: str) -> Problem:
+def _refused(authenticator: Authenticator, address: str = "127.0.0.1", **headers: str) -> Problem:
     with pytest.raises(Problem) as caught:
-        _caller(doorkeeper, address, **headers)
+        _caller(authenticator, address, **headers)
     return caught.value
 
 
 def test_without_keys_this_machine_comes_in_as_it_calls_itself(keys: KeyStore) -> None:
-    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    authenticator = Authenticator(ServerSettings(), keys)
 
-    assert _caller(doorkeeper) == Caller("local", Role.ADMIN)
-    assert _caller(doorkeeper, x_skiros_user="anna\x07" + "a" * 500).name == "anna" + "a" * 96
-    assert _caller(doorkeeper, x_skiros_user="Jürgen".encode().decode("latin-1")).name == "Jürgen"
+    assert _caller(authenticator) == Caller("local", Role.ADMIN)
+    assert _caller(authenticator, x_skiros_user="anna\x07" + "a" * 500).name == "anna" + "a" * 96
+    assert _caller(authenticator, x_skiros_user="Jürgen".encode().decode("latin-1")).name == "Jürgen"
 
 
 def test_with_the_first_key_everybody_needs_one(keys: KeyStore) -> None:
-    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    authenticator = Authenticator(ServerSettings(), keys)
     key, text = keys.create("anna", Role.VIEWER)
 
-    assert _refused(doorkeeper).status == 401
-    assert _caller(doorkeeper, authorization=f"Bearer {text}") == Caller("anna", Role.VIEWER, key.id)
-    assert _caller(doorkeeper, x_api_key=text, x_skiros_user="bert") == Caller("anna", Role.VIEWER, key.id)
+    assert _refused(authenticator).status == 401
+    assert _caller(authenticator, authorization=f"Bearer {text}") == Caller("anna", Role.VIEWER, key.id)
+    assert _caller(authenticator, x_api_key=text, x_skiros_user="bert") == Caller("anna", Role.VIEWER, key.id)
 
 
 @pytest.mark.parametrize(
@@ -63,75 +63,75 @@ def test_with_the_first_key_everybody_needs_one(keys: KeyStore) -> None:
     ],
 )
 def test_a_wrong_key_is_refused_even_where_none_is_needed(keys: KeyStore, shown: dict[str, str]) -> None:
-    problem = _refused(Doorkeeper(ServerSettings(), keys), **shown)
+    problem = _refused(Authenticator(ServerSettings(), keys), **shown)
 
     assert problem.status == 401
     assert problem.headers["WWW-Authenticate"].startswith("Bearer")
 
 
 def test_who_guesses_has_to_wait_and_who_has_a_key_has_not(keys: KeyStore) -> None:
-    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    authenticator = Authenticator(ServerSettings(), keys)
     _, text = keys.create("anna", Role.VIEWER)
 
-    answers = [_refused(doorkeeper, "192.0.2.1", x_api_key="wrong").status for _ in range(12)]
+    answers = [_refused(authenticator, "192.0.2.1", x_api_key="wrong").status for _ in range(12)]
 
     assert answers == [401] * 10 + [429] * 2
-    assert _refused(doorkeeper, "192.0.2.2", x_api_key="wrong").status == 401
-    assert _caller(doorkeeper, "192.0.2.1", x_api_key=text).name == "anna"
+    assert _refused(authenticator, "192.0.2.2", x_api_key="wrong").status == 401
+    assert _caller(authenticator, "192.0.2.1", x_api_key=text).name == "anna"
 
 
 def test_a_network_of_addresses_guesses_as_one(keys: KeyStore) -> None:
-    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    authenticator = Authenticator(ServerSettings(), keys)
 
-    answers = [_refused(doorkeeper, f"2001:db8::{number:x}", x_api_key="wrong").status for number in range(11)]
+    answers = [_refused(authenticator, f"2001:db8::{number:x}", x_api_key="wrong").status for number in range(11)]
 
     assert answers[-1] == 429
 
 
 def test_a_login_stands_for_its_key_until_either_ends(keys: KeyStore) -> None:
-    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    authenticator = Authenticator(ServerSettings(), keys)
     key, text = keys.create("anna", Role.VIEWER)
-    (_, one), (_, other) = doorkeeper.login(text, ""), doorkeeper.login(text, "")
+    (_, one), (_, other) = authenticator.login(text, ""), authenticator.login(text, "")
 
-    assert _caller(doorkeeper, cookie=f"a=b; {COOKIE}={one}").key == key.id
-    doorkeeper.logout(Headers({"cookie": f"{COOKIE}={one}"}))
-    assert _refused(doorkeeper, cookie=f"{COOKIE}={one}").status == 401
-    assert _caller(doorkeeper, cookie=f"{COOKIE}={other}").key == key.id
+    assert _caller(authenticator, cookie=f"a=b; {COOKIE}={one}").key == key.id
+    authenticator.logout(Headers({"cookie": f"{COOKIE}={one}"}))
+    assert _refused(authenticator, cookie=f"{COOKIE}={one}").status == 401
+    assert _caller(authenticator, cookie=f"{COOKIE}={other}").key == key.id
     keys.create("bert", Role.VIEWER)
     keys.revoke(key.id)
-    assert _refused(doorkeeper, cookie=f"{COOKIE}={other}").status == 401
+    assert _refused(authenticator, cookie=f"{COOKIE}={other}").status == 401
 
 
 def test_who_came_in_may_stay_until_their_key_is_revoked(keys: KeyStore) -> None:
-    doorkeeper = Doorkeeper(ServerSettings(), keys)
-    stranger = _caller(doorkeeper)
-    assert doorkeeper.still(stranger)
+    authenticator = Authenticator(ServerSettings(), keys)
+    stranger = _caller(authenticator)
+    assert authenticator.still(stranger)
 
     key, text = keys.create("anna", Role.VIEWER)
-    anna = _caller(doorkeeper, x_api_key=text)
+    anna = _caller(authenticator, x_api_key=text)
 
-    assert not doorkeeper.still(stranger)
-    assert doorkeeper.still(anna)
-    assert doorkeeper.still(_caller(doorkeeper, x_api_key=keys.local_token))
+    assert not authenticator.still(stranger)
+    assert authenticator.still(anna)
+    assert authenticator.still(_caller(authenticator, x_api_key=keys.local_token))
     keys.revoke(key.id)
-    assert not doorkeeper.still(anna)
+    assert not authenticator.still(anna)
 
 
 def test_who_locks_themselves_out_comes_in_again_with_the_token_of_this_machine(keys: KeyStore) -> None:
-    doorkeeper = Doorkeeper(ServerSettings(), keys)
+    authenticator = Authenticator(ServerSettings(), keys)
     key, text = keys.create("anna", Role.ADMIN)
 
     keys.revoke(key.id)
 
-    assert _refused(doorkeeper).status == 401
-    assert _refused(doorkeeper, x_api_key=text).status == 401
-    assert _caller(doorkeeper, x_api_key=keys.local_token).role == Role.ADMIN
+    assert _refused(authenticator).status == 401
+    assert _refused(authenticator, x_api_key=text).status == 401
+    assert _caller(authenticator, x_api_key=keys.local_token).role == Role.ADMIN
 
 
 def test_programs_that_may_read_the_data_directory_are_administrators(keys: KeyStore) -> None:
     keys.create("anna", Role.VIEWER)
 
-    caller = _caller(Doorkeeper(ServerSettings(), keys), x_api_key=keys.local_token, x_skiros_user="bert")
+    caller = _caller(Authenticator(ServerSettings(), keys), x_api_key=keys.local_token, x_skiros_user="bert")
 
     assert (caller.name, caller.role) == ("bert", Role.ADMIN)
 
@@ -145,7 +145,7 @@ def test_no_server_that_others_reach_starts_without_a_key(keys: KeyStore, host: 
     keys.create("anna", Role.ADMIN)
 
     check_access(settings, keys)
-    assert _refused(Doorkeeper(settings, keys)).status == 401
+    assert _refused(Authenticator(settings, keys)).status == 401
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "::1"])

@@ -1,0 +1,139 @@
+"""Use cases: goals and goal templates. They are read and checked here; a job or a task pursues them."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING
+
+from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalOrder, GoalTexts, SceneGoals
+from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
+from skiros_py.errors import StaleVersion, UsageError
+from skiros_py.skills.conditions.reads import ReadingView
+from skiros_py.station.jobs.goal_checks import checked_goal, condition_words
+from skiros_py.station.jobs.orders import texts_of
+from skiros_py.station.jobs.templates import TemplateStore, check_template
+from skiros_py.station.jobs.texts import goal_texts
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, addressed, require_seen
+from skiros_py.world.change import Writer
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
+__all__ = ["GoalService", "TemplateService", "goals_version"]
+
+
+class GoalService:
+    """Checks goals, and keeps those that go with the scene.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def check(self, order: GoalOrder) -> CheckedGoal:
+        """Says how a goal is understood, and whether each condition holds now, and why not."""
+        session = self._station.session
+        version, state = session.world.state()
+        view = ReadingView(state, session.world.sensors)  # one state of the world, with what devices say now
+        return checked_goal(texts_of(order, self._station.template_store), view, version, session.catalogue.conditions)
+
+    def get(self) -> SceneGoals:
+        """Returns the goals that go with the scene."""
+        session = self._station.session
+        goals = session.world.goals
+        try:
+            session.parse(goals)
+        except UsageError as error:
+            return SceneGoals(goals=goals, fault=str(error))
+        return SceneGoals(goals=goals)
+
+    def put(self, body: GoalTexts, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY) -> SceneGoals:
+        """Replaces the goals that go with the scene.
+
+        Raises:
+            UsageError: One cannot be understood.
+            StaleVersion: They were changed since they were seen.
+        """
+        world = self._station.session.world
+        before = world.goals
+        require_seen(seen, goals_version(before))
+        texts = goal_texts(body.goals)
+        self._station.session.parse(texts)
+        with world.transaction(author.name, "the goals of the scene", writer=Writer.PERSON, holder=author.holder) as tx:
+            if world.goals != before:
+                raise StaleVersion("the goals of the scene were changed meanwhile: look again")
+            tx.set_goals(texts)
+        return self.get()
+
+    def words(self, *, every: bool = False) -> ConditionWords:
+        """Lists the words of goals, with the classes of their arguments.
+
+        Args:
+            every: True for those, too, that no present robot can fulfil.
+        """
+        session = self._station.session
+        capabilities = self._station.control.call(lambda now: now.tasks.capabilities)
+        words = condition_words(session.catalogue.conditions, capabilities, session.world.ontology)
+        return ConditionWords(conditions=tuple(word for word in words if every or word.skills))
+
+
+def goals_version(goals: tuple[str, ...]) -> int:
+    """Returns a number that stands for the texts: the version of the world changes with every other thing."""
+    return int.from_bytes(hashlib.sha256(repr(goals).encode()).digest()[:6])
+
+
+class TemplateService:
+    """Goal templates, which ISA-95 calls work masters.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    @property
+    def _store(self) -> TemplateStore:
+        return self._station.template_store
+
+    def all(self) -> GoalTemplates:
+        """Lists the goal templates, by name."""
+        return GoalTemplates(templates=self._store.all())
+
+    def get(self, name: str) -> GoalTemplate:
+        """Returns a goal template.
+
+        Raises:
+            NotFound: There is none of that name.
+        """
+        with addressed():
+            return self._store.find(name)
+
+    def put(
+        self, name: str, content: GoalTemplateContent, seen: Seen | None = ANY_VERSION
+    ) -> tuple[GoalTemplate, bool]:
+        """Writes a goal template; returns it, and True where it is new.
+
+        Raises:
+            UsageError: It can make no goals.
+            StaleVersion: It was changed since it was seen.
+        """
+        session = self._station.session
+        check_template(content, session.world.ontology, session.catalogue.conditions)
+        known = self._store.get(name)
+        if known is not None:
+            require_seen(seen, known.version)
+        return self._store.put(name, content, expects=0 if known is None else known.version), known is None
+
+    def remove(self, name: str, seen: Seen | None = ANY_VERSION) -> None:
+        """Removes a goal template; jobs that were ordered with it stay.
+
+        Raises:
+            NotFound: There is none of that name.
+            StaleVersion: It was changed since it was seen.
+        """
+        known = self.get(name)
+        require_seen(seen, known.version)
+        self._store.remove(name, expects=known.version)

@@ -1,0 +1,384 @@
+"""Use cases: jobs. They are ordered, followed and commanded; the queue runs them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from datetime import datetime
+from typing import TYPE_CHECKING, Literal
+
+from skiros_py.api.jobs import (
+    Job,
+    JobAnswer,
+    JobCapabilities,
+    JobExplanation,
+    JobOrder,
+    JobPage,
+    JobPlan,
+    JobReport,
+    JobResponse,
+    JobResponses,
+    JobTrace,
+    JobTransitions,
+    StateName,
+    WorkMaster,
+)
+from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
+from skiros_py.station.jobs.accounts import explanation_of, plan_of, planned_steps, report_of, response_of
+from skiros_py.station.jobs.orders import digest_of, is_same, job_order, new_id, texts_of
+from skiros_py.station.jobs.views import STATES, job_view, transitions_view
+from skiros_py.station.requests import LIBRARY, Author
+from skiros_py.tasks.jobs import Job as Known
+from skiros_py.tasks.jobs import JobManager, Page, Receipt, Trigger
+from skiros_py.tasks.jobs import JobState as State
+from skiros_py.world.vocabulary import MANIPULATABLE
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
+__all__ = ["Command", "JobService", "OrderResult"]
+
+Command = Literal["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear", "remove"]
+
+_UNABLE = 1 << 4
+"""Bit of the return status of the standard: unable to accept (OPC 10031-4 v2.00, annex B.2)."""
+
+
+class OrderResult:
+    """What an order led to.
+
+    Attributes:
+        job: The job.
+        repeated: True where the same request, or the same order, came before.
+    """
+
+    def __init__(self, job: Job, *, repeated: bool) -> None:
+        self.job = job
+        self.repeated = repeated
+
+
+class JobService:
+    """Orders, follows and commands jobs.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    @property
+    def _jobs(self) -> JobManager:
+        return self._station.session.jobs
+
+    # ------------------------------------------------------------------ ordering
+
+    def order(
+        self,
+        order: JobOrder,
+        *,
+        start: bool = True,
+        again: bool = False,
+        key: str | None = None,
+        author: Author = LIBRARY,
+        holder: str = "",
+    ) -> OrderResult:
+        """Takes a job order; it is on the disk when this returns, and nobody waits for the plan.
+
+        Args:
+            order: The order; without an id one is made.
+            start: False to keep it until somebody gives leave to start.
+            again: True where it is meant although a job of that id was removed.
+            key: Marks the request: the same one again leads to no second job.
+            author: Who orders.
+            holder: Whose keys these are; the author where left out.
+
+        Raises:
+            UsageError: The goal cannot be understood, or the key is that of another request.
+            Refused: There is or was another job of that id.
+        """
+        jobs = self._jobs
+        receipt = None if key is None else Receipt(holder or author.name, key, digest_of(order, start=start))
+        known = self._ordered_before(order, receipt, again=again)
+        if known is not None:
+            return OrderResult(_view(self._with_leave(known, start, author)), repeated=True)
+        wanted = job_order(order, order.id or new_id(), texts_of(order, self._station.template_store))
+        comment = _said(author, "")
+        return OrderResult(
+            _view(jobs.submit(wanted, start=start, comment=comment, receipt=receipt, again=again)), repeated=False
+        )
+
+    def put(
+        self,
+        id_: str,
+        order: JobOrder,
+        *,
+        start: bool = True,
+        again: bool = False,
+        replaces: bool = False,
+        expects: int | None = None,
+        author: Author = LIBRARY,
+    ) -> OrderResult:
+        """Takes a job order under an id of one's own, or changes the order of a job that has not begun.
+
+        Args:
+            id_: The id.
+            order: The order.
+            start: False to keep it until somebody gives leave to start.
+            again: True where it is meant although a job of that id was removed.
+            replaces: True to replace another order that the author has seen.
+            expects: The version that they have seen; None for any.
+            author: Who orders.
+
+        Raises:
+            UsageError: The goal cannot be understood.
+            Refused: There is or was another job of that id.
+            StaleVersion: It was changed since it was seen, or is gone.
+        """
+        if order.id not in (None, id_):
+            raise UsageError(f"the order has the id '{order.id}', and the address '{id_}'")
+        jobs = self._jobs
+        known = jobs.jobs.get(id_)
+        if known is None and replaces:
+            raise StaleVersion(f"there is no job '{id_}' (any more): leave out If-Match to order it")
+        if known is None:
+            _check_removed(None if again else jobs.removed(id_), order)
+            wanted = job_order(order, id_, texts_of(order, self._station.template_store))
+            submitted = jobs.submit(wanted, start=start, comment=_said(author, ""), again=again)
+            return OrderResult(_view(submitted), repeated=False)
+        if is_same(order, known.order):
+            known = self._with_leave(known, start, author)
+        elif not replaces:  # who orders something else under the id of a job must have seen that
+            raise _taken_already(known)
+        else:
+            changed = job_order(order, id_, texts_of(order, self._station.template_store))
+            known = jobs.update(changed, _said(author, ""), expects=expects)
+        return OrderResult(_view(known), repeated=True)
+
+    def wait(self, id_: str, seconds: float) -> Job:
+        """Waits until a job is over or stands; where too many wait already, not at all.
+
+        Args:
+            id_: Its id.
+            seconds: How long at most [s].
+        """
+        jobs = self._jobs
+        return _view(self._station.waiter.wait(jobs, jobs.job(id_), seconds))
+
+    def _ordered_before(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Known | None:
+        """Returns the job that the same request, or the same order, has led to before."""
+        jobs = self._jobs
+        before = None if receipt is None else jobs.known(receipt)
+        if before is not None or order.id is None:
+            return before
+        known = jobs.jobs.get(order.id)
+        if known is None:
+            _check_removed(None if again else jobs.removed(order.id), order)
+        if known is not None and not is_same(order, known.order):
+            raise _taken_already(known)
+        if known is not None and receipt is not None:  # so that the key counts for this order from now on
+            return jobs.submit(known.order, receipt=receipt)
+        return known
+
+    def _with_leave(self, known: Known, start: bool, author: Author) -> Known:
+        """Gives leave to start to a job that was ordered without, where the same order comes with it.
+
+        Leave that somebody has taken back is given by that command only: this order may have been sent before.
+        """
+        jobs = self._jobs
+        if not start or known.state is not State.NOT_ALLOWED_TO_START or known.id not in jobs.open:
+            return known
+        if any(one.trigger == Trigger.REVOKE_START.value for one in jobs.transitions(known.id)):
+            return known
+        try:
+            return jobs.start(known.id, _said(author, ""), expects=known.version)
+        except (StaleVersion, WrongState):  # somebody was quicker
+            return jobs.job(known.id)
+
+    # ------------------------------------------------------------------ commands
+
+    def command(
+        self, id_: str, command: Command, *, comment: str = "", expects: int | None = None, author: Author = LIBRARY
+    ) -> Job:
+        """Commands a job; where the command has had its effect already, nothing happens.
+
+        Args:
+            id_: Its id.
+            command: What to do: "remove" cancels a job that has not begun, and clears one that is over.
+            comment: Why.
+            expects: The version that the author has seen; None for any.
+            author: Who commands.
+
+        Raises:
+            UnknownName: There is no such job.
+            WrongState: It does not take that command in its present state.
+            StaleVersion: It was changed since it was seen.
+        """
+        jobs = self._jobs
+        if command == "remove":
+            command = "cancel" if jobs.job(id_).state.is_open else "clear"
+        if command in ("cancel", "clear"):
+            return _view(getattr(jobs, command)(id_, expects=expects))
+        return _view(getattr(jobs, command)(id_, _said(author, comment), expects=expects))
+
+    def answer(self, id_: str, answer: JobAnswer, *, expects: int | None = None, author: Author = LIBRARY) -> Job:
+        """Answers the question that a job waits for.
+
+        Raises:
+            UnknownName: There is no such job.
+            WrongState: It does not wait for that answer (any more).
+        """
+        jobs = self._jobs
+        now = jobs.job(id_)
+        if answer.question is None or expects is not None:
+            return _view(jobs.answer(id_, answer.answer, by=author.name, expects=expects))
+        if now.question != answer.question:
+            raise WrongState(f"job '{id_}' does not wait for the answer to question {answer.question} (any more)")
+        try:
+            return _view(jobs.answer(id_, answer.answer, by=author.name, expects=now.version))
+        except StaleVersion:
+            raise WrongState(f"job '{id_}' has gone on meanwhile: look what it asks now") from None
+
+    # ------------------------------------------------------------------ looking
+
+    def all(
+        self,
+        states: Sequence[StateName] | None = None,
+        since: datetime | None = None,
+        limit: int = 100,
+        after: int | None = None,
+        *,
+        newest_first: bool = False,
+    ) -> JobPage:
+        """Lists the jobs that were not removed, in the order in which they were ordered."""
+        page, now = self._page(states, since, limit, after, newest_first=newest_first), time.time()
+        return JobPage(items=tuple(job_view(job, now) for job in page.jobs), next=_next(page))
+
+    def responses(
+        self,
+        states: Sequence[StateName] | None = None,
+        since: datetime | None = None,
+        limit: int = 100,
+        after: int | None = None,
+        *,
+        newest_first: bool = False,
+    ) -> JobResponses:
+        """Lists the ISA-95 job responses of the jobs that were not removed."""
+        page, now = self._page(states, since, limit, after, newest_first=newest_first), time.time()
+        return JobResponses(items=tuple(response_of(self._jobs, job, now) for job in page.jobs), next=_next(page))
+
+    def _page(
+        self,
+        states: Sequence[StateName] | None,
+        since: datetime | None,
+        limit: int,
+        after: int | None,
+        *,
+        newest_first: bool,
+    ) -> Page:
+        return self._jobs.page(
+            states=[STATES[name] for name in states] if states else None,
+            since=None if since is None else since.timestamp(),
+            after=after,
+            limit=limit,
+            newest_first=newest_first,
+        )
+
+    def get(self, id_: str) -> Job:
+        """Returns a job as it is now.
+
+        Raises:
+            UnknownName: There is none of that id.
+        """
+        return _view(self._jobs.job(id_))
+
+    def response(self, id_: str) -> JobResponse:
+        """Returns what was done to which part, by which skills, and why not where it was not."""
+        return response_of(self._jobs, self._jobs.job(id_), time.time())
+
+    def plan(self, id_: str) -> JobPlan:
+        """Returns the steps of a job's last plan, with what each waits for."""
+        session = self._station.session
+        job = session.jobs.job(id_)
+        running = next((task for task in session.tasks.active if task.name == id_), None)
+        if running is not None and running.plan is not None:  # younger than what is written down
+            return JobPlan(steps=planned_steps(running.plan))
+        return plan_of(job, session.jobs.trace(id_))
+
+    def trace(self, id_: str, skip: int = 0, limit: int = 100) -> JobTrace:
+        """Returns what happened for a job, in sentences and as data."""
+        entries = self._jobs.trace(id_, skip=skip, limit=limit + 1)
+        return JobTrace(
+            entries=tuple(dict(entry) for entry in entries[:limit]),
+            next=str(skip + limit) if len(entries) > limit else None,
+        )
+
+    def report(self, id_: str) -> JobReport:
+        """Returns the outcome of each condition and of each step."""
+        return report_of(self._jobs.job(id_), self._jobs.trace(id_), time.time())
+
+    def transitions(self, id_: str) -> JobTransitions:
+        """Returns the states that a job went through: when, by whom and why."""
+        return JobTransitions(transitions=transitions_view(self._jobs.transitions(id_)))
+
+    def explanation(self, id_: str) -> JobExplanation:
+        """Returns why there is no plan for a job, and what would help."""
+        return explanation_of(self._jobs.job(id_), self._jobs.trace(id_))
+
+    def capabilities(self) -> JobCapabilities:
+        """Returns what an order may name: goal templates, classes of material, robots; and how many are taken."""
+        session = self._station.session
+        return JobCapabilities(
+            work_masters=tuple(
+                WorkMaster(
+                    id=one.name,
+                    version=one.version,
+                    description=one.content.description,
+                    parameters=one.content.parameters,
+                )
+                for one in self._station.template_store.all()
+            ),
+            material_class_ids=tuple(sorted(session.world.ontology.subclasses(MANIPULATABLE))),
+            equipment_ids=tuple(robot.id for robot in session.spec.robots),
+            max_downloadable_job_orders=session.jobs.limit,
+            open_job_orders=len(session.jobs.open),
+        )
+
+
+def _view(job: Known) -> Job:
+    return job_view(job, time.time())
+
+
+def _said(author: Author, comment: str) -> str:
+    """Returns a comment with its author, for the record."""
+    return f"{author.name}: {comment}" if comment else f"by {author.name}"
+
+
+def _next(page: Page) -> str | None:
+    return None if page.next is None else str(page.next)
+
+
+def _check_removed(last: Known | None, order: JobOrder) -> None:
+    """Refuses an order under the id of a job that was removed.
+
+    Raises:
+        Refused: There was one; where its order was the same, with what it was last.
+    """
+    if last is None:
+        return
+    what = f"job '{last.id}' was ordered before and removed"
+    if not is_same(order, last.order):
+        detail = f"{what}, with another order: take another id, or say again=true"
+        raise Refused("UnableToAcceptJobOrder", detail, return_status=_UNABLE)
+    view = job_view(last, time.time()).model_dump(mode="json", by_alias=True)
+    detail = f"{what}: it is not done once more, unless you say again=true"
+    raise Refused("JobOrderRemoved", detail, return_status=_UNABLE, last=view)
+
+
+def _taken_already(known: Known) -> Refused:
+    return Refused(
+        "UnableToAcceptJobOrder",
+        f"job '{known.id}' is there already, with another order: take another id; or, before it has begun, put the"
+        f' order with If-Match: "{known.version}"',
+        return_status=_UNABLE,
+    )

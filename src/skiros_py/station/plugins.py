@@ -1,0 +1,65 @@
+"""Use cases: the plug-ins that are installed, and their faults."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+from skiros_py.api.plugins import PluginFaultInfo, PluginInfo, Plugins
+from skiros_py.catalogue import Surveyed, survey
+from skiros_py.plugins import PluginFault
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
+__all__ = ["PluginService"]
+
+
+class PluginService:
+    """Lists plug-ins.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def all(self) -> Plugins:
+        """Lists every installed entry point, and whether it works."""
+        return _surveyed()
+
+    def faults(self) -> list[PluginFaultInfo]:
+        """Lists what does not load or does not fit into the present scene."""
+        return [_fault(fault) for fault in self._station.session.catalogue.faults]
+
+
+@cache
+def _surveyed() -> Plugins:
+    """Loads everything, once: what is installed does not change while a program runs."""
+    found, others = survey()
+    return Plugins(items=[_plugin(one) for one in found], others=[_fault(fault) for fault in others])
+
+
+def _plugin(one: Surveyed) -> PluginInfo:
+    entry = one.entry
+    return PluginInfo(
+        name=entry.name,
+        group=entry.group,
+        distribution=entry.distribution.name,
+        version=entry.distribution.version,
+        object=entry.value,
+        works=one.works,
+        faults=[_fault(fault) for fault in one.faults],
+    )
+
+
+def _fault(fault: PluginFault) -> PluginFaultInfo:
+    return PluginFaultInfo(
+        name=fault.name,
+        group=fault.group,
+        distribution=fault.distribution,
+        reason=fault.reason,
+        origin=fault.origin,
+        traceback=fault.traceback,
+    )

@@ -1,0 +1,128 @@
+"""Use cases: robots, what they look like, see and are about to do; moving and teaching them by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from skiros_py.api.looks import Look, RobotMotion
+from skiros_py.api.modules import ModuleRunInfo
+from skiros_py.api.robots import HomeRobot, Jog, RobotInfo, RobotReading, Teach
+from skiros_py.errors import Busy, Refused, SkirosError, UnknownName
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.station.modules.views import run_info
+from skiros_py.station.requests import LIBRARY, Author, addressed
+from skiros_py.station.robots import robots
+from skiros_py.station.robots.models import DrawnModel
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
+__all__ = ["RobotService"]
+
+_LESSONS = {"grasp": "teach_grasp", "driving-pose": "teach_driving_pose", "placing-pose": "teach_placing_pose"}
+
+
+class RobotService:
+    """Describes robots, and starts on one of them what a person wants by hand.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def all(self) -> list[RobotInfo]:
+        """Describes every robot: base, arms with joint limits, grippers, cameras."""
+        session = self._station.session
+        return [robots.info(session, robot) for robot in session.spec.robots]
+
+    def get(self, id_: str) -> RobotInfo:
+        """Describes one robot.
+
+        Raises:
+            NotFound: There is none of that id.
+        """
+        return robots.info(self._station.session, self._find(id_))
+
+    def reading(self, id_: str) -> RobotReading:
+        """Returns joints, tool, fingers and base of a robot as they are now; poses are those of localisation."""
+        return robots.reading(self._station.session, self._find(id_))
+
+    def motion(self, id_: str) -> RobotMotion:
+        """Returns the motions that are planned for a robot's base and arms."""
+        return self._station.motions.motion(self._find(id_))
+
+    def look(self, id_: str, camera: str) -> Look:
+        """Returns the last picture of a camera in which something was looked for, as points in the map.
+
+        Raises:
+            NotFound: There is no such robot or camera.
+        """
+        with addressed():
+            return self._station.looks.look(self._find(id_), camera)
+
+    def model(self, id_: str) -> DrawnModel:
+        """Returns the visual model of a robot.
+
+        Raises:
+            NotFound: There is none of that id.
+            Busy: It is being made.
+            Refused: The model cannot be read.
+        """
+        robot = self._find(id_)
+        try:
+            return self._station.robot_models.get(robot.model)
+        except Busy:
+            raise
+        except SkirosError as error:  # cells of plug-ins may have robots of their own
+            raise Refused("NoModel", f"nobody knows what {id_} looks like: {error}") from None
+
+    def mesh(self, id_: str, name: str) -> bytes:
+        """Returns a mesh of a robot's model as binary STL [m].
+
+        Raises:
+            NotFound: There is no such robot, or its model names no such mesh.
+        """
+        meshes = self.model(id_).meshes
+        with addressed("UnknownMesh"):
+            if name not in meshes:
+                raise UnknownName("mesh", name, meshes)
+        return meshes[name]
+
+    # ------------------------------------------------------------------ by hand
+
+    def jog(self, id_: str, request: Jog, author: Author = LIBRARY) -> ModuleRunInfo:
+        """Moves joints, tool, base or fingers by a little.
+
+        Raises:
+            NotFound: There is none of that id.
+            UsageError: It is no small step, or the robot has no such device.
+            WrongState: Something is under way on that robot.
+        """
+        module, arguments = robots.jog(self._find(id_), request)
+        return self._start(id_, module, arguments, author)
+
+    def teach(self, id_: str, request: Teach, author: Author = LIBRARY) -> ModuleRunInfo:
+        """Has a robot learn from its present pose: a grasp, a driving pose, a placing pose."""
+        return self._start(id_, _LESSONS[request.what], request.arguments, author)
+
+    def home(self, id_: str, request: HomeRobot, author: Author = LIBRARY) -> ModuleRunInfo:
+        """Brings one arm or all arms into the travelling posture, and opens empty grippers."""
+        arguments = {} if request.arm is None else {"arm": request.arm}
+        return self._start(id_, "home", {"robot": id_, **arguments}, author)
+
+    def _start(self, id_: str, module: str, arguments: Mapping[str, Any], author: Author) -> ModuleRunInfo:
+        self._find(id_)
+        runs = self._station.module_runs
+        run = self._station.control.call(
+            lambda session: robots.start_by_hand(
+                session, runs, robots.robot_of(session, id_), module, arguments, author.name
+            )
+        )
+        return run_info(run)
+
+    def _find(self, id_: str) -> RobotSpec:
+        with addressed():
+            return robots.robot_of(self._station.session, id_)

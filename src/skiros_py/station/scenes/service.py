@@ -1,0 +1,236 @@
+"""Use cases: scenes that can be loaded, and the present one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
+from skiros_py.errors import FileError, Refused, UsageError
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, addressed, require_seen
+from skiros_py.station.scenes.content import scene_only
+from skiros_py.station.scenes.loading import load, require_rest, scene_of
+from skiros_py.station.scenes.scenes import SceneFile
+from skiros_py.station.scenes.stage import shown
+from skiros_py.world.element import is_learned
+from skiros_py.world.index import Index
+from skiros_py.world.scene import describe
+from skiros_py.world.scene.writer import scene_turtle
+from skiros_py.world.vocabulary import ELEMENT, ROBOT
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
+__all__ = ["SceneService"]
+
+_UNKNOWN = "UnknownScene"
+_SAVED_AS = "saved as"
+
+
+class SceneService:
+    """Saves, loads and compares scenes.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    # ------------------------------------------------------------------ scenes that can be loaded
+
+    def all(self, limit: int = 100, after: str = "") -> Scenes:
+        """Lists the scenes that came with packages and those that were saved, by name."""
+        names = [name for name in self._station.scene_store.names() if name > after]
+        page = names[:limit]
+        return Scenes(items=list(self._entries(page)), next=page[-1] if len(names) > limit else None)
+
+    def get(self, name: str) -> Scene:
+        """Describes a scene without loading it.
+
+        Raises:
+            NotFound: There is none of that name.
+            Refused: Its file is broken.
+        """
+        station, file = self._station, self._file(name)
+        with _broken("SceneBroken", name):
+            scene, title = station.stage.read(station.session, file), station.stage.title(file)
+        return Scene(
+            name=name,
+            source=_source(file),
+            version=file.version,
+            title=title,
+            elements=len(scene_only(scene).instances(ELEMENT)),
+            robots=_robots(scene),
+            goals=list(scene.goals),
+        )
+
+    def save(self, name: str, seen: Seen | None = None) -> tuple[SceneEntry, int]:
+        """Saves what is believed now as a scene; returns its entry and its version.
+
+        Args:
+            name: Its name; a saved scene of that name is replaced if its version was seen.
+            seen: That version.
+
+        Raises:
+            Refused: It came with a package, its version was not said, or the disk is full.
+            StaleVersion: It was changed since it was seen.
+        """
+        version, now = self._station.session.world.state()
+        expects = self._expected(name, seen)
+        try:
+            file = self._station.scene_store.save(name, now, expects=expects)
+        except FileError as error:
+            raise Refused("NotSaved", f"the scene is not saved: {shown(error)}") from None
+        self._station.documents.put("scene", _SAVED_AS, {"name": name, "version": version})
+        return _entry(file), file.version
+
+    def delete(self, name: str, seen: Seen | None = ANY_VERSION) -> None:
+        """Deletes a saved scene.
+
+        Raises:
+            NotFound: There is none of that name.
+            Refused: It came with a package.
+            StaleVersion: It was changed since it was seen.
+        """
+        if not self._file(name).saved:
+            raise Refused("SceneInstalled", f"scene '{name}' came with a package, and stays")
+        with addressed(_UNKNOWN):
+            self._station.scene_store.remove(name, expects=None if seen is None else seen.version)
+
+    # ------------------------------------------------------------------ the present scene
+
+    def present(self) -> PresentScene:
+        """Describes the present scene: which was loaded last, and whether it was changed since."""
+        version, now = self._station.session.world.state()
+        name = self._name()
+        return PresentScene(
+            name=name,
+            version=version,
+            changed=self._is_changed(name),
+            elements=len(scene_only(now).instances(ELEMENT)),
+            learned=sum(map(is_learned, now.ids())),
+            robots=_robots(now),
+            goals=list(now.goals),
+        )
+
+    def load(
+        self, name: str = "", turtle: bytes = b"", seen: Seen | None = ANY_VERSION, author: Author = LIBRARY
+    ) -> PresentScene:
+        """Loads a scene, by its name or as Turtle; what robots were taught stays.
+
+        It is read and checked beside the present one, which stays where anything is wrong.
+
+        Raises:
+            NotFound: There is none of that name.
+            Refused: It is broken.
+            StaleVersion: The world was changed since it was seen.
+            WrongState: Something is under way.
+        """
+        station = self._station
+        session = station.session
+        require_seen(seen, session.world.version)
+        station.control.call(require_rest)
+        if name:
+            file = self._file(name)
+            with _broken("SceneBroken", name):
+                scene = station.stage.read(session, file)
+        else:
+            with _broken("SceneUnreadable", "the scene that was sent"):
+                scene = station.stage.read_text(session, turtle)
+        station.stage.check(session, scene)
+        version = None if seen is None else seen.version
+        load(station.control, station.data, scene, name, author=author.name, holder=author.holder, seen=version)
+        return self.present()
+
+    def turtle(self) -> tuple[str, int]:
+        """Returns the present scene as the text of a file, and the version of the world."""
+        version, now = self._station.session.world.state()
+        return scene_turtle(scene_only(now)), version
+
+    def difference(self, name: str, begin: int = 0, limit: int = 100) -> SceneDifference:
+        """Returns what makes the present scene of another one.
+
+        Args:
+            name: The other scene.
+            begin: How many edits to skip.
+            limit: How many at most.
+
+        Raises:
+            NotFound: There is none of that name.
+            Refused: Its file is broken.
+        """
+        station, file = self._station, self._file(name)
+        session = station.session
+        with _broken("SceneBroken", name):
+            version, edits = station.stage.compare(session, file)
+        page = edits[begin : begin + limit]
+        return SceneDifference(
+            name=name,
+            version=version,
+            total=len(edits),
+            edits=[edit.as_json() for edit in page],
+            lines=list(describe(session.world.ontology, page)),
+            next=str(begin + limit) if len(edits) > begin + limit else None,
+        )
+
+    # ------------------------------------------------------------------ parts
+
+    def _name(self) -> str:
+        name, number = scene_of(self._station.session.world)
+        saved = self._station.documents.get("scene", _SAVED_AS)
+        return str(saved.data["name"]) if saved is not None and saved.data["version"] >= number else name
+
+    def _is_changed(self, name: str) -> bool | None:
+        station = self._station
+        try:
+            return bool(station.stage.compare(station.session, station.scene_store.find(name))[1])
+        except (UsageError, FileError):  # it was uploaded, or removed since
+            return None
+
+    def _entries(self, names: list[str]) -> Iterator[SceneEntry]:
+        for name in names:
+            try:
+                yield _entry(self._station.scene_store.find(name))
+            except (UsageError, FileError):  # removed meanwhile, or its plug-in is broken, which GET /plugins tells
+                continue
+
+    def _file(self, name: str) -> SceneFile:
+        with addressed(_UNKNOWN), _broken("SceneBroken", name):
+            return self._station.scene_store.find(name)
+
+    def _expected(self, name: str, seen: Seen | None) -> int | None:
+        """Returns the version of the saved scene that may be replaced; None where there is none."""
+        try:
+            with _broken("SceneBroken", name):
+                file = self._station.scene_store.find(name)
+        except UsageError:
+            return None if seen is None else seen.version
+        if not file.saved:
+            text = f"'{name}' is a scene that came with a package: choose another name"
+            raise Refused("SceneInstalled", text)
+        require_seen(seen, file.version)
+        return file.version
+
+
+def _robots(scene: Index) -> list[SceneRobot]:
+    robots = (scene.element(id_) for id_ in scene.instances(ROBOT))
+    return [SceneRobot(id=robot.id, label=robot.label, type=robot.type) for robot in robots]
+
+
+def _entry(file: SceneFile) -> SceneEntry:
+    return SceneEntry(name=file.name, source=_source(file), saved=file.written)
+
+
+def _source(file: SceneFile) -> Any:
+    return "saved" if file.saved else "installed"
+
+
+@contextmanager
+def _broken(code: str, name: str) -> Iterator[None]:
+    """Says of a scene that cannot be read what is wrong with it, and where."""
+    try:
+        yield
+    except FileError as error:
+        raise Refused(code, f"{name} is broken, nothing was changed: {shown(error)}", line=error.line) from None

@@ -1,0 +1,212 @@
+"""The station: everything that a running cell offers, for command line, library and server alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Literal, Self
+
+from platformdirs import user_cache_path
+
+from skiros_py.station.alarms.alarms import Alarms
+from skiros_py.station.alarms.service import AlarmService
+from skiros_py.station.alarms.sources import AlarmSources
+from skiros_py.station.control import ControlThread, OpenSession
+from skiros_py.station.documents import TOLD, Document, DocumentStore
+from skiros_py.station.events.event import Kind
+from skiros_py.station.events.live import LiveState
+from skiros_py.station.events.log import EventLog
+from skiros_py.station.events.sources import EventSources
+from skiros_py.station.halt_mark import HaltMark
+from skiros_py.station.jobs.goals import GoalService, TemplateService
+from skiros_py.station.jobs.jobs import JobService
+from skiros_py.station.jobs.templates import TemplateStore
+from skiros_py.station.jobs.waiting import JobWaiter
+from skiros_py.station.modules.modules import ModuleService
+from skiros_py.station.modules.runs import ModuleRuns
+from skiros_py.station.plugins import PluginService
+from skiros_py.station.queries import Queries
+from skiros_py.station.recordings.jobs import JobRecordings
+from skiros_py.station.recordings.service import RecordingService
+from skiros_py.station.robots.looks import Looks
+from skiros_py.station.robots.models import RobotModels
+from skiros_py.station.robots.motions import Motions
+from skiros_py.station.robots.service import RobotService
+from skiros_py.station.scenes.scenes import SceneStore
+from skiros_py.station.scenes.service import SceneService
+from skiros_py.station.scenes.stage import SceneStage
+from skiros_py.station.session import Session
+from skiros_py.station.simulation.bodies import Bodies
+from skiros_py.station.simulation.simulation import Simulation
+from skiros_py.station.stops import Stops
+from skiros_py.station.tasks.book import TaskBook
+from skiros_py.station.tasks.planning import PreviewService
+from skiros_py.station.tasks.previews import Previews
+from skiros_py.station.tasks.sequences import SequenceService
+from skiros_py.station.tasks.tasks import TaskService
+from skiros_py.station.world.elements import ElementService
+from skiros_py.station.world.service import OntologyService
+from skiros_py.station.world.world import WorldService
+
+__all__ = ["Station", "StationLimits"]
+
+
+@dataclass(frozen=True, slots=True)
+class StationLimits:
+    """How much a station keeps and takes.
+
+    Attributes:
+        events: Events that are kept for replay.
+        open_jobs: Jobs that may be open at the same time.
+    """
+
+    events: int = 20_000
+    open_jobs: int = 50_000
+
+
+class Station:
+    """A running cell with its use cases. Start and close it, or use it in a ``with``.
+
+    Everything that belongs to one session is set up for each session by listeners of the control thread.
+
+    Args:
+        opening: Opens the session.
+        data: The data directory.
+        limits: How much it keeps and takes.
+
+    Attributes:
+        data: The data directory.
+        control: Runs the session.
+        alarms, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots, scenes, sequences, simulation,
+            stops, tasks, templates, world: The use cases, by topic.
+        events: The log of events.
+        live: The present state of the robots.
+        looks: What the cameras saw last.
+        motions: What the robots are about to do.
+        documents: Stored documents, such as goal templates; from :meth:`start` on.
+        alarm_book, job_recordings, module_runs, preview_book, task_book: What is under way, and what was lately.
+        scene_store: The files of scenes.
+        stage: Reads scenes beside the live world.
+        robot_models: Visual models of the robots.
+        query_worker: Answers SPARQL queries in processes that may be killed.
+        bodies: Keeps simulated bodies in line with what people write.
+        waiter: Waits for jobs.
+        ending: True when the station is about to end: streams end by themselves.
+    """
+
+    def __init__(self, opening: OpenSession, data: Path, limits: StationLimits = StationLimits()) -> None:
+        self.data = data
+        self.ending = False
+        self.control = ControlThread(opening)
+        self.events = EventLog(limits.events)
+        self.alarm_book = Alarms(self.events)
+        self.stops = Stops(self.control, self.events, HaltMark(data / "halted.json"))
+        self.looks = Looks()
+        self.motions = Motions()
+        self.live = LiveState(self.looks, self.motions, lambda: self.ending)
+        self.module_runs = ModuleRuns(self.events.epoch)
+        self.task_book = TaskBook()
+        self.documents: DocumentStore
+        self.template_store: TemplateStore
+        self.waiter = JobWaiter(limits.open_jobs)
+        self.preview_book = Previews()
+        self.query_worker = Queries(self.control)
+        self.robot_models = RobotModels(user_cache_path("skiros-py") / "models")
+        self.scene_store = SceneStore(data / "scenes")
+        self.stage = SceneStage()
+        for part in (
+            self.stops,  # first: a stop that was asked for meanwhile takes effect before anything else
+            self.looks,
+            self.motions,
+            self.live,
+            self.module_runs,
+            self.task_book,
+            EventSources(self.events, self.task_book, self.module_runs),
+            AlarmSources(self.alarm_book, self.control),
+        ):
+            self.control.on_open(part.open)
+            self.control.on_close(part.close)
+        self.control.on_open(self.waiter.open)
+        self.control.on_close(self.preview_book.forget)
+        self.control.on_close(self.stage.forget)
+        self.bodies = Bodies(self.control, self.alarm_book)
+        self.simulation = Simulation(self.control, self.bodies)
+        self.alarms = AlarmService(self)
+        self.elements = ElementService(self)
+        self.goals = GoalService(self)
+        self.jobs = JobService(self)
+        self.modules = ModuleService(self)
+        self.ontology = OntologyService(self)
+        self.plugins = PluginService(self)
+        self.previews = PreviewService(self)
+        self.robots = RobotService(self)
+        self.scenes = SceneService(self)
+        self.sequences = SequenceService(self)
+        self.tasks = TaskService(self)
+        self.templates = TemplateService(self)
+        self.world = WorldService(self)
+        self.job_recordings = JobRecordings(data / "recordings")
+        self.control.on_open(self.job_recordings.open)
+        self.control.on_close(self.job_recordings.close_session)
+        self.recordings = RecordingService(self)
+        self._stack = ExitStack()
+
+    @property
+    def session(self) -> Session:
+        """The session; while it is being reopened, this waits for it.
+
+        Raises:
+            Busy: There is none, and there will be none soon.
+        """
+        return self.control.session
+
+    def start(self) -> None:
+        """Opens the session and runs it.
+
+        Raises:
+            SkirosError: It cannot be opened.
+        """
+        try:
+            self._stack.callback(self.job_recordings.close)
+            self._stack.callback(self.robot_models.close)
+            self._stack.callback(self.control.close)
+            self.stops.restore()
+            self.control.start()  # which takes the data directory, so that no other program has its files open
+            self._stack.callback(self.waiter.close)
+            self._stack.callback(self.preview_book.close)
+            self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db", self._note)))
+            self.template_store = TemplateStore(self.documents)
+        except BaseException:
+            self.close()
+            raise
+
+    def _note(self, what: Literal["written", "removed"], document: Document) -> None:
+        """Announces a change of a document, not its content.
+
+        Documents of other kinds are the station's own notes, such as the name under which the scene was saved.
+        """
+        if document.kind not in TOLD:
+            return
+        data = {"kind": document.kind, "name": document.name, "version": document.version}
+        self.events.append(Kind.DOCUMENT, what, document.name, data=data)
+
+    def on_close(self, callback: Callable[[], object]) -> None:
+        """Calls the callback when the station ends."""
+        self._stack.callback(callback)
+
+    def close(self) -> None:
+        """Stops everything and ends all that was started; may be called twice."""
+        self.ending = True
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

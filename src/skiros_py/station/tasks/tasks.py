@@ -1,0 +1,144 @@
+"""Use cases: tasks under way, and those that are over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Literal
+
+from skiros_py.api.jobs import JobPolicy
+from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
+from skiros_py.errors import Refused, UsageError, WrongState
+from skiros_py.planning.plan import Step
+from skiros_py.station.requests import LIBRARY, Author, addressed
+from skiros_py.station.session import Session
+from skiros_py.station.tasks.book import KeptTask
+from skiros_py.station.tasks.steps import Workbench, require_works
+from skiros_py.station.tasks.views import task_info, task_trace
+from skiros_py.tasks.handle import TaskHandle
+from skiros_py.tasks.policy import Policy
+from skiros_py.tasks.sequences import StepSequence
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
+__all__ = ["TaskService", "require_ready"]
+
+_PLAIN = JobPolicy()
+
+
+class TaskService:
+    """Begins, follows and commands tasks.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def all(self, *, active: bool | None = None, limit: int = 100) -> Tasks:
+        """Lists tasks, the youngest first.
+
+        Args:
+            active: True for those under way only, False for those that are over only.
+            limit: How many at most.
+        """
+        wanted = [task for task in self._station.task_book.all() if active is None or active != task.over]
+        return Tasks(items=tuple(task_info(task, in_full=False) for task in wanted[:limit]))
+
+    def begin(self, request: NewTask, author: Author = LIBRARY) -> TaskInfo:
+        """Begins to pursue a goal, or to run steps as they are.
+
+        Raises:
+            UsageError: The goal or a step cannot be understood.
+            Refused: A step cannot work, and nobody wants it anyway.
+            WrongState: Everything was halted.
+        """
+        if request.goal is not None:
+            conditions = self._station.session.parse(request.goal)
+            return self._note(
+                lambda session: session.tasks.begin(conditions, policy=Policy(**request.policy.model_dump())), author
+            )
+        bench = Workbench.of(self._station.session)
+        steps = tuple(bench.read(step) for step in request.steps or [])
+        return self.run_steps(steps, request.iterate, author, anyway=request.anyway, policy=request.policy)
+
+    def run_steps(
+        self,
+        steps: Sequence[Step],
+        iterate: int | None,
+        author: Author,
+        *,
+        anyway: bool,
+        policy: JobPolicy = _PLAIN,
+    ) -> TaskInfo:
+        """Begins to run steps as they are.
+
+        Raises:
+            Refused: There are none; or they cannot work as things are, and nobody wants them anyway.
+            UsageError: One names what does not exist.
+            WrongState: Everything was halted.
+        """
+        if not steps:  # rounds without steps take no time: the control cycle would never come out of them
+            raise Refused("CannotWork", "the sequence has no steps: add one")
+        if not anyway:
+            require_works(self._station.session, steps)
+
+        def begin(session: Session) -> TaskHandle:
+            sequence = StepSequence(session.world, Workbench.of(session).skills, steps)
+            # It was checked above: the control thread has no time to check once more.
+            return session.tasks.execute(sequence, iterate=iterate, policy=Policy(**policy.model_dump()), anyway=True)
+
+        return self._note(begin, author)
+
+    def _note(self, begin: Callable[[Session], TaskHandle], author: Author) -> TaskInfo:
+        def do(session: Session) -> KeptTask:
+            require_ready(session)
+            return self._station.task_book.note(begin(session), by=author.name)
+
+        return task_info(self._station.control.call(do))
+
+    def get(self, name: str) -> TaskInfo:
+        """Describes a task: its plan, its steps, what it asks, its result.
+
+        Raises:
+            NotFound: There is none of that name.
+        """
+        return task_info(self._find(name))
+
+    def trace(self, name: str, limit: int = 1000) -> TaskTrace:
+        """Returns the last entries of a task's trace.
+
+        Raises:
+            NotFound: There is none of that name.
+        """
+        return task_trace(self._find(name), limit)
+
+    def command(
+        self, name: str, command: Literal["pause", "resume", "step", "stop"], author: Author = LIBRARY
+    ) -> TaskInfo:
+        """Commands a task; obeyed in the next control cycle.
+
+        Raises:
+            NotFound: There is none of that name.
+            WrongState: It does not take that command now.
+        """
+        task = self._find(name)
+        task.command(command, author.name)
+        return task_info(task)
+
+    def _find(self, name: str) -> KeptTask:
+        with addressed():
+            return self._station.task_book.find(name)
+
+
+def require_ready(session: Session) -> None:
+    """Requires that something may be started.
+
+    Raises:
+        WrongState: Everything was halted.
+    """
+    try:
+        session.runtime.require_ready()
+    except UsageError as error:
+        raise WrongState(str(error)) from None

@@ -1,0 +1,125 @@
+"""Use cases: the ontology, what may be put where, and questions in SPARQL."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from decimal import Decimal
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
+from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
+from skiros_py.errors import UsageError
+from skiros_py.station.requests import addressed
+from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
+from skiros_py.station.world.placements import placement_options
+from skiros_py.station.world.values import given
+from skiros_py.world.index import Index
+from skiros_py.world.queries import Binding, Result, Text
+from skiros_py.world.vocabulary import ELEMENT
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
+
+__all__ = ["OntologyService"]
+
+
+class OntologyService:
+    """Describes the ontology, and answers questions over everything that is known.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    @property
+    def _view(self) -> Index:
+        return self._station.session.world.snapshot()
+
+    def classes(self, root: str = ELEMENT, depth: int = 50) -> ClassNode:
+        """Returns the classes as a tree; one with several parents stands below its primary one.
+
+        Raises:
+            NotFound: There is no such class.
+        """
+        with addressed():
+            return class_tree(self._view, root, depth)
+
+    def class_(self, name: str) -> ClassDetails:
+        """Describes a class: what its elements may have, how many there are, and what takes them.
+
+        Raises:
+            NotFound: There is no such class.
+        """
+        session = self._station.session
+        with addressed():
+            return class_details(session.world.snapshot(), name, session.catalogue)
+
+    def relations(self, limit: int = 1000, after: str = "") -> RelationPage:
+        """Lists relations by name, with the classes at their ends."""
+        view = self._view
+        names, more = _page(view.ontology.relations, limit, after)
+        return RelationPage(items=[relation_info(view, view.ontology.relations[name]) for name in names], next=more)
+
+    def properties(self, limit: int = 1000, after: str = "") -> PropertyPage:
+        """Lists properties by name, with data type and unit."""
+        ontology = self._view.ontology
+        names, more = _page(ontology.properties, limit, after)
+        return PropertyPage(items=[property_info(ontology.properties[name]) for name in names], next=more)
+
+    def placements(
+        self,
+        class_: str | None = None,
+        element: str | None = None,
+        relation: str | None = None,
+        limit: int = 50,
+        after: str | None = None,
+    ) -> PlacementOptions:
+        """Returns by which relations a thing may be placed, and whether each place would take it now.
+
+        Args:
+            class_: A new thing of this class.
+            element: Or this element.
+            relation: Only by this relation.
+            limit: How many places of each relation at most.
+            after: Only places after this one; takes a relation.
+
+        Raises:
+            UsageError: Neither or both say what is to be placed.
+        """
+        if (class_ is None) == (element is None):
+            raise UsageError("say what is to be put somewhere: either class=kitting:Starter or element=starter_1")
+        if after is not None and relation is None:
+            raise UsageError("a cursor goes on with the places of one relation: give relation=sk:in, too")
+        view = self._view
+        what = view.element(element).type if element is not None else class_
+        assert what is not None
+        view.ontology.ancestors(what)
+        return placement_options(view, what, element, limit, relation, after or "")
+
+    def query(self, question: Query) -> Result:
+        """Answers SELECT, ASK or CONSTRUCT over ontology, scene, learned concepts and computed relations.
+
+        Raises:
+            UsageError: It cannot be understood, or takes too long.
+            Busy: Too many are being answered.
+        """
+        bindings = {name: _binding(value) for name, value in question.bindings.items()}
+        return self._station.query_worker.answer(
+            question.query, bindings, entailed=question.entailed, time_limit=question.time_limit
+        )
+
+
+def _page(names: Iterable[str], limit: int, after: str) -> tuple[list[str], str | None]:
+    found = list(islice((name for name in sorted(names) if name > after), limit + 1))
+    return found[:limit], found[limit - 1] if len(found) > limit else None
+
+
+def _binding(value: Bound) -> Binding:
+    if isinstance(value, TextLiteral):
+        return Text(value.text)
+    if isinstance(value, DecimalLiteral):
+        return Decimal(value.decimal)
+    return given(value)

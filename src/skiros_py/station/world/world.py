@@ -1,0 +1,250 @@
+"""Use cases: the world as a whole: its size, its tree, its changes; transactions and undo."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from skiros_py.api.elements import TreeNode
+from skiros_py.api.learned import Learned, LearnedPage
+from skiros_py.api.locks import Lock, LockList, LockOrder
+from skiros_py.api.view import WorldView
+from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
+from skiros_py.devices.base import BaseState
+from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, addressed, require_seen
+from skiros_py.station.scenes.loading import LOADED
+from skiros_py.station.world.changes import change_page, one_change, told_change, undoable, written
+from skiros_py.station.world.editing import operate, told_lock, writing
+from skiros_py.station.world.tree import tree
+from skiros_py.station.world.values import told
+from skiros_py.station.world.view import view_of
+from skiros_py.world.element import is_learned
+from skiros_py.world.index import Index
+from skiros_py.world.locks import Lock as WorldLock
+from skiros_py.world.scene.learned import learned_turtle
+from skiros_py.world.undo import last_undoable, undo
+from skiros_py.world.vocabulary import APPLIES_TO, ELEMENT
+from skiros_py.world.world import World
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from skiros_py.station.station import Station
+
+__all__ = ["WorldService"]
+
+
+class WorldService:
+    """Reads the world as a whole, and writes transactions of a person.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    @property
+    def _world(self) -> World:
+        return self._station.session.world
+
+    # ------------------------------------------------------------------ reading
+
+    def info(self) -> WorldInfo:
+        """Returns the world's version, how much is in it, and what an undo would take back."""
+        world = self._world
+        view = world.snapshot()
+        abstract = view.abstracts(ELEMENT)
+        learned = sum(map(is_learned, abstract))
+        return WorldInfo(
+            version=view.version,
+            time=world.clock(),
+            elements=view.count(ELEMENT),
+            abstract=len(abstract) - learned,
+            learned=learned,
+            goals=len(view.goals),
+            locks=len(world.locks.held()),
+            remembered_from=world.log.first,
+            undoable=undoable(world),
+        )
+
+    def tree(self, root: str = "", depth: int = 3, limit: int = 100, after: str = "") -> TreeNode:
+        """Returns where everything is placed, and what things are built of, as a tree.
+
+        Args:
+            root: Where to begin; above everything where left out.
+            depth: How many levels below it.
+            limit: How many children of each node at most.
+            after: Only children of the root that come after this one.
+
+        Raises:
+            NotFound: There is no such element.
+        """
+        with addressed():
+            return tree(self._world.snapshot(), root, depth, limit, after)
+
+    def changes(self, beyond: int = 0, limit: int = 100, *, newest_first: bool = False) -> ChangePage:
+        """Lists changes, with the first 100 edits of each.
+
+        Raises:
+            Refused: They are no longer remembered.
+        """
+        return change_page(self._world, beyond, limit, newest_first=newest_first)
+
+    def change(self, number: int, start: int = 0, limit: int = 1000) -> Change:
+        """Returns a change with its edits.
+
+        Raises:
+            Refused: There is none of that number, or it is no longer remembered.
+        """
+        return one_change(self._world, number, start, limit)
+
+    def view_tag(self) -> str:
+        """Returns what stands for the present view: another one where anything looks different."""
+        # Another start may know other shapes at the same version of the world.
+        return f"{self._world.version}.{self._station.events.epoch}"
+
+    def view(self, elements: Sequence[str] | None = None) -> WorldView:
+        """Returns where everything is believed to be, and its shape.
+
+        Args:
+            elements: Only these elements, with what moves with them; everything where left out.
+        """
+        session = self._station.session
+        bases = {name: base.pose for name, base in session.cycle.board.snapshot.of(BaseState).items()}
+        return view_of(session.world.snapshot(), elements, bases)
+
+    # ------------------------------------------------------------------ writing
+
+    def write(self, order: TransactionOrder, seen: Seen | None = None, author: Author = LIBRARY) -> Written:
+        """Does all operations, as one change, or none.
+
+        Raises:
+            WorldError: The world refuses it.
+            Refused: It changes elements, and nobody said which versions they have seen.
+        """
+        world = self._world
+        with writing(world, author, order.reason, _expected(order, seen)) as tx:
+            ids = operate(tx, order.operations)
+        return written(world, tx, ids)
+
+    def undo(self, order: UndoOrder | None = None, author: Author = LIBRARY) -> Change:
+        """Takes back the last edit of a person that was not taken back yet.
+
+        Raises:
+            Refused: Something was built on it since.
+            StaleVersion: It is another edit than the one to be undone.
+            Locked: Somebody else has locked what it is about.
+        """
+        world = self._world
+        try:
+            return told_change(undo(world, author.name, expects=order.change if order else None, holder=author.holder))
+        except (StaleVersion, Locked):
+            raise
+        except WorldError as error:
+            last = last_undoable(world.log)
+            was_loaded = last is not None and last.reason.startswith(LOADED)
+            hint = "; load the former scene instead: PUT /scene" if was_loaded else ""
+            raise Refused("CannotUndo", f"{error}{hint}") from None
+
+    # ------------------------------------------------------------------ learned concepts
+
+    def learned(self, limit: int = 100, after: str = "") -> LearnedPage:
+        """Lists what robots were taught, by id."""
+        view = self._world.snapshot()
+        names = [name for name in _learned(view) if name > after]
+        shown = names[:limit]
+        return LearnedPage(items=[_told(view, name) for name in shown], next=shown[-1] if len(names) > limit else None)
+
+    def forget(
+        self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""
+    ) -> Written:
+        """Forgets a learned concept with its parts; an undo brings it back.
+
+        Raises:
+            NotFound: There is no such concept.
+            StaleVersion: It was changed since it was seen.
+        """
+        world = self._world
+        view = world.snapshot()
+        with addressed():
+            if not (is_learned(element) and view.has(element)):
+                raise UnknownName("learned concept", element, _learned(view))
+        require_seen(seen, view.stamp(element).change)
+        version = seen.version if seen is not None else None
+        expects = {} if version is None else {element: version}
+        with writing(world, author, reason or f"forgets {element}", expects) as tx:
+            tx.remove(element)
+        return written(world, tx)
+
+    def learned_turtle(self) -> str:
+        """Returns everything that was learned as the text of a file."""
+        return learned_turtle(self._world.snapshot())
+
+    # ------------------------------------------------------------------ locks
+
+    def locks(self) -> LockList:
+        """Lists who alone may edit which elements, and until when."""
+        world = self._world
+        return LockList(items=[_lock(world, lock) for lock in world.locks.held()])
+
+    def lock(self, order: LockOrder, author: Author = LIBRARY) -> LockList:
+        """Locks elements, all of them or none; locking again makes it last longer.
+
+        Raises:
+            Locked: Somebody else has locked one of them.
+            UsageError: There is no such element.
+        """
+        world = self._world
+        locks = world.locks.acquire(order.elements, author.holder, order.seconds, author.name)
+        return LockList(items=[_lock(world, lock) for lock in locks])
+
+    def unlock(
+        self, elements: Sequence[str] | None = None, author: Author = LIBRARY, owner: str | None = None
+    ) -> LockList:
+        """Ends locks, and returns those that are left.
+
+        Args:
+            elements: Which; all of the owner where left out.
+            author: Who asks.
+            owner: Whose locks; the author's where left out.
+        """
+        world = self._world
+        others = owner not in (None, author.name)
+        holders = {lock.owner for lock in world.locks.held() if lock.shown == owner} if others else {author.holder}
+        for holder in holders:
+            world.locks.release(holder, elements)
+        return self.locks()
+
+
+def _expected(order: TransactionOrder, seen: Seen | None) -> dict[str, int]:
+    if seen is not None and seen.version is not None:
+        return {"": seen.version, **order.expects}
+    adds_only = all(operation.op == "add" for operation in order.operations)
+    if not (order.expects or adds_only or seen is not None):
+        raise Refused(
+            "VersionMissing", 'say what you have seen: {"expects": {"starter_1": 17}}, or the world\'s If-Match'
+        )
+    return order.expects
+
+
+def _learned(view: Index) -> list[str]:
+    return [name for name in view.abstracts(ELEMENT) if is_learned(name)]
+
+
+def _told(view: Index, name: str) -> Learned:
+    element = view.element(name)
+    about = element.properties.get(APPLIES_TO)
+    return Learned(
+        id=name,
+        class_=element.type,
+        label=element.label,
+        about=None if about is None else str(about),
+        properties={key: told(value) for key, value in sorted(element.properties.items())},
+        version=view.stamp(name).change,
+    )
+
+
+def _lock(world: World, lock: WorldLock) -> Lock:
+    element, owner, until, seconds = told_lock(world, lock)
+    return Lock(element=element, owner=owner, until=until, seconds=seconds)
