@@ -145,6 +145,7 @@ _TABLE = {
         /simulation/bodies/{body}/pose PUT
         /simulation/reset POST
         /simulation/pace PUT
+        /managers/{agent} PUT DELETE
         /modules/{agent}/{module}/panel POST
         /modules/{agent}/{module}/runs POST
         /modules/{agent}/{module}/reset POST

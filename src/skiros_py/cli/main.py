@@ -27,6 +27,7 @@ _COMMANDS = {
     "job": ("skiros_py.cli.job", "Order jobs of a server, follow and command them."),
     "stop": ("skiros_py.cli.stop", "Halt all robots of a server at once."),
     "reset": ("skiros_py.cli.reset", "Let them start again after that."),
+    "manager": ("skiros_py.cli.manager", "Open and close the skill managers of a server while it runs."),
     "report": ("skiros_py.cli.report", "Make a page about a run: timeline, pictures, what happened and why."),
     "plan": ("skiros_py.cli.plan", "Show domain, problem and plan without doing anything."),
     "skills": ("skiros_py.cli.skills", "List the skills, primitives and conditions that were found."),

@@ -23,6 +23,7 @@ __all__ = [
     "ENGINE",
     "JSON",
     "PACE",
+    "SKILLS",
     "Seconds",
     "data_option",
     "open_existing",
@@ -138,6 +139,21 @@ CONFIG = click.option(
     "--config", multiple=True, metavar="MODULE.KEY=VALUE", callback=_configuration, help="A configuration parameter."
 )
 """What holds for every run of a module."""
+
+
+def _names(
+    ctx: click.Context,  # noqa: ARG001 - click's signature
+    param: click.Parameter,  # noqa: ARG001 - the same
+    texts: tuple[str, ...],
+) -> tuple[str, ...]:
+    """Reads names, separated by commas or given one by one."""
+    return tuple(name.strip() for text in texts for name in text.split(",") if name.strip())
+
+
+SKILLS = click.option(
+    "--skills", multiple=True, metavar="NAME,…", callback=_names, help="Load only these skills.  [default: all]"
+)
+"""Which skills are on offer."""
 _PLANNER = click.option("--planner", metavar="NAME", help="Planner to use.  [default: the first that fits the task]")
 _TEMPORAL = click.option("--temporal", is_flag=True, help="Plan in time, with durations; takes a planner for that.")
 _PLANNER_COMMAND = click.option(

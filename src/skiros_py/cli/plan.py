@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.exit_status import NO_PLAN, REACHED
-from skiros_py.cli.options import planner_options
+from skiros_py.cli.options import SKILLS, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.errors import UsageError
 
@@ -33,6 +33,7 @@ __all__ = ["command"]
     help="Write domain.pddl, problem.pddl and plan into DIR.",
 )
 @click.option("--explain-domain", "explain", is_flag=True, help="What was added to what the skills say, and why.")
+@SKILLS
 @planner_options
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
 def command(
@@ -44,6 +45,7 @@ def command(
     planner: str | None,
     planner_command: str | None,
     temporal: bool,
+    skills: tuple[str, ...],
     as_json: bool,
 ) -> int:
     """Shows domain, problem and plan for the goal of SCENE; nothing moves."""
@@ -51,11 +53,17 @@ def command(
     from skiros_py.station.session import Options, Session
 
     options = Options(
-        robot=robot, fake=True, goal=goals, planner=planner, planner_command=planner_command, temporal=temporal
+        robot=robot,
+        fake=True,
+        goal=goals,
+        planner=planner,
+        planner_command=planner_command,
+        temporal=temporal,
+        skills=skills,
     )
     with Session(scene, options) as session:
         planned = session.plan()
-        skills = [skill.description for _, skill in sorted(session.catalogue.skills.items())]
+        descriptions = [skill.description for _, skill in sorted(session.catalogue.skills.items())]
     outcome, texts = planned.outcome, planned.texts
     assert texts is not None  # every element of a goal just read is there
     steps = [] if isinstance(outcome, NoPlan) else [str(step) for step in outcome.steps]
@@ -65,7 +73,7 @@ def command(
     files = {"domain.pddl": texts.domain, "problem.pddl": texts.problem}
     if not isinstance(outcome, NoPlan):
         files["plan"] = "".join(f"{line}\n" for line in outcome.pddl)
-    account = _account(skills, texts) if explain else None
+    account = _account(descriptions, texts) if explain else None
     if folder is not None:
         _write(folder, files)
     if as_json:

@@ -16,7 +16,7 @@ import click
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.ending import end_unless
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, PACE, data_option, planner_options
+from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, PACE, SKILLS, data_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.errors import UsageError
@@ -53,6 +53,7 @@ __all__ = ["command", "stopping"]
 @DRIVER
 @ENGINE
 @CONFIG
+@SKILLS
 @planner_options
 @ask_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
@@ -72,6 +73,7 @@ def command(
     planner: str | None,
     planner_command: str | None,
     temporal: bool,
+    skills: tuple[str, ...],
     ask: bool | None,
     as_json: bool,
 ) -> int:
@@ -98,6 +100,7 @@ def command(
         planner=planner,
         planner_command=planner_command,
         temporal=temporal,
+        skills=skills,
         data=data,
     )
     with Session(scene, options) as session:

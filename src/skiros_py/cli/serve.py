@@ -17,7 +17,7 @@ import click
 from skiros_py.cli.ending import end_now, end_unless
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.nothing_left import nothing_left_of
-from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, JSON, data_option, pace_option, planner_options
+from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, JSON, SKILLS, data_option, pace_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS
 from skiros_py.cli.text import escaped
@@ -65,6 +65,7 @@ Examples:
 @click.option("--robot", metavar="NAME", help="The robot to use.  [default: all robots of the scene]")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of every random choice.")
 @CONFIG
+@SKILLS
 @planner_options
 @click.option(
     "--auth",
@@ -95,6 +96,7 @@ def command(
     planner: str | None,
     planner_command: str | None,
     temporal: bool,
+    skills: tuple[str, ...],
     auth: Authentication,
     allow_host: tuple[str, ...],
     allow_origin: tuple[str, ...],
@@ -133,6 +135,7 @@ def command(
         planner=planner,
         planner_command=planner_command,
         temporal=temporal,
+        skills=skills,
         data=data,
         overrun=None if pace is None else _OVERRUN if driver else _OVERRUN_SIMULATED,
     )

@@ -320,6 +320,8 @@ class Modules(Topic[C]):
     """Skills and primitives by themselves, and who runs them."""
 
     managers = Method(modules.list_managers)
+    open_manager = Method(modules.open_manager)
+    close_manager = Method(modules.close_manager)
     list = Method(modules.list_modules)
     get = Method(modules.get_module)
     panel = Method(modules.show_panel)

@@ -68,6 +68,7 @@ class Services:
         """
         station = self.station
         try:
+            station.make_folder()
             self.keys, self.authenticator, self.audit = set_up_access(self.settings, station.data, self._stack)
             self._stack.enter_context(station)
             self.webhooks, self._sender = open_sender(station, self.settings.webhook_hosts, self._stack)

@@ -32,6 +32,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.respawn import respawn
+from skiros_py.skills.skill import Skill
 from skiros_py.system import check_system_libraries, require_extra
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.learning import learn_durations
@@ -81,6 +82,7 @@ class Options:
         data: A data directory, in which world and jobs outlive the session; the scene is the first content of a new
             one. None for a session that leaves nothing behind.
         temporal: True to plan in time, with durations; that takes a planner for durative actions.
+        skills: Names of the skills to load; empty for all that are installed.
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
     """
 
@@ -98,6 +100,7 @@ class Options:
     data: Path | None = None
     temporal: bool = False
     overrun: float | None = None
+    skills: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
@@ -234,10 +237,7 @@ class Session:
         return self.options.data
 
     def _robots(self, world: WorldView) -> tuple[str, ...]:
-        robots = world.instances(ROBOT)
-        if not robots:
-            iri = "https://w3id.org/skiros-py/robots/mobile_panda"
-            raise UsageError(f"scene '{self.scene}' has no robot: import one, such as <{iri}>")
+        robots = world.instances(ROBOT)  # a scene may have none: it is edited and looked at all the same
         wanted = self.options.robot
         if wanted is None:
             return robots
@@ -301,7 +301,7 @@ class Session:
 
     def _set_up(self, libraries: Libraries) -> None:
         """Brings control cycle, skill managers and watchdog up."""
-        skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
+        skills = self._skills()
         seed = (self.options.seed, _STREAM)
         options = RuntimeOptions(
             seed=seed,
@@ -316,6 +316,15 @@ class Session:
         self.cycle, self.managers = runtime.cycle, runtime.managers
         self.monitor, self.questions = runtime.monitor, runtime.questions
         self.cycle.observe(self._digest_state)
+
+    def _skills(self) -> list[Skill]:
+        """Returns the skills that the options choose: all of them where they choose none."""
+        skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
+        wanted, known = self.options.skills, {skill.description.name for skill in skills}
+        for name in wanted:
+            if name not in known:
+                raise UnknownName("skill", name, known)
+        return [skill for skill in skills if not wanted or skill.description.name in wanted]
 
     def _watch(self) -> None:
         """Starts what runs in the background; a stop ends it with everything else."""
@@ -417,7 +426,7 @@ class Session:
         """Sees whether a session such as this one could be opened in another scene.
 
         Raises:
-            UsageError: There is no robot to use.
+            UnknownName: The robot that was chosen is not in it.
             DescriptionError: A robot or body lacks something, or has no room.
             WorldError: A shape cannot be read.
         """
@@ -468,6 +477,9 @@ class Session:
     def _conditions(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
         if self._closed:
             raise UsageError("the session is closed")
+        if not self.spec.robots and not self.managers:
+            iri = "https://w3id.org/skiros-py/robots/mobile_panda"
+            raise UsageError(f"scene '{self.scene}' has no robot: import one, such as <{iri}>")
         given: Sequence[Any] = self.goal if goal is None else (goal,) if isinstance(goal, str) else goal
         if not isinstance(given, Sequence) or not all(isinstance(part, str | Condition) for part in given):
             raise UsageError(f"a goal is a text, or a list of texts or conditions, not {goal!r}")

@@ -50,6 +50,7 @@ from skiros_py.station.tasks.tasks import TaskService
 from skiros_py.station.world.elements import ElementService
 from skiros_py.station.world.service import OntologyService
 from skiros_py.station.world.world import WorldService
+from skiros_py.world.journal.data_directory import make_folder
 
 __all__ = ["Station", "StationLimits"]
 
@@ -163,6 +164,14 @@ class Station:
         """
         return self.control.session
 
+    def make_folder(self) -> None:
+        """Makes the data directory where it is missing.
+
+        Raises:
+            FileError: It cannot be made.
+        """
+        make_folder(self.data)
+
     def start(self) -> None:
         """Opens the session and runs it.
 
@@ -171,6 +180,7 @@ class Station:
         """
         try:
             self._stack.callback(self.job_recordings.close)
+            self.make_folder()
             self._stack.callback(self.robot_models.close)
             self._stack.callback(self.control.close)
             self.stops.restore()

@@ -237,7 +237,8 @@ class World(ForwardingView):
             if edits:
                 self._check_outside(before, index, edits, write)
         except WorldError as error:
-            raise type(error)(f"transaction of {write.author} ({write.reason}) {error}") from None
+            error.args = (f"transaction of {write.author} ({write.reason}) {error}",)  # its data stay with it
+            raise
         if edits:
             change = Change(
                 self._log.version + 1, write.author, write.reason, self.clock(), edits, write.writer, write.undoes

@@ -18,6 +18,7 @@ from skiros_py.api.modules import (
 from skiros_py.client.call import Call, nothing
 
 __all__ = [
+    "close_manager",
     "command_module_run",
     "get_module",
     "get_module_run",
@@ -26,6 +27,7 @@ __all__ = [
     "list_module_runs",
     "list_modules",
     "list_skills",
+    "open_manager",
     "reset_module",
     "run_module",
     "show_panel",
@@ -35,6 +37,17 @@ __all__ = [
 def list_managers() -> Call[list[ManagerInfo]]:
     """Lists the skill managers, with what each can do and what it runs."""
     return Call("GET", "/managers", list[ManagerInfo])
+
+
+def open_manager(agent: str) -> Call[ManagerInfo]:
+    """Opens the skill manager of a subsystem: its skills are on offer from now on."""
+    return Call("PUT", f"/managers/{quote(agent, safe='')}", ManagerInfo, repeatable=False)
+
+
+def close_manager(agent: str, *, force: bool | None = None) -> Call[None]:
+    """Closes the skill manager of a subsystem: its skills leave the world model."""
+    query = {"force": None if force is None else str(force).lower()}
+    return Call("DELETE", f"/managers/{quote(agent, safe='')}", nothing, query=query, repeatable=False)
 
 
 def list_modules() -> Call[list[ModuleSummary]]:

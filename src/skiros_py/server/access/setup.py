@@ -10,13 +10,12 @@ from skiros_py.server.access.authenticator import Authenticator, check_access
 from skiros_py.server.access.file import open_access
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.settings import ServerSettings
-from skiros_py.world.journal.data_directory import make_folder
 
 __all__ = ["set_up_access"]
 
 
 def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:
-    """Opens the keys and the audit log of a data directory, which is made where it is missing.
+    """Opens the keys and the audit log of a data directory.
 
     Args:
         settings: How the server is set up.
@@ -27,7 +26,6 @@ def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tup
         UsageError: Other machines could reach the server, and there is no key to come in with.
         FileError: The file cannot be opened or made, or is damaged.
     """
-    make_folder(data)
     keys = stack.enter_context(closing(KeyStore(data)))
     check_access(settings, keys)
     # A connection of its own: a request that asks for its key never waits for what is being written.

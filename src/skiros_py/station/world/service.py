@@ -11,11 +11,12 @@ from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, Pr
 from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
 from skiros_py.errors import UsageError
 from skiros_py.station.requests import addressed
+from skiros_py.station.world.answers import Answer
 from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
 from skiros_py.station.world.placements import placement_options
 from skiros_py.station.world.values import given
 from skiros_py.world.index import Index
-from skiros_py.world.queries import Binding, Result, Text
+from skiros_py.world.queries import Binding, Text
 from skiros_py.world.vocabulary import ELEMENT
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class OntologyService:
         view.ontology.ancestors(what)
         return placement_options(view, what, element, limit, relation, after or "")
 
-    def query(self, question: Query) -> Result:
+    def query(self, question: Query) -> Answer:
         """Answers SELECT, ASK or CONSTRUCT over ontology, scene, learned concepts and computed relations.
 
         Raises:
@@ -107,8 +108,10 @@ class OntologyService:
             Busy: Too many are being answered.
         """
         bindings = {name: _binding(value) for name, value in question.bindings.items()}
-        return self._station.query_worker.answer(
-            question.query, bindings, entailed=question.entailed, time_limit=question.time_limit
+        return Answer(
+            self._station.query_worker.answer(
+                question.query, bindings, entailed=question.entailed, time_limit=question.time_limit
+            )
         )
 
 

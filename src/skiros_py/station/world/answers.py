@@ -1,0 +1,56 @@
+"""Answers to SPARQL queries, in the forms in which they are told."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any
+
+from skiros_py.station.world.values import told
+from skiros_py.world.element import Value
+from skiros_py.world.literals import ANY_LITERAL, format_value
+from skiros_py.world.queries import Constructed, Result, Table
+
+__all__ = ["Answer"]
+
+
+class Answer:
+    """The answer to a query.
+
+    Args:
+        result: What the world model answered.
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result = result
+
+    def data(self) -> dict[str, Any]:
+        """Returns the answer as plain data."""
+        result = self.result
+        if isinstance(result, bool):
+            return {"form": "ASK", "answer": result}
+        if isinstance(result, Table):
+            rows = [{name: told(value) for name, value in row.items()} for row in result.rows]
+            return {"form": "SELECT", "variables": list(result.variables), "rows": rows}
+        statements = [[subject, predicate, told(value)] for subject, predicate, value in result.statements]
+        return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
+
+    def csv(self) -> str | None:
+        """Returns the rows as CSV; None where there are none: only SELECT has rows."""
+        if not isinstance(self.result, Table):
+            return None
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\r\n")
+        writer.writerow(self.result.variables)
+        writer.writerows([_shown(row[name]) for name in self.result.variables] for row in self.result.rows)
+        return text.getvalue()
+
+    def turtle(self) -> str | None:
+        """Returns the triples as Turtle; None where there are none: only CONSTRUCT has triples."""
+        return self.result.turtle if isinstance(self.result, Constructed) else None
+
+
+def _shown(value: Value | None) -> str:
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else format_value(value, ANY_LITERAL)

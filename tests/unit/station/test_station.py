@@ -1,0 +1,128 @@
+"""The station in process: a program calls the same use cases as the server."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from skiros_py.api.elements import ElementPatch, NewElement
+from skiros_py.api.goals import GoalOrder
+from skiros_py.api.jobs import JobOrder
+from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName, UsageError, WrongState
+from skiros_py.station.requests import Seen
+from skiros_py.station.session import Options, Session
+from skiros_py.station.station import Station
+
+Opened = Callable[..., Station]
+
+
+@pytest.fixture
+def opened(tmp_path: Path) -> Iterator[Opened]:
+    with ExitStack() as stack:
+
+        def open_(scene: str = "kitting", **options: object) -> Station:
+            data = tmp_path / "data"
+            chosen = Options(fake=True, data=data, **options)  # type: ignore[arg-type]
+            return stack.enter_context(Station(lambda: Session(scene, chosen), data))
+
+        yield open_
+
+
+def test_a_closed_skill_manager_offers_nothing_until_it_is_opened_again(opened: Opened) -> None:
+    station = opened()
+    offered = {skill.name for skill in station.modules.skills()}
+
+    station.modules.close_manager("base_1")
+    without = {skill.name for skill in station.modules.skills()}
+    again = station.modules.open_manager("base_1")
+
+    assert offered - without == {"drive"}
+    assert "drive" in again.skills
+    assert {skill.name for skill in station.modules.skills()} == offered
+
+
+def test_only_subsystems_of_the_session_have_a_skill_manager_and_each_has_one(opened: Opened) -> None:
+    station = opened()
+
+    with pytest.raises(WrongState, match="open already"):
+        station.modules.open_manager("base_1")
+    with pytest.raises(UsageError, match="belongs to no robot"):
+        station.modules.open_manager("starter_1")
+    with pytest.raises(NotFound) as unknown:
+        station.modules.close_manager("base_9")
+    assert unknown.value.code == "UnknownAgent"
+    with pytest.raises(NotFound):
+        station.modules.open_manager("base_9")
+
+
+def test_a_choice_of_skills_is_all_that_is_on_offer(opened: Opened) -> None:
+    station = opened(skills=("drive", "pick"))
+
+    assert {skill.name for skill in station.modules.skills()} == {"drive", "pick"}
+
+
+def test_a_skill_that_is_not_installed_is_refused_by_name() -> None:
+    with pytest.raises(UnknownName, match="unknown skill 'pik'"):
+        Session("kitting", Options(fake=True, skills=("pik",)))
+
+
+def test_a_world_without_a_robot_is_edited_and_looked_at(opened: Opened, tmp_path: Path) -> None:
+    scene = tmp_path / "empty.ttl"
+    with Session("kitting", Options(fake=True)) as session:
+        text = _without_robot(session)
+    scene.write_text(text)
+
+    station = opened(str(scene))
+
+    assert station.robots.all() == []
+    assert station.modules.managers() == []
+    assert station.elements.all("kitting:Starter").items
+    with pytest.raises(UsageError, match="has no robot"):
+        station.session.run("InKit(Starter, kit_1)")
+
+
+def _without_robot(session: Session) -> str:
+    from skiros_py.station.scenes.content import scene_only
+    from skiros_py.world.scene.writer import scene_turtle
+
+    with session.world.transaction("test", "no robot") as tx:
+        for robot in session.world.instances("sk:Robot"):
+            tx.remove(robot)
+    return scene_turtle(scene_only(session.world.snapshot()))
+
+
+def test_a_program_orders_a_job_and_reads_its_report(opened: Opened) -> None:
+    station = opened()
+
+    result = station.jobs.order(JobOrder(goal=["InKit(Starter, kit_1)"], id="kit-1"))
+    job = station.jobs.wait("kit-1", 30.0)
+
+    assert not result.repeated
+    assert job.outcome == "succeeded"
+    assert station.jobs.order(JobOrder(goal=["InKit(Starter, kit_1)"], id="kit-1")).repeated
+    assert station.jobs.report("kit-1").steps
+
+
+def test_a_program_edits_the_world_with_the_same_checks_as_a_client(opened: Opened) -> None:
+    station = opened()
+    added = station.elements.add(
+        NewElement(**{"class": "kitting:Starter", "placement": {"relation": "sk:in", "place": "pallet_a"}})
+    )
+
+    with pytest.raises(StaleVersion):
+        station.elements.change(added.id, ElementPatch(label="x"), Seen(added.version - 1))
+    changed = station.elements.change(added.id, ElementPatch(label="x"))
+
+    assert changed.label == "x"
+
+
+def test_a_program_is_told_the_code_of_what_is_refused(opened: Opened) -> None:
+    station = opened()
+
+    with pytest.raises(Refused) as refused:
+        station.simulation.bodies()
+    assert refused.value.code == "NoSimulation"
+    assert station.goals.check(GoalOrder(goal=["InKit(Starter, kit_1)"])).conditions
