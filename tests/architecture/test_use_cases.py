@@ -22,8 +22,8 @@ OWN = {
     "list_webhooks", "login", "logout", "ping_webhook", "redeliver", "revoke_key",
 }  # fmt: skip
 """About the server itself: its keys, logins, audit log, webhooks and health."""
-STREAMS = {"list_events", "stream_events", "stream_state"}
-"""Events are read from the log of the station, live state from its snapshot."""
+STREAMS = {"list_events", "stream_events"}
+"""Each listener has a position of its own in the log of events."""
 SEVERAL = {
     "answer_alarm": "who may answer depends on the alarm",
     "read_view": "the view is made only where its tag is another one",

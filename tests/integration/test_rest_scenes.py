@@ -326,7 +326,7 @@ def test_a_folder_that_takes_no_files_is_told_and_nothing_is_half_written(
 ) -> None:
     blocked = served.services.station.data / "blocked"
     blocked.write_text("")
-    monkeypatch.setattr(served.services.station.scenes, "_folder", blocked)
+    monkeypatch.setattr(served.services.station.scene_store, "_folder", blocked)
 
     answer = http.post("/scenes", json={"name": "full"})
 

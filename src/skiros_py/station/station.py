@@ -34,7 +34,7 @@ from skiros_py.station.recordings.service import RecordingService
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.models import RobotModels
 from skiros_py.station.robots.motions import Motions
-from skiros_py.station.robots.service import RobotService
+from skiros_py.station.robots.service import DeviceService, RobotService
 from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
 from skiros_py.station.scenes.stage import SceneStage
@@ -81,7 +81,7 @@ class Station:
     Attributes:
         data: The data directory.
         control: Runs the session.
-        alarms, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots, scenes, sequences, simulation,
+        alarms, devices, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots, scenes, sequences, simulation,
             stops, tasks, templates, world: The use cases, by topic.
         events: The log of events.
         live: The present state of the robots.
@@ -136,6 +136,7 @@ class Station:
         self.bodies = Bodies(self.control, self.alarm_book)
         self.simulation = Simulation(self.control, self.bodies)
         self.alarms = AlarmService(self)
+        self.devices = DeviceService(self)
         self.elements = ElementService(self)
         self.goals = GoalService(self)
         self.jobs = JobService(self)

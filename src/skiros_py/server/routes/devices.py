@@ -8,9 +8,7 @@ from fastapi import APIRouter, Path
 
 from skiros_py.api.devices import DeviceInfo, DeviceReading
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.problems import found
-from skiros_py.server.services import ServicesDep
-from skiros_py.station.robots import devices
+from skiros_py.server.services import StationDep
 
 __all__ = ["router"]
 
@@ -20,20 +18,18 @@ Id = Annotated[str, Path(max_length=200)]
 
 
 @router.get("/devices", summary="List the devices", dependencies=[needs(Role.VIEWER)])
-def list_devices(services: ServicesDep) -> list[DeviceInfo]:
+def list_devices(station: StationDep) -> list[DeviceInfo]:
     """All devices of the cell, of robots and by themselves, with the values that each offers."""
-    return devices.device_infos(services.session)
+    return station.devices.all()
 
 
 @router.get("/devices/{id}", summary="Describe a device", dependencies=[needs(Role.VIEWER)])
-def get_device(id: Id, services: ServicesDep) -> DeviceInfo:  # noqa: A002 - as the address says it
+def get_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002 - as the address says it
     """One device."""
-    with found():
-        return devices.device_info(services.session, id)
+    return station.devices.get(id)
 
 
 @router.get("/devices/{id}/state", summary="Read a device", dependencies=[needs(Role.VIEWER)])
-def get_device_state(id: Id, services: ServicesDep) -> DeviceReading:  # noqa: A002
+def get_device_state(id: Id, station: StationDep) -> DeviceReading:  # noqa: A002
     """What a device says now, and the values that it offers."""
-    with found():
-        return devices.device_reading(services.session, id)
+    return station.devices.reading(id)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from skiros_py.api.devices import DeviceInfo, DeviceReading
 from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import HomeRobot, Jog, RobotInfo, RobotReading, Teach
@@ -12,13 +13,13 @@ from skiros_py.errors import Busy, Refused, SkirosError, UnknownName
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.station.modules.views import run_info
 from skiros_py.station.requests import LIBRARY, Author, addressed
-from skiros_py.station.robots import robots
+from skiros_py.station.robots import devices, robots
 from skiros_py.station.robots.models import DrawnModel
 
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["RobotService"]
+__all__ = ["DeviceService", "RobotService"]
 
 _LESSONS = {"grasp": "teach_grasp", "driving-pose": "teach_driving_pose", "placing-pose": "teach_placing_pose"}
 
@@ -126,3 +127,36 @@ class RobotService:
     def _find(self, id_: str) -> RobotSpec:
         with addressed():
             return robots.robot_of(self._station.session, id_)
+
+
+class DeviceService:
+    """Describes and reads devices of any kind.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
+
+    def all(self) -> list[DeviceInfo]:
+        """Describes all devices of the cell, with the values that each offers."""
+        return devices.device_infos(self._station.session)
+
+    def get(self, id_: str) -> DeviceInfo:
+        """Describes one device.
+
+        Raises:
+            NotFound: There is none of that id.
+        """
+        with addressed():
+            return devices.device_info(self._station.session, id_)
+
+    def reading(self, id_: str) -> DeviceReading:
+        """Returns the state of a device, and the values that it offers.
+
+        Raises:
+            NotFound: There is none of that id.
+        """
+        with addressed():
+            return devices.device_reading(self._station.session, id_)
