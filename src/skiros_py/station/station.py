@@ -81,8 +81,8 @@ class Station:
     Attributes:
         data: The data directory.
         control: Runs the session.
-        alarms, devices, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots, scenes, sequences, simulation,
-            stops, tasks, templates, world: The use cases, by topic.
+        alarms, devices, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots, scenes,
+            sequences, simulation, stops, tasks, templates, world: The use cases, by topic.
         events: The log of events.
         live: The present state of the robots.
         looks: What the cameras saw last.
