@@ -15,6 +15,7 @@ from skiros_py.station.alarms.alarms import Alarms
 from skiros_py.station.alarms.service import AlarmService
 from skiros_py.station.alarms.sources import AlarmSources
 from skiros_py.station.control import ControlThread, OpenSession
+from skiros_py.station.document_service import DocumentService
 from skiros_py.station.documents import TOLD, Document, DocumentStore
 from skiros_py.station.events.event import Kind
 from skiros_py.station.events.live import LiveState
@@ -81,8 +82,8 @@ class Station:
     Attributes:
         data: The data directory.
         control: Runs the session.
-        alarms, devices, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots, scenes,
-            sequences, simulation, stops, tasks, templates, world: The use cases, by topic.
+        alarms, behaviours, devices, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots,
+            scenes, sequences, simulation, stops, tasks, templates, world: The use cases, by topic.
         events: The log of events.
         live: The present state of the robots.
         looks: What the cameras saw last.
@@ -136,6 +137,8 @@ class Station:
         self.bodies = Bodies(self.control, self.alarm_book)
         self.simulation = Simulation(self.control, self.bodies)
         self.alarms = AlarmService(self)
+        self.behaviours = DocumentService(self)
+        self.control.on_open(self.behaviours.open)
         self.devices = DeviceService(self)
         self.elements = ElementService(self)
         self.goals = GoalService(self)
@@ -190,6 +193,7 @@ class Station:
             self._stack.callback(self.preview_book.close)
             self.documents = self._stack.enter_context(closing(DocumentStore(self.data / "server.db", self._note)))
             self.template_store = TemplateStore(self.documents)
+            self.control.call(self.behaviours.open)
         except BaseException:
             self.close()
             raise
