@@ -52,7 +52,7 @@ def address(function: Any) -> tuple[str, str]:
 
 def test_each_operation_of_the_server_has_a_call(tmp_path: Path) -> None:
     with serving("kitting", tmp_path) as server:
-        paths = httpx2.get(f"{server.url}/api/v1/openapi.json").json()["paths"]
+        paths = httpx2.get(f"{server.url}/api/v1/openapi.json", timeout=60.0).json()["paths"]
     offered = {
         (method.upper(), path.removeprefix("/api/v1")): operation["operationId"]
         for path, methods in paths.items()

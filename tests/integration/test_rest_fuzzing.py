@@ -33,7 +33,9 @@ def test_no_request_makes_the_server_fail_or_say_what_is_not_documented(tmp_path
     with serving("kitting", tmp_path / "data", settings=ServerSettings(rate=1_000_000)) as server:
         _, key = server.services.keys.create("fuzzer", Role.ADMIN)
         header = {"Authorization": f"Bearer {key}"}
-        document = httpx2.get(f"{server.url}/api/v1/openapi.json", headers=header).raise_for_status().json()
+        document = (
+            httpx2.get(f"{server.url}/api/v1/openapi.json", headers=header, timeout=60.0).raise_for_status().json()
+        )
         description = tmp_path / "openapi.json"
         description.write_text(json.dumps(_without_keys(document)), encoding="utf-8")
         configuration = tmp_path / "schemathesis.toml"
@@ -44,7 +46,7 @@ def test_no_request_makes_the_server_fail_or_say_what_is_not_documented(tmp_path
         command += ["--checks", ",".join(_CHECKS), "--exclude-path-regex", _STREAMS, "--request-timeout", "30"]
         command += ["--header", f"Authorization: Bearer {key}", "--continue-on-failure", "--no-color"]
         done = subprocess.run(command, capture_output=True, text=True, timeout=280, cwd=tmp_path)
-        alive = httpx2.get(f"{server.url}/healthz").status_code
+        alive = httpx2.get(f"{server.url}/healthz", timeout=60.0).status_code
 
     assert done.returncode == 0, done.stdout[-8000:] + done.stderr[-2000:]
     assert alive == 200
