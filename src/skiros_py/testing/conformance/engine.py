@@ -110,7 +110,7 @@ class EngineContract:
 
     def test_unknown_joints_and_links_are_refused_with_those_there_are(self, crane: SimulatedRobot) -> None:
         with pytest.raises(UnknownName, match="trolley"):
-            crane.joints(("trolly",))
+            crane.joints(("trolleys",))
         with pytest.raises(UnknownName, match="hook"):
             crane.link("hok")
 
