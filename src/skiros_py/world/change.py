@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, ClassVar, Self
 
@@ -48,7 +48,8 @@ class _Edit:
 
     def as_json(self) -> _Json:
         """Returns plain data."""
-        return {"edit": self.kind, **{field.name: _plain(getattr(self, field.name)) for field in fields(self)}}  # type: ignore[arg-type]
+        names: tuple[str, ...] = self.__match_args__  # type: ignore[attr-defined]  # of every dataclass
+        return {"edit": self.kind, **{name: _plain(getattr(self, name)) for name in names}}
 
 
 @dataclass(frozen=True, slots=True)
