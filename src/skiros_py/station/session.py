@@ -223,7 +223,7 @@ class Session:
     def _own_goal(self) -> tuple[Condition, ...]:
         """Reads the goal of the options, else the one that goes with the scene."""
         if self.options.goal:
-            return self._conditions(self.options.goal)
+            return self._read_goal(self.options.goal)
         try:
             return self.parse(self.world.goals)
         except UsageError as error:
@@ -480,6 +480,9 @@ class Session:
         if not self.spec.robots and not self.managers:
             iri = "https://w3id.org/skiros-py/robots/mobile_panda"
             raise UsageError(f"scene '{self.scene}' has no robot: import one, such as <{iri}>")
+        return self._read_goal(goal)
+
+    def _read_goal(self, goal: str | Sequence[Condition] | Sequence[str] | None) -> tuple[Condition, ...]:
         given: Sequence[Any] = self.goal if goal is None else (goal,) if isinstance(goal, str) else goal
         if not isinstance(given, Sequence) or not all(isinstance(part, str | Condition) for part in given):
             raise UsageError(f"a goal is a text, or a list of texts or conditions, not {goal!r}")
