@@ -12,7 +12,9 @@ from skiros_py.skills.lint.subject import Known, Source, Subject
 __all__ = ["PRIVATE_IMPORT"]
 
 _PACKAGE = "skiros_py"
-_OPEN = frozenset({"errors", "geometry", "ports", "skills", "testing", "world", "workers", "__version__"})
+_OPEN = frozenset(
+    {"behaviours", "devices", "errors", "geometry", "ports", "skills", "testing", "world", "workers", "__version__"}
+)
 """What plug-ins may import; and, of the package itself, the few names it offers."""
 _PORTS = ("skiros_py.planning.planners.planner",)
 """Ports that lie elsewhere."""
@@ -28,7 +30,7 @@ def _private(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG0
                 yield Problem(text, Spot(subject.file, getattr(node, "lineno", 1)))
 
 
-_DOORS = "skiros_py.skills, .world, .robot, .geometry, .errors (and .testing in tests)"
+_DOORS = "skiros_py.skills, .behaviours, .devices, .ports, .world, .geometry, .errors (and .testing in tests)"
 
 
 def _imported(node: ast.AST) -> Iterator[str]:
