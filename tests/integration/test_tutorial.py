@@ -27,7 +27,7 @@ def uv(*arguments: str | Path) -> None:
 @pytest.fixture(scope="module")
 def wheels(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("wheels")
-    for project in (ROOT, ROOT / "primitives", ROOT / "skills"):
+    for project in (ROOT, ROOT / "primitives", ROOT / "robots", ROOT / "skills"):
         uv("build", "--quiet", "--wheel", "--out-dir", folder, project)
     return folder
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
+import time
 from concurrent.futures import ThreadPoolExecutor
-from threading import Event
+from threading import Event, Lock, Timer, get_ident
 from typing import TypeVar
 
 from skiros_py.errors import PlanningError
+from skiros_py.interruptions import Interruption
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.requests import Answer, Asked, Request, answered
@@ -15,6 +18,13 @@ from skiros_py.world.world import World
 __all__ = ["ThreadHost"]
 
 T = TypeVar("T")
+
+_PATIENCE = 1.0
+"""How long work that was stopped may go on before it is interrupted: an author's condition may hang [s]."""
+
+
+class _Stopped(Interruption):
+    """Raised in a thread whose work was stopped and goes on nevertheless."""
 
 
 class ThreadHost:
@@ -30,6 +40,8 @@ class ThreadHost:
         self._planners = planners if isinstance(planners, Planners) else Planners.only(planners)
         self._threads = ThreadPoolExecutor(thread_name_prefix="skiros-planning")
         self._closed = Event()
+        self._lock = Lock()
+        self._working: dict[int, Event] = {}
 
     def ask(self, request: Request[T]) -> Asked[T]:
         """Begins to answer a request about the world as it is now.
@@ -41,15 +53,48 @@ class ThreadHost:
         version, state = self._world.state()
 
         def work() -> Answer[T]:
-            value = answered(request, state, self._planners, lambda: stop.is_set() or self._closed.is_set())
-            return Answer(version, value)
+            with self._lock:
+                self._working[get_ident()] = stop
+            try:
+                value = answered(request, state, self._planners, lambda: stop.is_set() or self._closed.is_set())
+                return Answer(version, value)
+            except _Stopped:
+                raise PlanningError("planning was stopped") from None
+            finally:
+                with self._lock:
+                    del self._working[get_ident()]
+                    _raise_in(get_ident(), None)
 
         try:
-            return Asked(self._threads.submit(work), stop.set)
+            return Asked(self._threads.submit(work), lambda: self._end(stop))
         except RuntimeError:
             raise PlanningError("planning was stopped") from None
+
+    def _end(self, stop: Event) -> None:
+        """Stops one request; what does not look whether it was stopped is interrupted soon after."""
+        stop.set()
+        timer = Timer(_PATIENCE, self._interrupt, (stop,))
+        timer.daemon = True
+        timer.start()
+
+    def _interrupt(self, stop: Event | None = None) -> None:
+        with self._lock:
+            for thread, other in self._working.items():
+                if stop is None or other is stop:
+                    _raise_in(thread, _Stopped)
 
     def close(self) -> None:
         """Ends everything that is under way."""
         self._closed.set()
-        self._threads.shutdown(wait=True, cancel_futures=True)
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        end = time.monotonic() + _PATIENCE
+        while self._working and time.monotonic() < end:
+            time.sleep(0.005)
+        self._interrupt()
+        self._threads.shutdown(wait=True)
+
+
+def _raise_in(thread: int, kind: type[BaseException] | None) -> None:
+    """Raises an exception in a thread at its next Python instruction; None takes back one that has not arrived yet."""
+    exception = None if kind is None else ctypes.py_object(kind)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), exception)

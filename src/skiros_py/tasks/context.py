@@ -106,5 +106,5 @@ class TaskContext:
         """Waits for an answer where simulated time stands still meanwhile; only until the task shall end."""
         if self.lockstep:
             with self.cycle.pulse.waiting():
-                while not (asked.done() or self.leaving() or control.stop is not None):
+                while not (asked.done() or self.cycle.halted or self.leaving() or control.stop is not None):
                     time.sleep(_POLL)
