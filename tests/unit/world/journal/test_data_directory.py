@@ -251,7 +251,7 @@ def test_a_learned_file_edited_by_hand_is_kept_once_and_what_counts_is_said(
     assert [path.name for path in kept] == ["learned.ttl.kept-1", "learned.ttl.kept-2"]
     assert [path.read_text(encoding="utf-8") for path in kept] == [text.replace("mug", n) for n in ("jug", "cup")]
     assert file.read_text(encoding="utf-8") == text
-    assert "is kept as learned.ttl.kept-1, and written anew" in caplog.text
+    assert "is kept as learned.ttl.kept-1, and written again" in caplog.text
     assert "let it be the learned.ttl of a new data directory" in caplog.text
 
 
