@@ -14,8 +14,6 @@ from skiros_py.planning.problem.stock import with_stock
 from skiros_py.planning.problem.task import PlanningTask, build_task
 from skiros_py.planning.sequence import counts
 
-__all__ = ["disagreement"]
-
 
 def disagreement(task: RandomTask, planner: Planner, width: int = 2) -> str:
     """Plans with everything, with what is relevant, and with a few candidates, and replays each plan.

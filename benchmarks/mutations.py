@@ -30,8 +30,6 @@ from skiros_py.testing.tiny_skills import (
 from skiros_py.world.vocabulary import DRIVING_POSE, HAS_A, IN
 from skiros_py.world.world import World
 
-__all__ = ["Expected", "Mutation", "mutations"]
-
 _OPENING = "tiny:opening"
 
 IN_TRAY = ConditionType(

@@ -21,8 +21,6 @@ from skiros_py.world.element import Placement
 from skiros_py.world.vocabulary import IN
 from skiros_skills.conditions import OBJECT_AT_LOCATION
 
-__all__ = ["figures"]
-
 _CYCLE = 0.005
 
 

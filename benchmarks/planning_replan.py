@@ -24,8 +24,6 @@ from skiros_skills.drive import DESCRIPTION as DRIVE
 from skiros_skills.pick import DESCRIPTION as PICK
 from skiros_skills.place import PLACE_FAKE
 
-__all__ = ["replanning_times"]
-
 _GOAL = ("ObjectAtLocation(Starter, kit_1_a)", "ObjectAtLocation(compressor_1, kit_1_b)")
 
 
@@ -39,6 +37,8 @@ class Slip(Primitive[Any]):
 
     @dataclass(frozen=True, slots=True)
     class Params:
+        """What it does."""
+
         what: str = param("sk:SpatialThing", "What it is about.")
 
     def execute(self) -> Execution[Outcome]:

@@ -35,8 +35,6 @@ from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 
-__all__ = ["figures"]
-
 _BALLS, _SLOTS = 8, 6
 _SKILLS = (DRIVE, PICK, PLACE)
 

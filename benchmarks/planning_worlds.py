@@ -17,8 +17,6 @@ from skiros_skills.drive import DESCRIPTION as DRIVE
 from skiros_skills.pick import DESCRIPTION as PICK
 from skiros_skills.place import DESCRIPTION as PLACE
 
-__all__ = ["PART_CLASSES", "able", "crowded", "kitting_world"]
-
 PART_CLASSES = (kitting.STARTER, kitting.ALTERNATOR, kitting.COMPRESSOR, kitting.RELAY_BOX)
 """What the parts are, in turn."""
 

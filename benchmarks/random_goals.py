@@ -10,8 +10,6 @@ from skiros_py.tasks.goals import parse_goal
 from skiros_py.testing.tiny_skills import CONDITIONS
 from skiros_py.world.world import World
 
-__all__ = ["goal_in_turns", "random_goal"]
-
 _CLASSES = ("Ball", "RedBall", "Giant")
 _BOXES = ("box_a", "box_b")
 

@@ -16,8 +16,6 @@ from skiros_py.testing.tiny import tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, DRIVE, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, PICK, PLACE
 from skiros_py.world.world import World
 
-__all__ = ["TAKE", "RandomTask", "mixed_task", "random_task"]
-
 TAKE = replace(
     PICK,
     name="take",

@@ -14,8 +14,6 @@ from typing import Any
 
 import httpx2
 
-__all__ = ["Halted", "Server", "running"]
-
 _PATIENCE = 120.0
 
 

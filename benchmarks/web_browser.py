@@ -9,8 +9,6 @@ from typing import Any
 
 from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
 
-__all__ = ["browsing", "cost_of", "heap", "new_page", "ready", "transferred"]
-
 _ARGUMENTS = ["--enable-unsafe-swiftshader", "--enable-precise-memory-info"]
 """Software rendering, as on a machine without a graphics card.
 

@@ -10,8 +10,6 @@ from playwright.sync_api import Browser, Locator, Page
 from rest_server import Server
 from web_browser import cost_of, new_page, ready
 
-__all__ = ["large_scene"]
-
 _AT_ONCE = 500
 _TRIES = 7
 _CLASSES = ("Starter", "Alternator", "Compressor", "RelayBox")

@@ -30,8 +30,6 @@ from skiros_py.world.scene.learned import learned_turtle, read_learned
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
-__all__ = ["Outcome", "run"]
-
 _ROOT = Path(__file__).parents[1]
 _ONTOLOGIES = (_ROOT / "ontologies" / "core.ttl", _ROOT / "src" / "skiros_py" / "testing" / "tiny.ttl")
 _BOXES = ("box_a", "box_b", "box_c")

@@ -24,8 +24,6 @@ from skiros_py.world.index import Index
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.world import World
 
-__all__ = ["Outcome", "run"]
-
 _COUNT = "sk:missedLooks"
 _SHARED = "starter_shared"
 _BOXES = ("left", "right")

@@ -15,18 +15,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
-__all__ = [
-    "KITTING",
-    "ROOT",
-    "add_part",
-    "best",
-    "furnished",
-    "part_triples",
-    "seconds_of",
-    "seconds_per_call",
-    "write_scene",
-]
-
 ROOT = Path(__file__).parents[1]
 KITTING = "https://w3id.org/skiros-py/kitting#"
 _XSD = rdflib.XSD

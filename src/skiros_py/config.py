@@ -12,8 +12,6 @@ from pathlib import Path
 from skiros_py.errors import FileError, UnknownName, UsageError
 from skiros_py.plugins import Entry, PluginFault, files_of, installation, unambiguous
 
-__all__ = ["SCENE_SUFFIXES", "find_scene", "named_scene", "ontology_paths", "plugin_scenes", "scene_names"]
-
 SCENE_SUFFIXES = (".ttl", ".owl", ".rdf", ".owx", ".xml")
 """How the names of scene files end; of two files of one name the first kind counts."""
 

@@ -12,8 +12,6 @@ from typing import Any
 
 from skiros_py.errors import FileError, WorldError
 
-__all__ = ["Database", "Schema"]
-
 _PAGES_BETWEEN_CHECKPOINTS = 4000
 """How long the write-ahead log grows before it is worked into the file (16 MB)."""
 

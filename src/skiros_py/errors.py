@@ -37,29 +37,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from pathlib import Path
 
-__all__ = [
-    "Busy",
-    "DescriptionError",
-    "DeviceError",
-    "FileError",
-    "GoalSyntaxError",
-    "KeyReused",
-    "Locked",
-    "MissingExtra",
-    "MissingSystemLibrary",
-    "ModuleError",
-    "NotFound",
-    "PlanningError",
-    "Refused",
-    "Removed",
-    "SkirosError",
-    "StaleVersion",
-    "UnknownName",
-    "UsageError",
-    "WorldError",
-    "WrongState",
-]
-
 
 class SkirosError(Exception):
     """Base of every fault this platform raises on purpose; its text is meant for the user."""

@@ -16,8 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-__all__ = ["Array", "Pose", "Primitive", "Solid", "wrap_angle"]
-
 Array = NDArray[np.float64]
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import signal
 
-__all__ = ["Interruption", "UserStop", "by_user"]
-
 
 class Interruption(BaseException):
     """The platform breaks off what runs, such as code that holds the control cycle."""

@@ -11,17 +11,6 @@ from pathlib import Path
 
 from skiros_py.errors import MissingExtra, MissingSystemLibrary, UsageError
 
-__all__ = [
-    "EXTRAS",
-    "check_display",
-    "check_system_libraries",
-    "has_extra",
-    "memory",
-    "missing_system_libraries",
-    "processors",
-    "require_extra",
-]
-
 EXTRAS = {
     "physics": ("pybullet", "pinocchio", "open3d"),
     "ontology": ("owlready2", "reasonable"),

@@ -21,8 +21,6 @@ from loky.process_executor import BrokenProcessPool, ShutdownExecutorError, Term
 
 from skiros_py.errors import DeviceError
 
-__all__ = ["Call", "Worker"]
-
 T = TypeVar("T")
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-__all__ = ["OPEN", "ROLES"]
-
 _LADDER = ("viewer", "operator", "engineer", "admin")
 
 _TABLE = {

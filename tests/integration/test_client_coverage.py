@@ -29,7 +29,8 @@ class Anything:
 def functions() -> Iterator[Any]:
     for found in pkgutil.iter_modules(calls.__path__):
         module = importlib.import_module(f"{calls.__name__}.{found.name}")
-        yield from (getattr(module, name) for name in module.__all__)
+        public = (value for name, value in vars(module).items() if not name.startswith("_"))
+        yield from (v for v in public if inspect.isfunction(v) and v.__module__ == module.__name__)
 
 
 def argument(parameter: inspect.Parameter) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
+from skiros_py.skills.conditions import ConditionType
 from skiros_skills import conditions
 
 
@@ -13,5 +14,7 @@ def test_every_condition_has_an_entry_point_under_its_name() -> None:
     entries = tomllib.loads(text)["project"]["entry-points"]["skiros.conditions"]
 
     assert entries == {
-        getattr(conditions, constant).name: f"{conditions.__name__}:{constant}" for constant in conditions.__all__
+        condition.name: f"{conditions.__name__}:{constant}"
+        for constant, condition in vars(conditions).items()
+        if isinstance(condition, ConditionType) and not constant.startswith("_")
     }

@@ -14,8 +14,6 @@ from typing import Self
 from skiros_py.client import Client
 from skiros_py.errors import DeviceError
 
-__all__ = ["ServerProcess"]
-
 _PATIENCE = 60.0
 """How long it may take to start, or to end [s]."""
 

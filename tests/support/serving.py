@@ -14,8 +14,6 @@ from skiros_py.server.serving import Serving, bind, switching_quickly, url_of
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.session import Options, Session
 
-__all__ = ["Served", "serving"]
-
 _PATIENCE = 30.0
 """How long the server may take to listen [s]."""
 _PRETENDING = Options(fake=True)

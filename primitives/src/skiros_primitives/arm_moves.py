@@ -22,9 +22,6 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
 from skiros_py.world.vocabulary import GRIPPER, HAS_A
 
-__all__ = ["ArmPrimitive"]
-
-
 _ARRIVED = 0.02
 """Greatest joint error at the end of a motion [rad]."""
 _COURTESY = 120.0

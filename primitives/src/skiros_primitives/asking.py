@@ -8,8 +8,6 @@ from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.questions import QuestionKind
 
-__all__ = ["AskingPrimitive"]
-
 
 class AskingPrimitive(Primitive[Any]):
     """Base of the primitives that ask a person; their parameters have a field ``patience`` [s], None for ever."""

@@ -16,8 +16,6 @@ from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.stock import stocks
 from skiros_py.world.vocabulary import IN, MISSING
 
-__all__ = ["Association", "associate"]
-
 _SAME = 0.10
 """A part is the believed one when it lies at most this far from where it is believed to be [m]."""
 

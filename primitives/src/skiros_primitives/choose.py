@@ -14,8 +14,6 @@ from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, DATATYPES
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["Choose"]
-
 
 class Choose(AskingPrimitive):
     """Asks a person to choose one of several; whoever goes on finds the choice as a property of an element."""

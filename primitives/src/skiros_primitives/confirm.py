@@ -11,8 +11,6 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import QuestionKind
 
-__all__ = ["Confirm"]
-
 
 class Confirm(AskingPrimitive):
     """Asks a person a question of yes or no; "no" is a failure."""

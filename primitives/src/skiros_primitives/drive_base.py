@@ -20,8 +20,6 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import map_pose, obstacles
 from skiros_py.world.vocabulary import AT, BASE, DRIVING_POSE, FLOOR, LOCATION, POSE_FRAME, ROBOT
 
-__all__ = ["DriveBase"]
-
 _ARRIVED = 0.03
 """Greatest distance from the driving pose after standstill [m]."""
 _FACING = math.radians(2.0)

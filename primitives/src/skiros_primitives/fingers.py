@@ -6,8 +6,6 @@ from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState, Grippe
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Execution
 
-__all__ = ["firm_force", "move_fingers"]
-
 _STILL_FOR = 0.1
 _PATIENCE = 2.0
 _FIRM = 0.5

@@ -12,8 +12,6 @@ from shapely.geometry.base import BaseGeometry
 from skiros_py.geometry import Array, Pose, Primitive
 from skiros_py.ports.motion import Obstacle
 
-__all__ = ["covered", "placed"]
-
 _TALLEST = 1.6
 """What begins higher is in no base's way [m]."""
 

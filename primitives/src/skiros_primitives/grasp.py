@@ -20,8 +20,6 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, set_pose
 from skiros_py.world.vocabulary import ARM, GRIPPER, HELD_BY, MANIPULATABLE
 
-__all__ = ["Grasp"]
-
 _LIFT = 0.12
 """How far above the grasp the approach starts and the lift ends [m]."""
 _GAP_TOLERANCE = 0.007

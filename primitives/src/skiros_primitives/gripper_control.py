@@ -12,8 +12,6 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.vocabulary import GRIPPER
 
-__all__ = ["GripperControl"]
-
 
 class GripperControl(Primitive["GripperControl.Params"]):
     """Moves the fingers to a gap and waits until they stand."""

@@ -13,8 +13,6 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.vocabulary import ARM, HELD_BY, ROBOT
 
-__all__ = ["Home"]
-
 _FELT = 2.0
 """Fingers that are pressed apart with this force hold something [N]."""
 

@@ -24,8 +24,6 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import obstacles
 from skiros_py.world.vocabulary import AT, BASE, FLOOR, POSE_FRAME, ROBOT
 
-__all__ = ["JogBase"]
-
 _FARTHEST = 0.2
 """Longest step [m]."""
 _TURN = 0.35

@@ -15,8 +15,6 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.world.vocabulary import ARM
 
-__all__ = ["JogJoints"]
-
 _FARTHEST = 0.2
 """Farthest turn of one joint in one step [rad]."""
 _SHOWN = 0.0005

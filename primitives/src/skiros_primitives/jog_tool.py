@@ -17,8 +17,6 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.vocabulary import ARM, SPATIAL_THING
 
-__all__ = ["JogTool"]
-
 _FARTHEST = 0.1
 """Longest step [m]."""
 _TURN = 0.35

@@ -10,8 +10,6 @@ from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_py.ports.motion import MotionPlan, NoMotion, Trajectory
 from skiros_py.skills.primitive import Execution
 
-__all__ = ["even", "slip"]
-
 _SPEED = 0.3
 """Mean joint speed of a motion that nobody plans [rad/s]."""
 

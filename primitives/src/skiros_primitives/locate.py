@@ -31,8 +31,6 @@ from skiros_py.world.vocabulary import (
     UNKNOWN_LOCATION,
 )
 
-__all__ = ["Locate"]
-
 _CLEAR = 0.9
 """A look is clear when the camera saw at least this share of the place."""
 _MISSES = 2

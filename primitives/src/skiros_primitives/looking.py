@@ -16,8 +16,6 @@ from skiros_py.ports.perception import LookRequest, LookResult, Region
 from skiros_py.ports.values import DepthImage
 from skiros_py.skills.primitive import Execution
 
-__all__ = ["LookingPrimitive"]
-
 _LOOK_HEIGHTS = (0.46, 0.40, 0.34)
 """Heights of the camera above what it looks at, best first [m]; low ones where the arm cannot reach higher."""
 

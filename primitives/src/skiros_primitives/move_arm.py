@@ -13,8 +13,6 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
 from skiros_py.world.vocabulary import ARM
 
-__all__ = ["MoveArm"]
-
 
 class MoveArm(ArmPrimitive):
     """Moves freely, around obstacles, with whatever is held."""

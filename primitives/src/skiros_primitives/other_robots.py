@@ -14,8 +14,6 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 
-__all__ = ["bodies", "others", "outline", "reach", "standing"]
-
 _HEIGHT = 1.2
 """How high a base with its folded arm is taken to be [m]."""
 _HAND = 0.12

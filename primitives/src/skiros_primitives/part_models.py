@@ -13,8 +13,6 @@ from skiros_py.skills.surroundings import solid_of
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import GRASP_HEIGHT, GRASP_POSE, GRASP_WIDTH, MANIPULATABLE, SOLID
 
-__all__ = ["Grasp", "grasp_of", "part_models"]
-
 _ROUND_TURNS = 8
 """From so many sides a round part is tried."""
 

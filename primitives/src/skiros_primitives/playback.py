@@ -7,8 +7,6 @@ import math
 from skiros_py.devices.arm import ArmTarget
 from skiros_py.ports.motion import Trajectory
 
-__all__ = ["Playback"]
-
 _SAME = 1e-6
 """Clock times that differ by less than this part of a period are the same."""
 

@@ -6,8 +6,6 @@ import math
 
 from skiros_py.geometry import Pose
 
-__all__ = ["downward", "level"]
-
 
 def downward(x: float, y: float, z: float, yaw: float) -> Pose:
     """Returns a tool pose that points straight down; the tool's x axis has the given heading [m, rad]."""

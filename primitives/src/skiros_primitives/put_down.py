@@ -29,8 +29,6 @@ from skiros_py.world.vocabulary import (
     UNKNOWN_LOCATION,
 )
 
-__all__ = ["PutDown"]
-
 _LIFT = 0.12
 """How far above the release the approach starts and the retreat ends [m]."""
 _DROP = 0.004

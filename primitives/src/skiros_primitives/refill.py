@@ -16,8 +16,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import CONTAINER, IN, MANIPULATABLE, MISSED_LOOKS, MISSING
 
-__all__ = ["Refill"]
-
 _DONE, _CANNOT = "done", "cannot"
 
 

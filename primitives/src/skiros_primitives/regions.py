@@ -8,8 +8,6 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.vocabulary import SOLID, SUPPORT_HALF_EXTENTS, SUPPORT_OFFSET
 
-__all__ = ["inner_region", "support_region"]
-
 
 def support_region(context: RunContext, place: str) -> Region | str:
     """Returns the support area of a storage place in the map, or why there is none."""

@@ -16,8 +16,6 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, set_pose, solid_of
 from skiros_py.world.vocabulary import ARM, CAMERA, CONTAINER, POSE_FRAME
 
-__all__ = ["RegisterKit"]
-
 _ASIDE = (0.0, 0.06, 0.09)
 """How far the tool is drawn back for each further look [m]: what it holds may hide the kit."""
 

@@ -15,8 +15,6 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, set_pose
 from skiros_py.world.vocabulary import ARM, CAMERA, MANIPULATABLE
 
-__all__ = ["RegisterPart"]
-
 _NEAR = 0.05
 """The part seen may lie at most this far from where the first look saw it [m]."""
 _HALF = 0.10

@@ -11,8 +11,6 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.world.vocabulary import ROBOT
 
-__all__ = ["StowArms"]
-
 _STOWED = 0.05
 """Greatest joint error of an arm that is in its posture [rad]."""
 

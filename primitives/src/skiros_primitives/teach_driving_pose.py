@@ -13,8 +13,6 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.vocabulary import BASE, DRIVING_POSE, LOCATION, TAUGHT_DRIVING_POSE
 
-__all__ = ["TeachDrivingPose"]
-
 
 class TeachDrivingPose(Primitive["TeachDrivingPose.Params"]):
     """Learns where to stand at places of a class: where the base stands now, seen from one of them."""

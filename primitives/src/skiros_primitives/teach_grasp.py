@@ -16,8 +16,6 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, map_pose
 from skiros_py.world.vocabulary import ARM, GRASP_POSE, GRASP_WIDTH, GRIPPER, MANIPULATABLE, TAUGHT_GRASP
 
-__all__ = ["TeachGrasp"]
-
 _OPEN = 0.002
 """Fingers that are less than this from wide open are not closed on anything [m]."""
 

@@ -14,8 +14,6 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import held_by, map_pose
 from skiros_py.world.vocabulary import ARM, CONTAINER, GRIPPER, MANIPULATABLE, PLACING_POSE, TAUGHT_PLACING_POSE
 
-__all__ = ["TeachPlacingPose"]
-
 
 class TeachPlacingPose(ArmPrimitive):
     """Learns how to put things into containers of a class: as the part is now, in the gripper or where it was seen."""

@@ -10,8 +10,6 @@ from skiros_py.world.names import ClassName, local_name
 from skiros_py.world.vocabulary import APPLIES_TO
 from skiros_py.world.world import World
 
-__all__ = ["keep", "other_class"]
-
 
 def other_class(world: World, element: str, type_: str | None) -> Failure | None:
     """Returns why something cannot be taught by the example of an element for a class: it must be of that class."""

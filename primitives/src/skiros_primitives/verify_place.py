@@ -15,8 +15,6 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import set_pose
 from skiros_py.world.vocabulary import ARM, CAMERA, CONTAINER, IN, MANIPULATABLE, MISSING, ON, UNKNOWN_LOCATION
 
-__all__ = ["VerifyPlace"]
-
 _LOOKS = 2
 
 

@@ -12,8 +12,6 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import set_pose
 from skiros_py.world.vocabulary import FLOOR, GRASP_WIDTH, GRIPPER, HELD_BY, ON
 
-__all__ = ["WatchGrasp"]
-
 _TOLERANCE = 0.008
 """Fingers that close this much further than the part is wide have lost it [m]."""
 _FOR = 0.1

@@ -33,22 +33,6 @@ from skiros_py.world.vocabulary import (
 )
 from skiros_skills import kitting
 
-__all__ = [
-    "CAN_BE_WORKED_AT",
-    "CARRYING",
-    "DOCKED_AT",
-    "EMPTY_HANDED",
-    "FITS_IN",
-    "GRASPABLE",
-    "HAS_PART",
-    "HOLDING",
-    "IN_KIT",
-    "LOCATION_EMPTY",
-    "LOCATION_FREE",
-    "OBJECT_AT_LOCATION",
-    "ROBOT_AT_LOCATION",
-]
-
 HAS_PART = ConditionType(
     "HasPart",
     (Role("whole", SPATIAL_THING), Role("part", SPATIAL_THING)),

@@ -9,8 +9,6 @@ from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.vocabulary import BASE, LOCATION, ROBOT
 from skiros_skills.conditions import CAN_BE_WORKED_AT, HAS_PART, LOCATION_FREE, ROBOT_AT_LOCATION
 
-__all__ = ["DESCRIPTION", "DRIVE", "DRIVE_FAKE"]
-
 DESCRIPTION = SkillDescription(
     name="drive",
     help="Drives the robot to a location.",

@@ -9,8 +9,6 @@ from skiros_py.world.vocabulary import ARM, CAMERA, GRIPPER, MANIPULATABLE, ROBO
 from skiros_skills import kitting
 from skiros_skills.conditions import EMPTY_HANDED, GRASPABLE, HAS_PART, HOLDING, OBJECT_AT_LOCATION, ROBOT_AT_LOCATION
 
-__all__ = ["DESCRIPTION", "PICK", "PICK_FAKE"]
-
 DESCRIPTION = SkillDescription(
     name="pick",
     help="Picks a part from a storage place.",

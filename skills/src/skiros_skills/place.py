@@ -19,8 +19,6 @@ from skiros_skills.conditions import (
     OBJECT_AT_LOCATION,
 )
 
-__all__ = ["DESCRIPTION", "PLACE", "PLACE_FAKE"]
-
 DESCRIPTION = SkillDescription(
     name="place",
     help="Places a held part into a compartment of a kit.",

@@ -9,8 +9,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer, Request
 
-__all__ = ["AlarmAnswer", "AlarmInfo", "AlarmKind", "AlarmPage", "Severity"]
-
 
 class Severity(enum.StrEnum):
     """How soon somebody has to look."""

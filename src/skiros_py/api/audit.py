@@ -6,8 +6,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer, Moment
 
-__all__ = ["AuditPage", "AuditRecord"]
-
 
 class AuditRecord(Answer):
     """One request that changed something, or was refused."""

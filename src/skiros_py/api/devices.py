@@ -8,8 +8,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer
 
-__all__ = ["DeviceInfo", "DeviceReading", "SignalInfo", "SignalValue"]
-
 SignalValue = bool | float | tuple[float, ...]
 """A truth value, a number, or numbers."""
 

@@ -9,8 +9,6 @@ from pydantic import AfterValidator, Field
 
 from skiros_py.api.wire import Answer, Request
 
-__all__ = ["DocumentContent", "DocumentInfo", "DocumentKindInfo", "DocumentKinds", "Documents", "PaletteNode"]
-
 _LONGEST = 200_000
 
 

@@ -8,20 +8,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from skiros_py.api.values import ElementId, GivenValue, Name, Placement, Pose, Reason, Value
 
-__all__ = [
-    "Addition",
-    "ElementDetails",
-    "ElementPage",
-    "ElementPatch",
-    "ElementSummary",
-    "NewElement",
-    "NewRelation",
-    "Property",
-    "Relation",
-    "RelationPage",
-    "TreeNode",
-]
-
 _GIVEN = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 _TOLD = ConfigDict(frozen=True, populate_by_name=True)
 

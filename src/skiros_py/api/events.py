@@ -9,8 +9,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer
 
-__all__ = ["EventInfo", "EventKind", "EventPage", "ResetInfo"]
-
 EventKind = Literal["world", "module", "task", "job", "alarm", "document", "system"]
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["fault_limit", "fault_words"]
-
 _WORDS = {
     "bool": "must be true or false",
     "int": "must be a whole number",

@@ -8,20 +8,6 @@ from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from skiros_py.api.wire import Answer, Name, Request
 
-__all__ = [
-    "CheckedCondition",
-    "CheckedGoal",
-    "ConditionWord",
-    "ConditionWords",
-    "Goal",
-    "GoalData",
-    "GoalOrder",
-    "GoalTexts",
-    "Material",
-    "Role",
-    "SceneGoals",
-]
-
 _LONGEST_TEXT = 20_000
 
 Amount = Annotated[str, Field(pattern=r"^[0-9]{1,12}(\.[0-9]{1,9})?$")]

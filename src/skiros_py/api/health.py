@@ -6,8 +6,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer
 
-__all__ = ["Health", "Readiness"]
-
 
 class Health(Answer):
     """Whether the server is alive."""

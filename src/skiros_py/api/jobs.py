@@ -12,37 +12,6 @@ from skiros_py.api.goals import GoalOrder, Material
 from skiros_py.api.templates import TemplateParameter
 from skiros_py.api.wire import Answer, Moment, Name, Request, WantedMoment
 
-__all__ = [
-    "COMMANDS",
-    "AcceptedJob",
-    "ConditionActual",
-    "Job",
-    "JobAnswer",
-    "JobCapabilities",
-    "JobComment",
-    "JobExplanation",
-    "JobOrder",
-    "JobPage",
-    "JobPlan",
-    "JobPolicy",
-    "JobReport",
-    "JobResponse",
-    "JobResponses",
-    "JobState",
-    "JobStep",
-    "JobTrace",
-    "JobTransition",
-    "JobTransitions",
-    "MaterialMoved",
-    "OrderedGoal",
-    "PlannedStep",
-    "StateEntry",
-    "StateName",
-    "WorkMaster",
-    "material_from",
-    "order_from",
-]
-
 COMMANDS = ("start", "revoke-start", "pause", "resume", "stop", "abort", "cancel", "clear")
 """What may be asked of a job: the last part of the address of each command."""
 

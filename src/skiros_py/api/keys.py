@@ -8,8 +8,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer, Moment, Request, WantedMoment
 
-__all__ = ["ApiKey", "KeyOrder", "NewKey", "RoleName"]
-
 RoleName = Literal["viewer", "operator", "engineer", "admin", "mes"]
 """What somebody may do. Each of the first four may do what those before it may; mes may order and command jobs."""
 

@@ -6,8 +6,6 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["Learned", "LearnedPage"]
-
 
 class Learned(BaseModel):
     """Something that a robot was taught, and keeps beyond this scene."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["SERVER_FILE", "LocalServer"]
-
 SERVER_FILE = "server.json"
 """Lies in the data directory while a server runs on it; only its user can read it."""
 

@@ -9,8 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from skiros_py.api.values import ElementId
 
-__all__ = ["Lock", "LockList", "LockOrder"]
-
 
 class Lock(BaseModel):
     """Somebody's right to be the only person or job that edits an element."""

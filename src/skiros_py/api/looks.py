@@ -7,8 +7,6 @@ from pydantic import Field
 from skiros_py.api.state import PoseInfo
 from skiros_py.api.wire import Answer
 
-__all__ = ["ArmWay", "Look", "RobotMotion", "Seen", "Waypoint"]
-
 
 class Seen(Answer):
     """One thing that was recognised, or not."""

@@ -9,30 +9,6 @@ from pydantic import AfterValidator, ConfigDict, Field
 
 from skiros_py.api.wire import Answer, Moment, Request
 
-__all__ = [
-    "Arguments",
-    "BodyEdge",
-    "BodyNode",
-    "Implementation",
-    "ManagerInfo",
-    "ModuleDetails",
-    "ModuleParameter",
-    "ModulePlace",
-    "ModuleProgress",
-    "ModuleRound",
-    "ModuleRunInfo",
-    "ModuleRunStatus",
-    "ModuleRuns",
-    "ModuleSummary",
-    "PanelInfo",
-    "PanelRequest",
-    "PanelRow",
-    "RunModule",
-    "RunningInfo",
-    "SkillCondition",
-    "SkillInfo",
-]
-
 _LONGEST_KEY = 100
 _MOST_ARGUMENTS = 50
 _MOST_ROUNDS = 1000

@@ -6,21 +6,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from skiros_py.api.values import Value
 
-__all__ = [
-    "ClassDetails",
-    "ClassNode",
-    "ClassProperty",
-    "ClassUse",
-    "HowMany",
-    "PlaceOption",
-    "PlacementOption",
-    "PlacementOptions",
-    "PropertyInfo",
-    "PropertyPage",
-    "RelationInfo",
-    "RelationPage",
-]
-
 _TOLD = ConfigDict(frozen=True, populate_by_name=True)
 
 

@@ -6,8 +6,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer
 
-__all__ = ["PluginFaultInfo", "PluginInfo", "Plugins"]
-
 
 class PluginFaultInfo(Answer):
     """What is wrong with a plug-in; it hurts nobody else."""

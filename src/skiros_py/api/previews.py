@@ -10,8 +10,6 @@ from pydantic import Field
 from skiros_py.api.jobs import PlannedStep
 from skiros_py.api.wire import Answer, Moment
 
-__all__ = ["AppliedRepair", "Exchange", "Preview", "PreviewPage", "PreviewState", "Repair"]
-
 
 class PreviewState(enum.StrEnum):
     """How far a preview is."""

@@ -6,8 +6,6 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["ProblemDetails"]
-
 
 class ProblemDetails(BaseModel):
     """What went wrong, and what would be right.

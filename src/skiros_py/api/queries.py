@@ -8,17 +8,6 @@ from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt
 
 from skiros_py.api.values import GivenPose, Number
 
-__all__ = [
-    "AskAnswer",
-    "Bound",
-    "ConstructAnswer",
-    "DecimalLiteral",
-    "Query",
-    "QueryAnswer",
-    "SelectAnswer",
-    "TextLiteral",
-]
-
 _LONGEST_TIME = 60.0
 """What a question asked over the network may take at most [s]."""
 

@@ -7,8 +7,6 @@ from pydantic import Field
 from skiros_py.api.view import WorldView
 from skiros_py.api.wire import Answer
 
-__all__ = ["Replay", "ReplayChange", "ReplayFrames"]
-
 
 class ReplayFrames(Answer):
     """Where the devices were, at the same moments each."""

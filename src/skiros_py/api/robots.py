@@ -10,24 +10,6 @@ from skiros_py.api.modules import Arguments
 from skiros_py.api.state import ArmInfo, BaseInfo, GripperInfo, PoseInfo
 from skiros_py.api.wire import Answer, Name, Request
 
-__all__ = [
-    "ArmDescription",
-    "ArmReading",
-    "BaseDescription",
-    "CameraDescription",
-    "GripperDescription",
-    "HomeRobot",
-    "Jog",
-    "JogBase",
-    "JogGripper",
-    "JogJoints",
-    "JogTool",
-    "JointDescription",
-    "RobotInfo",
-    "RobotReading",
-    "Teach",
-]
-
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Turn = Annotated[float, Field(ge=-0.2, le=0.2)]
 Length = Annotated[float, Field(ge=-0.1, le=0.1)]

@@ -9,18 +9,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer, Request
 
-__all__ = [
-    "SCENE_NAME",
-    "LoadScene",
-    "PresentScene",
-    "SaveScene",
-    "Scene",
-    "SceneDifference",
-    "SceneEntry",
-    "SceneRobot",
-    "Scenes",
-]
-
 SCENE_NAME = r"^[a-z0-9][a-z0-9_-]{0,63}$"
 """Names under which scenes are saved: safe as names of files everywhere."""
 

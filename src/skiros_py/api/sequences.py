@@ -9,17 +9,6 @@ from pydantic import ConfigDict, Field, model_validator
 from skiros_py.api.tasks import GoalText, WantedStep
 from skiros_py.api.wire import Answer, Name, Request
 
-__all__ = [
-    "CheckedStep",
-    "InsertStep",
-    "MoveStep",
-    "NewSequence",
-    "RunSequence",
-    "SequenceInfo",
-    "SequenceSummary",
-    "Sequences",
-]
-
 _MOST_STEPS = 100
 
 

@@ -7,8 +7,6 @@ from pydantic import Field
 from skiros_py.api.keys import RoleName
 from skiros_py.api.wire import Answer, Request
 
-__all__ = ["Login", "Me"]
-
 
 class Login(Request):
     """A key, shown once by a web page, which gets a cookie for it."""

@@ -9,8 +9,6 @@ from pydantic import Field, field_validator
 
 from skiros_py.api.wire import Answer, Request
 
-__all__ = ["Bodies", "BodyPose", "NewPace", "Pace", "Position", "Quaternion", "SimulatedBody", "SimulationState"]
-
 _FAR = 1000.0
 """Greatest distance from the map's origin that makes sense for a cell [m]."""
 

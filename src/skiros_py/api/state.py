@@ -6,8 +6,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer
 
-__all__ = ["ArmInfo", "BaseInfo", "GripperInfo", "ModuleAtWork", "PoseInfo", "StationState", "TaskAtWork"]
-
 
 class PoseInfo(Answer):
     """Where something is, seen from the map."""

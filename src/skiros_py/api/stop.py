@@ -8,8 +8,6 @@ from pydantic import Field
 
 from skiros_py.api.wire import Answer, Request
 
-__all__ = ["StopInfo", "StopRequest"]
-
 
 class StopRequest(Request):
     """Why everything shall stop; may be left out."""

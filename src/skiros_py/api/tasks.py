@@ -9,18 +9,6 @@ from pydantic import ConfigDict, Field, model_validator
 from skiros_py.api.jobs import JobPolicy, PlannedStep
 from skiros_py.api.wire import Answer, Moment, Request
 
-__all__ = [
-    "GoalText",
-    "NewTask",
-    "TaskInfo",
-    "TaskQuestion",
-    "TaskReport",
-    "TaskStep",
-    "TaskTrace",
-    "Tasks",
-    "WantedStep",
-]
-
 _MOST_STEPS = 100
 GoalText = Annotated[str, Field(min_length=1, max_length=10_000)]
 Word = Annotated[str, Field(min_length=1, max_length=300)]

@@ -7,8 +7,6 @@ from pydantic import Field
 from skiros_py.api.goals import GoalData
 from skiros_py.api.wire import Answer, Name, Request
 
-__all__ = ["GoalTemplate", "GoalTemplateContent", "GoalTemplates", "TemplateParameter"]
-
 
 class TemplateParameter(Request):
     """Something that an order fills in."""

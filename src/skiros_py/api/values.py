@@ -7,8 +7,6 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, field_validator
 
-__all__ = ["EVERYTHING", "ElementId", "GivenPose", "GivenValue", "Name", "Placement", "Pose", "Reason"]
-
 EVERYTHING = "sk:Element"
 """The class of all elements."""
 _FARTHEST = 1e6

@@ -9,8 +9,6 @@ from pydantic import ConfigDict, Field
 from skiros_py.api.state import PoseInfo
 from skiros_py.api.wire import Answer
 
-__all__ = ["Block", "ViewElement", "WorldView"]
-
 
 class Block(Answer):
     """A box or a cylinder, one of those that a shape is built of."""

@@ -9,17 +9,6 @@ from pydantic import AwareDatetime, Field
 
 from skiros_py.api.wire import Answer, Request
 
-__all__ = [
-    "STATES",
-    "Deliveries",
-    "Delivery",
-    "DeliveryState",
-    "Webhook",
-    "WebhookChange",
-    "WebhookOrder",
-    "WebhookSecret",
-]
-
 STATES = frozenset({"NotAllowedToStart", "AllowedToStart", "Running", "Interrupted", "Ended", "Aborted", "Removed"})
 """States of a job of which a webhook may be told: those of ISA-95, and that it is there no more."""
 

@@ -7,8 +7,6 @@ from typing import Annotated
 
 from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field
 
-__all__ = ["Answer", "Moment", "Name", "Request", "WantedMoment", "moment"]
-
 _LONGEST_NAME = 200
 _YEARS = range(1971, 9000)
 """Beyond these a time can no longer be moved from one time zone to another, or counted from 1970."""

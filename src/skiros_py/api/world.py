@@ -10,23 +10,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from skiros_py.api.elements import Addition
 from skiros_py.api.values import GivenValue, Name
 
-__all__ = [
-    "AddOperation",
-    "Change",
-    "ChangePage",
-    "Operation",
-    "PlaceOperation",
-    "RelateOperation",
-    "RemoveOperation",
-    "SetOperation",
-    "TransactionOrder",
-    "UndoOrder",
-    "Undoable",
-    "UnrelateOperation",
-    "WorldInfo",
-    "Written",
-]
-
 _GIVEN = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 _TOLD = ConfigDict(frozen=True, populate_by_name=True)
 

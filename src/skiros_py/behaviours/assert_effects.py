@@ -11,8 +11,6 @@ from skiros_py.skills.behaviour import Behaviour, Scope, Uses
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Failure, Outcome, Success
 
-__all__ = ["AssertEffects"]
-
 
 @dataclass(frozen=True, slots=True)
 class AssertEffects(Behaviour):

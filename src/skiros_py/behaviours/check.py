@@ -12,8 +12,6 @@ from skiros_py.skills.execution import Execution
 from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure, Outcome, Success
 
-__all__ = ["Check"]
-
 
 @dataclass(frozen=True, slots=True)
 class Check(Behaviour):

@@ -12,8 +12,6 @@ from skiros_py.skills.behaviour import Behaviour, Call, Out, P, Scope, Uses
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Outcome
 
-__all__ = ["Do"]
-
 
 @dataclass(frozen=True, slots=True)
 class Do(Behaviour):

@@ -13,8 +13,6 @@ from skiros_py.skills.behaviour import Behaviour, walk
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.references import check_references
 
-__all__ = ["DocumentFault", "DocumentKind", "PaletteEntry"]
-
 
 @dataclass(frozen=True, slots=True)
 class DocumentFault:

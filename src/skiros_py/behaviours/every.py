@@ -13,8 +13,6 @@ from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Outcome
 
-__all__ = ["Every"]
-
 
 @dataclass(frozen=True, slots=True)
 class Every(Behaviour):

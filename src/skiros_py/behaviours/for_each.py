@@ -15,8 +15,6 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import IT
 from skiros_py.skills.variables import variables
 
-__all__ = ["ForEach"]
-
 
 @dataclass(frozen=True, slots=True)
 class ForEach(Behaviour):

@@ -15,8 +15,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Outcome
 
-__all__ = ["Guard"]
-
 
 @dataclass(frozen=True, slots=True)
 class Guard(Behaviour):

@@ -8,8 +8,6 @@ from skiros_py.skills.behaviour import Behaviour, Scope
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Outcome, Success
 
-__all__ = ["in_turn", "numbered"]
-
 
 def numbered(children: Iterable[Behaviour]) -> Mapping[str, Behaviour]:
     """Returns children by their number, counted from 0."""

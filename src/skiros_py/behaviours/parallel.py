@@ -15,8 +15,6 @@ from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.plain import Reader
 
-__all__ = ["Parallel", "Policy"]
-
 
 class Policy(enum.Enum):
     """When a :class:`Parallel` is over; children that still run then are cancelled and recover."""

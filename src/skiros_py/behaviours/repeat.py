@@ -12,8 +12,6 @@ from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Failure, Outcome
 
-__all__ = ["Repeat"]
-
 
 @dataclass(frozen=True, slots=True)
 class Repeat(Behaviour):

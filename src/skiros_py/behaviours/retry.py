@@ -12,8 +12,6 @@ from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Outcome, Success
 
-__all__ = ["Retry"]
-
 
 @dataclass(frozen=True, slots=True)
 class Retry(Behaviour):

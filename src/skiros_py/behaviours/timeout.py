@@ -13,8 +13,6 @@ from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Failure, Outcome
 
-__all__ = ["Timeout"]
-
 
 @dataclass(frozen=True, slots=True)
 class Timeout(Behaviour):

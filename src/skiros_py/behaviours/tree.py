@@ -8,8 +8,6 @@ from skiros_py.behaviours.document import DocumentKind
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.plain import Reader
 
-__all__ = ["Tree"]
-
 
 class Tree(DocumentKind):
     """A tree of behaviours of all kinds, written down as they are: ``{"type": "sequence", "children": […]}``."""

@@ -10,8 +10,6 @@ from skiros_py.skills.conditions.watch import Watch
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Failure, Outcome
 
-__all__ = ["lost", "run_until"]
-
 
 def run_until(
     child: Behaviour, key: str, scope: Scope, end: Callable[[Execution[Outcome]], Outcome | None]

@@ -10,8 +10,6 @@ from skiros_py.skills.behaviour import Behaviour, Scope
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Outcome, Success
 
-__all__ = ["Wait", "pause_for"]
-
 
 @dataclass(frozen=True, slots=True)
 class Wait(Behaviour):

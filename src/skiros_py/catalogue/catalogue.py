@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from skiros_py.ports.driver import CellDriver
     from skiros_py.ports.signals import SignalProvider
 
-__all__ = ["Catalogue", "choose_planners"]
-
 _OF_PLANNERS = ("name", "supports", "solve", "close")
 
 

@@ -10,8 +10,6 @@ from skiros_py.plugins import Entry, Plugin
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.skill import Skill
 
-__all__ = ["Named", "called_by", "callers_of_broken", "clashes_of_conditions", "clashes_of_modules"]
-
 
 @dataclass(frozen=True, slots=True)
 class Named:

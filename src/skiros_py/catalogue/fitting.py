@@ -17,8 +17,6 @@ from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
-__all__ = ["fitting"]
-
 
 def fitting(
     catalogue: Catalogue, ontology: Ontology, reasoners: Reasoners = NO_REASONERS, *, fake: bool | None = None

@@ -22,8 +22,6 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.reasoners.reasoner import Reasoner
 
-__all__ = ["KINDS", "Kind", "skills_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class Kind:

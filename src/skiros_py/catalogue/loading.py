@@ -25,8 +25,6 @@ from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 
-__all__ = ["load_catalogue"]
-
 
 def load_catalogue() -> Catalogue:
     """Finds the skills, primitives, behaviours, conditions, planners and drivers that distributions bring.

@@ -13,8 +13,6 @@ from skiros_py.plugins import Entry, PluginFault, fault_of, installation, unambi
 from skiros_py.world.ontology import load_installed
 from skiros_py.world.scene.robots import documents_of
 
-__all__ = ["Surveyed", "survey"]
-
 _WITH_FILES = ("skiros.robots", "skiros.scenes")
 
 

@@ -12,8 +12,6 @@ from typing import Any
 
 from skiros_py.errors import FileError
 
-__all__ = ["as_installed"]
-
 
 @contextmanager
 def as_installed(path: Path) -> Iterator[str]:

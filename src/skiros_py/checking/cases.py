@@ -22,8 +22,6 @@ from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.terms import Family
 from skiros_py.world.world import World
 
-__all__ = ["Case", "Ground", "NoCase", "find_case"]
-
 _MOST_TARGETS = 30
 """So many elements are tried as what a skill is done to; in plans, which take longer, a tenth of that."""
 

@@ -18,16 +18,6 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.index import Index
 
-__all__ = [
-    "Contract",
-    "check_contract",
-    "contained_contract",
-    "finding",
-    "is_testable",
-    "missing_effects",
-    "never_tried",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Contract:

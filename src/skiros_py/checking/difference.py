@@ -13,8 +13,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.scene import describe, diff
 from skiros_py.world.vocabulary import HAS_A, MISSED_LOOKS, MISSING, POSE, POSE_FRAME
 
-__all__ = ["undeclared"]
-
 _OF_MOVED = frozenset({POSE, MISSING, MISSED_LOOKS})
 """Properties that say where a thing is: to move it is to change them."""
 

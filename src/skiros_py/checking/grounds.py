@@ -14,8 +14,6 @@ from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 
-__all__ = ["scene_grounds"]
-
 
 def scene_grounds(ontology: Ontology, reasoners: Reasoners, first: Collection[str] = ()) -> tuple[Ground, ...]:
     """Returns all scenes, those of the given names first."""

@@ -16,8 +16,6 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import FLOOR, ON, SPATIAL_THING
 from skiros_py.world.world import World
 
-__all__ = ["make_up"]
-
 
 def make_up(description: SkillDescription, world: World, given: Mapping[str, Any]) -> dict[str, Any]:
     """Adds an element for each element parameter that is not given, and lets the needs hold as far as they can be said.

@@ -19,8 +19,6 @@ from skiros_py.skills.lint import Source, Spot, Subject
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 
-__all__ = ["Part", "parts_of", "sources_of"]
-
 _OWN_PACKAGE = "skiros_py"
 
 

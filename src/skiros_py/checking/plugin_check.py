@@ -25,8 +25,6 @@ from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
 
-__all__ = ["PluginReport", "check_plugins", "own_contracts"]
-
 
 @dataclass(frozen=True, slots=True)
 class PluginReport:

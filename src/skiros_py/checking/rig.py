@@ -22,8 +22,6 @@ from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
-__all__ = ["Rig", "fake_rig"]
-
 _LONGEST = 600.0
 """A skill that runs longer than this is broken off [s, simulated]."""
 

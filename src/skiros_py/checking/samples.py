@@ -13,8 +13,6 @@ from skiros_py.world.element import Value
 from skiros_py.world.literals import DATATYPES
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["sample_of_range", "sample_values"]
-
 _OF_TYPE: Mapping[str, Any] = MappingProxyType(
     {
         "number": 1.0,

@@ -16,8 +16,6 @@ from skiros_py.skills.skill import Skill
 from skiros_py.station.judgement import judge
 from skiros_py.station.session import Options, Session, open_world
 
-__all__ = ["check_simulated", "is_simulable"]
-
 _DRIVER = "pybullet"
 
 

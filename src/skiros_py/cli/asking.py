@@ -15,8 +15,6 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.skills.questions import Question, Questions
 
-__all__ = ["answering", "ask_option"]
-
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 

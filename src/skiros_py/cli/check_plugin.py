@@ -17,8 +17,6 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.checking import Contract, PluginReport
 
-__all__ = ["command"]
-
 _NEEDS_ROBOT = "it needs a real or simulated robot (--simulate SCENE)"
 
 

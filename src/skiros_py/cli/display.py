@@ -19,8 +19,6 @@ from skiros_py.tasks.wording import short_step
 if TYPE_CHECKING:
     from skiros_py.station.session import Session
 
-__all__ = ["RunDisplay"]
-
 _FILE_WIDTH = 200
 """Columns of the table where it is not shown on a terminal."""
 

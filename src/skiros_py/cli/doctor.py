@@ -15,8 +15,6 @@ from skiros_py.cli.options import JSON, data_option
 from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 
-__all__ = ["command", "examined"]
-
 
 @click.command("doctor", epilog="Example: skiros doctor --json")
 @data_option(required=False)

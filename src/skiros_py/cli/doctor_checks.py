@@ -10,8 +10,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["CHECKS", "Check", "Finding", "data_folder"]
-
 
 @dataclass(frozen=True, slots=True)
 class Finding:

@@ -18,8 +18,6 @@ import click
 from skiros_py.cli.output import answer
 from skiros_py.cli.text import escaped
 
-__all__ = ["GRACE", "end_now", "end_unless", "leave"]
-
 GRACE = 3.0
 """For how long the control thread may be stuck once the command shall end [s]."""
 _LEAVING = 2.0

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["DIFFERENT", "NOT_REACHED", "NO_PLAN", "REACHED", "STOPPED", "USAGE"]
-
 REACHED = 0
 """The goal holds: by the simulator's truth, or by belief where a fake ran."""
 NOT_REACHED = 1

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from skiros_py.cli.job_files import JobFiles
     from skiros_py.cli.job_server import JobServer
 
-__all__ = ["command"]
-
 _STATES = ("NotAllowedToStart", "AllowedToStart", "Running", "Interrupted", "Ended", "Aborted")
 
 _ELSEWHERE = {

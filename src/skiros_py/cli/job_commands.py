@@ -15,9 +15,6 @@ from skiros_py.cli.reaching import reach, server_options
 if TYPE_CHECKING:
     from skiros_py.api.jobs import Job
 
-__all__ = ["abort", "cancel", "clear", "pause", "reply", "resume", "revoke_start", "start", "stop"]
-
-
 _REMOVE = ("cancel", "clear")
 
 

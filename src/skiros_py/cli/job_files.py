@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from skiros_py.api.jobs import Job, JobPlan
     from skiros_py.tasks.jobs import Job as Known
 
-__all__ = ["JobFiles"]
-
 
 class JobFiles:
     """The jobs of a data directory, for looking at. Use it in a ``with``.

@@ -20,9 +20,6 @@ from skiros_py.cli.output import answer
 from skiros_py.cli.reaching import reach, server_options
 from skiros_py.errors import UsageError
 
-__all__ = ["preview", "submit"]
-
-
 _LOOK = 10.0
 """For how long one request waits for a plan [s]."""
 

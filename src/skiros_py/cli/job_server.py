@@ -9,8 +9,6 @@ if TYPE_CHECKING:
     from skiros_py.api.jobs import Job, JobPlan
     from skiros_py.client import Client
 
-__all__ = ["JobServer"]
-
 _PAGE = 1000
 
 

@@ -14,10 +14,6 @@ from skiros_py.cli.text import escaped
 if TYPE_CHECKING:
     from skiros_py.api.jobs import Job, JobPlan, JobStep, JobTransition
 
-__all__ = [
-    "job_lines", "plan_lines", "print_jobs", "response_lines", "say", "state_line", "status_of", "trace_lines",
-]  # fmt: skip
-
 _STATUS = {
     "succeeded": REACHED,
     "goal already satisfied": REACHED,

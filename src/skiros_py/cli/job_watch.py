@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from skiros_py.api.jobs import Job
     from skiros_py.client import Client
 
-__all__ = ["follow_job", "watch"]
-
 
 @click.command("watch", epilog="Example: skiros job watch kit-17 --data cell")
 @click.argument("job")

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from skiros_py.api.keys import ApiKey
     from skiros_py.server.access.keys import KeyStore
 
-__all__ = ["command"]
-
 _ROLES = ("viewer", "operator", "engineer", "admin", "mes")
 _LASTING = re.compile(r"([1-9]\d{0,4})([hdw])")
 _SECONDS = {"h": 3600.0, "d": 86_400.0, "w": 604_800.0}

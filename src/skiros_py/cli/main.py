@@ -19,8 +19,6 @@ from skiros_py.cli.warnings import warnings_on_stderr
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName
 from skiros_py.interruptions import by_user
 
-__all__ = ["cli", "main"]
-
 _COMMANDS = {
     "run": ("skiros_py.cli.run", "Plan and do the goal of a scene."),
     "serve": ("skiros_py.cli.serve", "Serve a scene or data directory to factory systems, clients and people."),

@@ -12,8 +12,6 @@ from skiros_py.cli.output import answer
 from skiros_py.cli.reaching import reach, server_options
 from skiros_py.cli.text import escaped
 
-__all__ = ["command"]
-
 
 @click.group("manager")
 def command() -> None:

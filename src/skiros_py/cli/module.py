@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from skiros_py.execution.skill_manager import SkillManager
     from skiros_py.station.session import Session
 
-__all__ = ["command"]
-
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 

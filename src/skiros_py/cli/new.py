@@ -16,8 +16,6 @@ from skiros_py.cli.output import answer
 if TYPE_CHECKING:
     from skiros_py.scaffold import Draft, Knowledge
 
-__all__ = ["command"]
-
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 _NAME = click.argument("name")
 _HELP = click.option("--help-text", "help_", default="", metavar="TEXT", help="What it is, in one sentence.")

@@ -8,8 +8,6 @@ from pathlib import Path
 
 from skiros_py.errors import FileError, SkirosError
 
-__all__ = ["nothing_left_of"]
-
 _OF_ACCESS = ("access.db", "access.db-wal", "access.db-shm")
 
 

@@ -19,8 +19,6 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.world.ontology.check import CheckReport, Finding, ReasonerChoice
 
-__all__ = ["command"]
-
 _PATHS = click.argument("paths", nargs=-1, type=click.Path(exists=True, path_type=Path))
 
 

@@ -15,22 +15,6 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.world.journal import DataDirectory
 
-__all__ = [
-    "AUTHOR",
-    "CONFIG",
-    "DATA",
-    "DRIVER",
-    "ENGINE",
-    "JSON",
-    "PACE",
-    "SKILLS",
-    "Seconds",
-    "data_option",
-    "open_existing",
-    "pace_option",
-    "planner_options",
-]
-
 _SLOWEST, _FASTEST = 0.01, 1000.0
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 

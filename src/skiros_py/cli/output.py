@@ -11,8 +11,6 @@ from typing import Any, TextIO
 
 import click
 
-__all__ = ["answer", "answer_text", "answers_alone", "silence"]
-
 _answers: TextIO | None = None
 
 

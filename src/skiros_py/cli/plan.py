@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from skiros_py.planning.domain.pddl import PddlTexts
     from skiros_py.skills.skill import SkillDescription
 
-__all__ = ["command"]
-
 
 @click.command("plan", epilog="Example: skiros plan kitting --write out && ls out")
 @click.argument("scene")

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from skiros_py.catalogue import Surveyed
     from skiros_py.plugins import PluginFault
 
-__all__ = ["command"]
-
 _FILE_WIDTH = 200
 """Columns of the table where it is not shown on a terminal."""
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from skiros_py.cli.world_open import PresentWorld
     from skiros_py.client import Client
 
-__all__ = ["present_world", "reach", "server_options"]
-
 _Command = TypeVar("_Command", bound=Callable[..., Any])
 
 _LONGEST_KEY = 1000

@@ -11,8 +11,6 @@ from skiros_py.cli.options import JSON
 from skiros_py.cli.output import answer
 from skiros_py.errors import FileError
 
-__all__ = ["command"]
-
 
 @click.command("report", epilog="Example: skiros run kitting --data work && skiros report work --output run.html")
 @click.argument("run", type=click.Path(path_type=Path))

@@ -10,8 +10,6 @@ from skiros_py.cli.options import JSON
 from skiros_py.cli.reaching import reach, server_options
 from skiros_py.cli.stop import show_stop
 
-__all__ = ["command"]
-
 
 @click.command("reset", epilog="Example: skiros reset --data cell")
 @server_options

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from skiros_py.station.session import Session
     from skiros_py.tasks.report import GoalReport
 
-__all__ = ["command", "stopping"]
-
 
 @click.command("run", epilog="Example: skiros run kitting --seed 3 --goal 'InKit(Starter, kit_1)' --record run.png")
 @click.argument("scene")

@@ -17,8 +17,6 @@ from skiros_py.errors import FileError, UsageError
 if TYPE_CHECKING:
     from skiros_py.world.branches import Branch
 
-__all__ = ["command"]
-
 _JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 
 

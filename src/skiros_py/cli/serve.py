@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from skiros_py.server.settings import Authentication, ServerSettings
     from skiros_py.station.session import Options
 
-__all__ = ["command"]
-
 _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
 _OVERRUN_SIMULATED = 2.0

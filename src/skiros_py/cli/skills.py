@@ -12,8 +12,6 @@ from skiros_py.cli.text import escaped
 if TYPE_CHECKING:
     from skiros_py.catalogue import Catalogue
 
-__all__ = ["command"]
-
 
 @click.command("skills", epilog="Example: skiros skills --json")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")

@@ -16,8 +16,6 @@ from skiros_py.cli.text import escaped
 if TYPE_CHECKING:
     from skiros_py.api.stop import StopInfo
 
-__all__ = ["command", "show_stop"]
-
 _TIMEOUT, _TRIES = 3.0, 3
 """Whoever wants everything to stop must soon know when that does not work [s], [tries]."""
 

@@ -10,8 +10,6 @@ from contextlib import contextmanager
 
 from skiros_py.interruptions import UserStop
 
-__all__ = ["STOPS", "heard_at_once", "ignore_stops", "raise_interrupt", "unwind_on_stops"]
-
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["brief", "escaped"]
-
 _STACKS = ('\n  File "', "\nTraceback (most recent call last):")
 """How stacks begin that follow a text."""
 

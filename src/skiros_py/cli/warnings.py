@@ -11,8 +11,6 @@ import click
 
 from skiros_py.cli.text import brief, escaped
 
-__all__ = ["no_warnings_on_stderr", "warnings_on_stderr"]
-
 
 @contextmanager
 def warnings_on_stderr() -> Iterator[None]:

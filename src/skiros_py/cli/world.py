@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from skiros_py.world.journal import Entry
     from skiros_py.world.ontology import Ontology
 
-__all__ = ["command"]
-
 _MOST_LINES = 20
 """Edits of one change that are shown; a scene has thousands."""
 

@@ -13,8 +13,6 @@ from skiros_py.cli.reaching import present_world
 from skiros_py.cli.text import escaped
 from skiros_py.world.vocabulary import APPLIES_TO
 
-__all__ = ["command"]
-
 
 @click.group("learned")
 def command() -> None:

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from skiros_py.world.queries import Binding, Result
     from skiros_py.world.world import World
 
-__all__ = ["MOST_ROWS", "History", "OpenWorld", "PresentWorld", "Shown"]
-
 MOST_ROWS = 100_000
 """Rows of the answer to a query in this process."""
 

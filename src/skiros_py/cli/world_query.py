@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from skiros_py.world.element import Value
     from skiros_py.world.queries import Binding, Result, Table
 
-__all__ = ["command"]
-
 _ON_THE_WAY = 30.0
 """What an answer of a server may take beside the question itself [s]."""
 _NUMBERS: Mapping[Callable[[str], Binding], re.Pattern[str]] = {  # as SPARQL tells them apart

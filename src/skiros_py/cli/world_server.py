@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.queries import Binding, Result
 
-__all__ = ["ServedWorld"]
-
 _PAGE = 1000
 _CHANGES = 200
 """Changes of one page."""

@@ -16,8 +16,6 @@ from skiros_py.client.request import Outcome, arguments_of, result_of, settings_
 from skiros_py.client.streams import Stream, follow_later
 from skiros_py.client.topics import Topics
 
-__all__ = ["AsyncClient"]
-
 T = TypeVar("T")
 
 

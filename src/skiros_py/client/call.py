@@ -11,8 +11,6 @@ from typing import Any, Generic, ParamSpec, Protocol, TypeVar, overload
 import httpx2
 from pydantic import BaseModel, TypeAdapter
 
-__all__ = ["AsyncSender", "Call", "Method", "Sender", "Topic", "nothing", "plain"]
-
 T = TypeVar("T")
 P = ParamSpec("P")
 C_co = TypeVar("C_co", bound="Sender | AsyncSender", covariant=True)

@@ -16,8 +16,6 @@ from skiros_py.client.request import Outcome, arguments_of, result_of, settings_
 from skiros_py.client.streams import Stream, follow
 from skiros_py.client.topics import Topics
 
-__all__ = ["Client"]
-
 T = TypeVar("T")
 
 

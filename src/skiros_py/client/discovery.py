@@ -14,8 +14,6 @@ from pydantic import ValidationError
 from skiros_py.api.local import SERVER_FILE, LocalServer
 from skiros_py.errors import FileError
 
-__all__ = ["InStep", "find_server", "server_of"]
-
 _LONGEST = 4096
 
 

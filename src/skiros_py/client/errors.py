@@ -8,8 +8,6 @@ from pydantic import ValidationError
 from skiros_py.api.problem import ProblemDetails
 from skiros_py.errors import DeviceError, SkirosError
 
-__all__ = ["ProblemError", "TookTooLong", "Unreachable", "problem_of"]
-
 _LONGEST_SHOWN = 200
 _LONGEST_NUMBER = 5
 

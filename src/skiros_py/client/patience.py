@@ -13,8 +13,6 @@ from skiros_py.client.call import Call
 from skiros_py.client.errors import ProblemError, Unreachable
 from skiros_py.errors import UsageError
 
-__all__ = ["Attempts", "Patience", "wait_after"]
-
 _FIRST, _LONGEST = 0.1, 5.0
 """The waits between two tries grow from the one to the other [s]."""
 _APART = 0.1

@@ -12,8 +12,6 @@ from skiros_py.client.call import Call
 from skiros_py.client.errors import Unreachable, problem_of
 from skiros_py.errors import SkirosError, UsageError
 
-__all__ = ["Outcome", "arguments_of", "result_of", "settings_for"]
-
 T = TypeVar("T")
 Outcome: TypeAlias = httpx2.Response | httpx2.TransportError
 """What comes of sending a request: an answer, or a broken connection."""

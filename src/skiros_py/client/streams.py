@@ -14,8 +14,6 @@ from httpx2 import ServerSentEvent
 
 from skiros_py.client.errors import Unreachable, problem_of
 
-__all__ = ["Stream", "follow", "follow_later"]
-
 T = TypeVar("T")
 
 _FIRST, _LONGEST = 0.2, 5.0

@@ -42,37 +42,6 @@ from skiros_py.client.calls import (
 )
 from skiros_py.client.waiting import is_over, wait_for, wait_for_async
 
-__all__ = [
-    "Alarms",
-    "Audit",
-    "Devices",
-    "Documents",
-    "Elements",
-    "Events",
-    "Goals",
-    "Jobs",
-    "Keys",
-    "Learned",
-    "Locks",
-    "Modules",
-    "Ontology",
-    "Plugins",
-    "Previews",
-    "Queries",
-    "Robots",
-    "Scenes",
-    "Sequences",
-    "Session",
-    "Simulation",
-    "Station",
-    "Tasks",
-    "Templates",
-    "Topics",
-    "Webhooks",
-    "World",
-]
-
-
 C = TypeVar("C", bound=Sender | AsyncSender)
 
 

@@ -11,8 +11,6 @@ from skiros_py.client.call import AsyncSender, Sender
 from skiros_py.client.calls import jobs
 from skiros_py.client.errors import TookTooLong, Unreachable
 
-__all__ = ["is_over", "wait_for", "wait_for_async"]
-
 _FIRST, _LONGEST = 0.05, 1.0
 """The waits between two looks grow from the one to the other [s]."""
 _OUTAGE = 60.0

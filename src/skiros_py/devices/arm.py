@@ -15,8 +15,6 @@ from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import Contribution, DeviceSignal, DeviceSpec, Individual, require_numbers
 from skiros_py.ports.simulation import SimulatedRobot
 
-__all__ = ["Arm", "ArmSpec", "ArmState", "ArmTarget", "SimulatedArm"]
-
 _GAIN = 0.3
 _BRAKING = 7.5
 """Joint deceleration when commands cease [rad/s²]: the weakest joint limit of the Panda."""

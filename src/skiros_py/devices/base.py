@@ -26,8 +26,6 @@ from skiros_py.ports.device import (
 from skiros_py.ports.models import BASE_JOINTS, BASE_LINK
 from skiros_py.ports.simulation import SimulatedRobot
 
-__all__ = ["Base", "BaseSpec", "BaseState", "BaseTwist", "SimulatedBase"]
-
 _STILL = 0.002  # [m/s], turning counted as [rad/s]
 _DRIVE_FORCE = 2000.0  # [N] and [N m]; enough for every acceleration limit a base of this weight may have
 _HOLDING_GAIN = 0.2

@@ -13,8 +13,6 @@ from skiros_py.ports.pending import Pending
 from skiros_py.ports.simulation import SimulatedRobot
 from skiros_py.ports.values import DepthImage
 
-__all__ = ["Camera", "CameraSpec"]
-
 
 @dataclass(frozen=True, slots=True)
 class CameraSpec(DeviceSpec[None, None]):

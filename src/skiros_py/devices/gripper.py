@@ -14,8 +14,6 @@ from skiros_py.ports.board import DeviceHandle
 from skiros_py.ports.device import DeviceSignal, DeviceSpec, Individual, require_numbers
 from skiros_py.ports.simulation import SimulatedRobot, Surface
 
-__all__ = ["Gripper", "GripperSpec", "GripperState", "GripperTarget", "SimulatedGripper"]
-
 _GAIN = 0.2
 _SPEED = 0.1  # greatest finger speed [m/s]; faster fingers dive into what they close on
 _DEFAULT_FORCE = 30.0  # [N] per finger, until the first command

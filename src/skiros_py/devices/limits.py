@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["Standstill", "approach"]
-
 _QUIET_CYCLES = 10  # a drive that reverses is slow for an instant without standing
 
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from skiros_py.geometry import Array
 
-__all__ = ["POSITION_SIGMA", "YAW_SIGMA", "Localiser"]
-
 POSITION_SIGMA = 0.005
 """Standard deviation of the error in x and in y [m]."""
 

@@ -16,8 +16,6 @@ from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Outcome
 
-__all__ = ["BehaviourRun", "RunnableDocument"]
-
 
 @dataclass(frozen=True, slots=True)
 class RunnableDocument:

@@ -13,8 +13,6 @@ from typing import Self
 
 from skiros_py.errors import DescriptionError, UsageError
 
-__all__ = ["Claim", "Claims"]
-
 
 class Claim:
     """A module's wish for devices. Release it on every end, or use it in a ``with``.

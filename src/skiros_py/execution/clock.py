@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["RunClock"]
-
 _RAMP = 0.3
 """Time in which a clock slows down to standing still, and takes up speed again [s]."""
 

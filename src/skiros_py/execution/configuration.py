@@ -10,8 +10,6 @@ from skiros_py.skills.parameters import Kind, params_of, read_value
 from skiros_py.skills.primitive import Primitive
 from skiros_py.world.view import WorldView
 
-__all__ = ["check_configuration", "configuration_of"]
-
 
 def configuration_of(
     module: str, cls: type[Primitive[Any]], given: Mapping[str, Any], view: WorldView

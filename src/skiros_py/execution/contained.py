@@ -10,8 +10,6 @@ from skiros_py.errors import SkirosError
 from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.skills.outcome import BROKEN, Failure
 
-__all__ = ["broken", "contained", "words"]
-
 T = TypeVar("T")
 
 _log = logging.getLogger(__name__)

@@ -8,8 +8,6 @@ import threading
 
 from skiros_py.world.change import Change
 
-__all__ = ["RunDigest"]
-
 _SHOWN = 16
 
 

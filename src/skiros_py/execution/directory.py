@@ -8,8 +8,6 @@ from typing import Any, Generic, Protocol, TypeVar
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.view import WorldView
 
-__all__ = ["Directory", "Offer"]
-
 
 class Offer(Protocol):
     """What one subsystem can do."""

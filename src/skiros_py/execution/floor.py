@@ -28,8 +28,6 @@ from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import BasePath
 from skiros_py.skills.floor import Outline
 
-__all__ = ["FloorAreas", "FloorWay"]
-
 _MARGIN = 0.06
 """Greatest distance of a base from its path [m]."""
 _SHORT = 0.5

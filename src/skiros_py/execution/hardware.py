@@ -12,8 +12,6 @@ from skiros_py.skills.surroundings import owner
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import DEVICE, HAS_A, LOCATION
 
-__all__ = ["complete", "devices_of", "pieces", "standstill"]
-
 
 def devices_of(view: WorldView, params: Iterable[Param], takes: Sequence[str], values: Mapping[str, Any]) -> set[str]:
     """Returns what a call takes: its hardware, and of what it takes as a whole all devices, and any place itself."""

@@ -29,8 +29,6 @@ from skiros_py.ports.perception import (
 )
 from skiros_py.skills.context import Libraries
 
-__all__ = ["LibraryCall", "LibraryMonitor"]
-
 _log = logging.getLogger(__name__)
 
 Request = LookRequest | RegistrationRequest | MotionRequest | BasePathRequest

@@ -15,8 +15,6 @@ from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import BROKEN, Failure
 from skiros_py.skills.primitive import Primitive
 
-__all__ = ["Loaded", "Loader"]
-
 _log = logging.getLogger(__name__)
 
 _LIMIT = 30.0

@@ -21,8 +21,6 @@ from skiros_py.skills.skill import Skill
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AGENT, HAS_A
 
-__all__ = ["Managers", "subsystems"]
-
 
 def subsystems(view: WorldView, robot: str) -> tuple[str, ...]:
     """Returns the ids of a robot's subsystems, each of which may have a skill manager."""

@@ -22,8 +22,6 @@ from skiros_py.skills.parameters import Kind, Param, params_of
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 
-__all__ = ["ModuleInfo", "Modules"]
-
 
 @dataclass(frozen=True, slots=True)
 class ModuleInfo:

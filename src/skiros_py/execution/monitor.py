@@ -12,8 +12,6 @@ from typing import Any
 from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.skills.outcome import BROKEN_OFF, Outcome, Success
 
-__all__ = ["ModuleEvent", "Monitor", "Status", "end_of"]
-
 _log = logging.getLogger(__name__)
 
 

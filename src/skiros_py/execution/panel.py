@@ -15,8 +15,6 @@ from skiros_py.skills.parameters import Kind, Param, as_json, missing, read_argu
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
-__all__ = ["ConditionRow", "Panel", "primitive_panel", "skill_panel"]
-
 
 @dataclass(frozen=True, slots=True)
 class ConditionRow:

@@ -21,8 +21,6 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import missing, params_of, read_arguments
 from skiros_py.skills.primitive import Execution, Primitive
 
-__all__ = ["Take", "run_primitive"]
-
 Take = Callable[[str, set[str], Claim | None], Claim]
 """Asks for devices: who asks, which, and out of whose."""
 

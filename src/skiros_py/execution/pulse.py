@@ -15,8 +15,6 @@ from typing import Protocol
 
 from skiros_py.interruptions import Interruption
 
-__all__ = ["Chore", "CycleOverrun", "Overrun", "Pulse", "Watched"]
-
 
 class Watched(Protocol):
     """A task, as the watchdog sees it.

@@ -10,8 +10,6 @@ from skiros_py.execution.modules import ModuleInfo
 from skiros_py.world.vocabulary import HAS_PRIMITIVE, HAS_SKILL, MODULE_DESCRIPTION, PRIMITIVE, SKILL, VERSION
 from skiros_py.world.world import World
 
-__all__ = ["Registration"]
-
 _WORDS = {"skill": (SKILL, HAS_SKILL), "primitive": (PRIMITIVE, HAS_PRIMITIVE)}
 
 

@@ -11,8 +11,6 @@ from skiros_py.execution.scope import Scope
 from skiros_py.execution.task import Task
 from skiros_py.skills.outcome import BROKEN, Failure, Outcome
 
-__all__ = ["Running", "RunningModule"]
-
 
 class Running(Protocol):
     """A module that was started, wherever it runs."""

@@ -30,8 +30,6 @@ from skiros_py.skills.sensing import SignalSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
 
-__all__ = ["Runtime", "RuntimeOptions"]
-
 
 @dataclass(frozen=True, slots=True)
 class RuntimeOptions:

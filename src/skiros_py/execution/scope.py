@@ -25,8 +25,6 @@ from skiros_py.skills.execution import Execution
 from skiros_py.skills.inference import applying
 from skiros_py.skills.outcome import Failure, Outcome, Success
 
-__all__ = ["ModuleRunner", "Scope", "Unfinished", "run_recovery"]
-
 _log = logging.getLogger(__name__)
 
 _DEEPEST = 20

@@ -14,8 +14,6 @@ from skiros_py.ports.device import DeviceSignal
 from skiros_py.ports.signals import Input, Sample, Signal, SignalProvider, Value
 from skiros_py.ports.values import Snapshot
 
-__all__ = ["SignalLost", "Signals"]
-
 
 class SignalLost(DeviceError):
     """A signal has no value in this cycle.

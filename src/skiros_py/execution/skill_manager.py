@@ -36,8 +36,6 @@ from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.change import Change
 
-__all__ = ["SkillManager", "Transport"]
-
 _PATIENCE = 1.0
 """For how long a write is waited for when a manager is lost [s]."""
 _MOST_CHANGES = 1000

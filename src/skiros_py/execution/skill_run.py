@@ -27,8 +27,6 @@ from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import as_shown, read_arguments
 from skiros_py.skills.skill import Skill, SkillDescription
 
-__all__ = ["SkillRun"]
-
 
 class SkillRun:
     """Runs one skill: its implementations in turn, until one of them does what the description promises.

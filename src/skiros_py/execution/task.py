@@ -10,8 +10,6 @@ from skiros_py.execution.clock import RunClock
 from skiros_py.execution.pulse import CycleOverrun, Pulse
 from skiros_py.ports.board import DeviceBoard
 
-__all__ = ["Task"]
-
 T = TypeVar("T")
 
 _CLOSE_TRIES = 3

@@ -11,8 +11,6 @@ from skiros_py.execution.scope import Scope
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import BROKEN, Outcome
 
-__all__ = ["ModuleRun", "Tell", "teller", "to_its_end"]
-
 Tell = Callable[[Status, int, str], None]
 """Takes the state of a module, its progress code, and words for a person."""
 

@@ -19,8 +19,6 @@ from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.pulse import Overrun, Watched
 from skiros_py.skills.primitive import Primitive
 
-__all__ = ["Watchdog"]
-
 P = ParamSpec("P")
 
 _log = logging.getLogger(__name__)

@@ -13,8 +13,6 @@ from skiros_py.skills.outcome import Outcome
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
 
-__all__ = ["Watchers"]
-
 
 class Watchers:
     """The watching primitives of one subsystem: each runs at most once for each device of its class.

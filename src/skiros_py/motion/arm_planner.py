@@ -12,8 +12,6 @@ from skiros_py.ports.motion import MotionPlan, MotionRequest, NoMotion
 from skiros_py.ports.pending import Pending
 from skiros_py.workers import Worker
 
-__all__ = ["ArmPlanners", "WorkerArmPlanner"]
-
 _PLAN_LATENCY = 0.05
 
 

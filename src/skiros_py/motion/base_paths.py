@@ -16,8 +16,6 @@ from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, NoMotion,
 from skiros_py.ports.pending import Pending
 from skiros_py.workers import Worker
 
-__all__ = ["BasePaths", "ShapelyBasePlanner"]
-
 _THERE = 0.01  # [m] this near the goal ...
 _ALIGNED = math.radians(1.0)  # ... and this well aligned, the base need not move
 _RUN_UP = 0.25  # [m] the last straight stretch is at least as long, so that the base comes in without sideways error

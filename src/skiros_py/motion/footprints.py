@@ -11,8 +11,6 @@ from shapely.geometry.base import BaseGeometry
 from skiros_py.geometry import Array, Pose, Primitive
 from skiros_py.ports.motion import Obstacle
 
-__all__ = ["floor_outline", "placed", "swept"]
-
 _TALLEST = 1.6  # [m] what begins higher does not stand in the way of a base with its arm folded
 _CORNERS = 24  # of the polygon around a circle
 

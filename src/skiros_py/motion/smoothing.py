@@ -8,8 +8,6 @@ import numpy as np
 
 from skiros_py.geometry import Array
 
-__all__ = ["round_corners"]
-
 _STEP = 0.02  # [rad] between samples of the path
 _WINDOWS = (0.5, 0.25, 0.12)  # [rad] lengths of path over which corners are rounded, widest first
 

@@ -15,8 +15,6 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from skiros_py.geometry import Array
 from skiros_py.ports.motion import Trajectory
 
-__all__ = ["PERIOD", "JointLimits", "time_path"]
-
 PERIOD = 1.0 / 200.0
 """Time between two samples of a trajectory: one control period [s]."""
 

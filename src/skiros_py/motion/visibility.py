@@ -12,8 +12,6 @@ from shapely.geometry.base import BaseGeometry
 
 from skiros_py.geometry import Array
 
-__all__ = ["DiscSpace"]
-
 _QUARTER = 2  # way points per quarter of a rounded corner
 _TURN = 0.3  # [m] what a way point costs besides its way: the base stops there to turn
 _SLACK = 0.002  # [m] by which way points lie outside what must not be entered

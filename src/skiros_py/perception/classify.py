@@ -13,8 +13,6 @@ from skiros_py.perception.heightmaps import Floats, HeightMap, height_map
 from skiros_py.perception.search import compass_search
 from skiros_py.ports.perception import PartModel
 
-__all__ = ["Fit", "Surroundings", "best_fits"]
-
 _CLIP = np.float32(0.030)
 _RAISED = np.float32(0.008)
 _WINDOW = 0.027

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from skiros_py.geometry import Array
 from skiros_py.perception.elevation import CELL, ElevationMap
 
-__all__ = ["clusters_of", "outline", "pieces_of"]
-
 _LOWEST = 0.008
 _EPS = 0.014
 _TOUCHING_EPS = 0.0065

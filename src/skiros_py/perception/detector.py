@@ -19,8 +19,6 @@ from skiros_py.perception.view import View
 from skiros_py.perception.visibility import visible_share
 from skiros_py.ports.perception import Detection, LookRequest, LookResult, Region
 
-__all__ = ["detect"]
-
 Cells = NDArray[np.int64]
 
 _SURFACE_WINDOW = 0.080

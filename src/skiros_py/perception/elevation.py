@@ -12,8 +12,6 @@ from skiros_py.perception.heightmaps import Floats
 from skiros_py.perception.plane import Plane
 from skiros_py.perception.view import View
 
-__all__ = ["CELL", "HIGHEST", "ElevationMap", "elevation_map"]
-
 CELL = 0.003
 """Edge of a cell [m]; a pixel covers about 2 mm."""
 HIGHEST = 0.120

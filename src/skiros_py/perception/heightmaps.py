@@ -11,8 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array, Primitive, Solid
 
-__all__ = ["Floats", "HeightMap", "height_map"]
-
 Floats = NDArray[np.float32]
 
 _RESOLUTION = 0.001

@@ -12,8 +12,6 @@ from typing import Any
 
 import open3d as o3d
 
-__all__ = ["MeshLightener", "MeshPiece"]
-
 _SAME = 1e-6
 """Corners so near to each other are one [m]: files repeat them for each of their normals."""
 

@@ -12,8 +12,6 @@ from scipy.spatial import cKDTree
 from skiros_py.geometry import Array
 from skiros_py.perception.heightmaps import Floats, HeightMap
 
-__all__ = ["align", "wall_pattern"]
-
 _STEP = 0.003
 _SHIFTS = (-0.022, 0.0, 0.022)
 _TURNS = (-math.radians(3.5), 0.0, math.radians(3.5))

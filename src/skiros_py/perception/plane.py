@@ -9,8 +9,6 @@ import open3d as o3d
 
 from skiros_py.geometry import Array
 
-__all__ = ["Plane", "find_support"]
-
 _VOXEL = 0.008
 _INLIER = 0.005
 _ITERATIONS = 200

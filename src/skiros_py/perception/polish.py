@@ -13,8 +13,6 @@ from skiros_py.perception.elevation import ElevationMap
 from skiros_py.perception.heightmaps import Floats, HeightMap
 from skiros_py.perception.search import compass_search
 
-__all__ = ["least_heights", "misfits", "polish"]
-
 _CLIP = np.float32(0.015)
 _BESIDE = 0.008
 _SMOOTH = 3

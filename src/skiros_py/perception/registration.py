@@ -20,8 +20,6 @@ from skiros_py.perception.polish import least_heights, misfits, polish
 from skiros_py.perception.view import View
 from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
 
-__all__ = ["register"]
-
 _REACH = 0.035
 _RAISED = 0.45
 _HEADROOM = 0.006

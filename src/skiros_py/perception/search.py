@@ -8,8 +8,6 @@ import numpy as np
 
 from skiros_py.perception.heightmaps import Floats
 
-__all__ = ["compass_search"]
-
 _COMPASS = np.vstack([np.eye(3), -np.eye(3)]).astype(np.float32)
 
 

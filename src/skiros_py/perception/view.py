@@ -12,8 +12,6 @@ from scipy.spatial.transform import Rotation
 from skiros_py.geometry import Array, Pose
 from skiros_py.ports.values import CameraIntrinsics, DepthImage
 
-__all__ = ["View"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:

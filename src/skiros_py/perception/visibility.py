@@ -8,8 +8,6 @@ from skiros_py.perception.elevation import HIGHEST
 from skiros_py.perception.plane import Plane
 from skiros_py.perception.view import View
 
-__all__ = ["visible_share"]
-
 _CELL = 0.005
 _BESIDE = 0.020
 

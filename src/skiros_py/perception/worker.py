@@ -6,8 +6,6 @@ from skiros_py.ports.pending import Pending
 from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
 from skiros_py.workers import Worker
 
-__all__ = ["LATENCY", "Open3dPartDetector", "Open3dRegistrar", "start_perception"]
-
 LATENCY = 0.15
 """Declared time from an image to what it shows [s]."""
 

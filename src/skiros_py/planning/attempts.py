@@ -15,8 +15,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import SPATIAL_THING
 
-__all__ = ["Wanted", "attempts"]
-
 _WIDTHS = (2, 16)
 """How many candidates are tried where there is a choice, before all of them are."""
 _SMALL = 60

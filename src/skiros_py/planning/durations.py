@@ -18,8 +18,6 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import APPLIES_TO, LEARNED_DURATION, OF_SKILL, RUN_TIMES
 from skiros_py.world.world import World
 
-__all__ = ["KEPT", "Ran", "duration_of", "observe", "rates", "timed"]
-
 KEPT = 15
 """How many runs of a skill are remembered, the last ones: their median is not moved by one that was held up."""
 

@@ -11,8 +11,6 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.pddl import PddlTexts
 from skiros_py.planning.reasons import Cause, Repair
 
-__all__ = ["NoPlan", "Plan", "Step", "read_plan"]
-
 
 @dataclass(frozen=True, slots=True)
 class Step:

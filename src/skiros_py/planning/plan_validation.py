@@ -19,8 +19,6 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
-__all__ = ["Flaw", "Wrong", "apply_effects", "out_of_sequence", "replay", "validate"]
-
 _LONGEST = 10_000
 """A longer answer is refused as no plan."""
 _STREAMLINED = 300

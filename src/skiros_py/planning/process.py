@@ -29,8 +29,6 @@ from skiros_py.world.queries.replica import Replica
 from skiros_py.world.queries.replica_process import Ended, ReplicaProcess
 from skiros_py.world.world import World
 
-__all__ = ["PlanningProcess", "PlanningReplica"]
-
 T = TypeVar("T")
 
 _PROGRAM = "skiros_py.planning.process:PlanningReplica"

@@ -11,8 +11,6 @@ from skiros_py.world.change import Writer
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
-__all__ = ["Cause", "CauseKind", "Edit", "Exchange", "Repair"]
-
 
 class CauseKind(enum.StrEnum):
     """What kind of thing stands in the way."""

@@ -18,8 +18,6 @@ from skiros_py.planning.plan import Step
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["Taken", "TaskState", "pddl_plan"]
-
 
 def pddl_plan(task: PlanningTask, texts: PddlTexts, steps: Sequence[Step], ontology: Ontology) -> tuple[str, ...]:
     """Writes the plan in the task's words, with the goal's bookkeeping at its end, as planners write it.

@@ -25,10 +25,6 @@ from skiros_py.world.index import Index
 from skiros_py.world.overlay import FilteredView, Overlay
 from skiros_py.world.view import NO_SENSORS, WorldView
 
-__all__ = [
-    "Answer", "Asked", "Check", "Checked", "PlanRequest", "PlanningHost", "Request", "answered", "supposing",
-]  # fmt: skip
-
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 

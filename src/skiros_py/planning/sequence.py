@@ -17,8 +17,6 @@ from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import FLOOR, HAS_A, ROBOT, SEQUENCE_NUMBER, USE_SEQUENCE_NUMBERS, WORK_NUMBER
 
-__all__ = ["Round", "counts", "sequence_number", "turn_of", "turns_of_goal", "without_numbers"]
-
 
 def counts(view: WorldView) -> bool:
     """Tells whether sequence and work numbers count in a scene."""

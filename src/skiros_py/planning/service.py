@@ -24,8 +24,6 @@ from skiros_py.planning.solver_loop import Found, SolverLoop
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
-__all__ = ["USUAL", "Planned", "PlanningOptions", "plan"]
-
 
 @dataclass(frozen=True, slots=True)
 class PlanningOptions:

@@ -16,8 +16,6 @@ from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.planner import Answer, Planner, Unsolvable, abandon
 from skiros_py.planning.problem.task import PlanningTask, build_task
 
-__all__ = ["Found", "SolverLoop"]
-
 _POLL = 0.0005
 """Time between two looks for an answer [s]."""
 _PATIENCE = 1.0

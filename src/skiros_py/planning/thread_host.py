@@ -15,8 +15,6 @@ from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.requests import Answer, Asked, Request, answered
 from skiros_py.world.world import World
 
-__all__ = ["ThreadHost"]
-
 T = TypeVar("T")
 
 _PATIENCE = 1.0

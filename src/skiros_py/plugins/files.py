@@ -9,8 +9,6 @@ from skiros_py.plugins.loading import attempt, fault_of, load, refused
 from skiros_py.plugins.origin import locate
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 
-__all__ = ["files_of", "folder_of"]
-
 
 def files_of(entry: Entry) -> tuple[Path, ...] | PluginFault:
     """Returns the files or folders that an entry point names.

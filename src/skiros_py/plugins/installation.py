@@ -16,9 +16,6 @@ from pathlib import Path
 
 from skiros_py.plugins.plugin import Distribution, Entry, PluginFault
 
-__all__ = ["GROUPS", "OWN_NAME", "Installation", "canonical", "installation", "misfit"]
-
-
 _KINDS = (
     "skills", "primitives", "behaviours", "documents", "conditions", "reasoners", "planners", "devices", "drivers",
     "engines", "signals", "ontologies", "robots", "scenes", "pages",

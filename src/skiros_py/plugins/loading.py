@@ -16,21 +16,6 @@ from skiros_py.plugins.installation import installation, misfit
 from skiros_py.plugins.origin import locate, origin_of
 from skiros_py.plugins.plugin import Entry, Plugin, PluginFault
 
-__all__ = [
-    "LazyPlugins",
-    "attempt",
-    "contained",
-    "examined",
-    "fault_of",
-    "find_plugin",
-    "load",
-    "load_plugins",
-    "raised",
-    "refused",
-    "unambiguous",
-]
-
-
 T = TypeVar("T")
 
 

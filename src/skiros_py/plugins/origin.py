@@ -8,8 +8,6 @@ from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import find_spec
 from pathlib import Path
 
-__all__ = ["authors_line", "locate", "origin_of"]
-
 
 def locate(module: str) -> ModuleSpec | None:
     """Returns what the import system knows of a module, or None where there is none.

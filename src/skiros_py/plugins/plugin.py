@@ -8,8 +8,6 @@ from typing import Any
 
 from skiros_py.plugins.origin import origin_of
 
-__all__ = ["Distribution", "Entry", "Plugin", "PluginFault"]
-
 _REFERENCE = re.compile(r"\s*([\w.]+)\s*(?::\s*([\w.]+)\s*)?(?:\[.*\]\s*)?")
 
 

@@ -11,8 +11,6 @@ from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import DepthImage, Snapshot
 
-__all__ = ["Commander", "DeviceBoard", "DeviceHandle"]
-
 T = TypeVar("T")
 SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
 StateT = TypeVar("StateT")

@@ -13,8 +13,6 @@ from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.device import DeviceSpec, MobileSpec
 from skiros_py.ports.values import Snapshot
 
-__all__ = ["BodySpec", "CellSpec", "RobotSpec"]
-
 SpecT = TypeVar("SpecT", bound=DeviceSpec[Any, Any])
 
 

@@ -12,8 +12,6 @@ from skiros_py.ports.driver import CellDriver, require_known
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
 
-__all__ = ["CompositeDriver"]
-
 
 class CompositeDriver:
     """A :class:`~skiros_py.ports.driver.CellDriver` made of several, which are exchanged one after the other.

@@ -24,20 +24,6 @@ from skiros_py.ports.models import BASE_LINK
 if TYPE_CHECKING:
     from skiros_py.ports.simulation import SimulatedRobot
 
-__all__ = [
-    "Contribution",
-    "DeviceModel",
-    "DeviceSignal",
-    "DeviceSpec",
-    "Individual",
-    "MobileSpec",
-    "from_plain",
-    "read_footprint",
-    "read_mobile",
-    "require_numbers",
-    "to_plain",
-]
-
 T = TypeVar("T")
 StateT = TypeVar("StateT")
 TargetT = TypeVar("TargetT")

@@ -10,8 +10,6 @@ from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
 
-__all__ = ["CellDriver", "require_known"]
-
 
 class CellDriver(Protocol):
     """All devices of a cell, exchanged once per control cycle."""

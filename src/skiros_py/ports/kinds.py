@@ -10,8 +10,6 @@ from typing import Any
 from skiros_py.plugins import Installation, Plugin, PluginFault, installation, load_plugins
 from skiros_py.ports.device import DeviceSpec
 
-__all__ = ["GROUP", "DeviceKinds", "device_problem", "load_device_kinds"]
-
 GROUP = "skiros.devices"
 """Entry points of this group name subclasses of :class:`~skiros_py.ports.device.DeviceSpec`."""
 

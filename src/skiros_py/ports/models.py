@@ -13,8 +13,6 @@ from pathlib import Path
 from skiros_py.errors import UsageError
 from skiros_py.plugins import find_plugin
 
-__all__ = ["BASE_JOINTS", "BASE_LINK", "GROUP", "RobotModel", "write_robot_urdf"]
-
 GROUP = "skiros.robots"
 """Entry points of this group name robots: a :class:`RobotModel`, or files with individuals alone."""
 

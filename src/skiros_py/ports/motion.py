@@ -8,25 +8,6 @@ from typing import Protocol
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.pending import Pending
 
-__all__ = [
-    "ArmPlanner",
-    "BaseLeg",
-    "BasePath",
-    "BasePathRequest",
-    "BasePlanner",
-    "Held",
-    "JointMove",
-    "LineMove",
-    "MotionPlan",
-    "MotionRequest",
-    "Move",
-    "NoMotion",
-    "Obstacle",
-    "PoseMove",
-    "Route",
-    "Trajectory",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:

@@ -9,18 +9,6 @@ from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import DepthImage
 
-__all__ = [
-    "Detection",
-    "LookRequest",
-    "LookResult",
-    "PartDetector",
-    "PartModel",
-    "Region",
-    "Registrar",
-    "RegistrationRequest",
-    "RegistrationResult",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class PartModel:

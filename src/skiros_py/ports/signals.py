@@ -13,18 +13,6 @@ from typing import Any, Protocol
 from skiros_py.errors import UnknownName
 from skiros_py.ports.pending import Pending
 
-__all__ = [
-    "NO_SIGNALS",
-    "Input",
-    "Latest",
-    "Request",
-    "Sample",
-    "Signal",
-    "SignalProvider",
-    "SignalReader",
-    "Value",
-]
-
 Value = float | bool | tuple[float, ...]
 """What a signal is worth in one cycle: a number, a truth value or a vector."""
 

@@ -21,28 +21,6 @@ from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import CameraIntrinsics
 
-__all__ = [
-    "FLOOR",
-    "Colour",
-    "Contact",
-    "Engine",
-    "EngineFactory",
-    "JointGroup",
-    "JointLimits",
-    "JointReadings",
-    "Link",
-    "RayHit",
-    "Rendering",
-    "SimulatedCarrier",
-    "SimulatedHolder",
-    "SimulatedRobot",
-    "Surface",
-    "Twist",
-    "Vector",
-    "View",
-    "Wrench",
-]
-
 FLOOR = "floor"
 """Name of the floor, the plane z = 0; every engine has it."""
 

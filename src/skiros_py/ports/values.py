@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Array
 
-__all__ = ["CameraIntrinsics", "Commands", "DepthImage", "Snapshot"]
-
 T = TypeVar("T")
 
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 from skiros_py.recording.timeline import Bar, Lane
 
-__all__ = ["Band", "Box", "Drawing", "draw"]
-
 _MARGIN, _TOP = 130.0, 26.0
 _ROW, _GAP = 20.0, 10.0
 _NARROWEST, _WIDEST = 900.0, 12_000.0

@@ -6,8 +6,6 @@ from skiros_py.geometry import Pose
 from skiros_py.world.change import Edit, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit
 from skiros_py.world.element import Placement, Value
 
-__all__ = ["edit_sentence"]
-
 
 def edit_sentence(edit: Edit) -> str:
     """Returns an edit in a sentence."""

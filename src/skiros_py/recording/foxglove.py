@@ -12,27 +12,6 @@ import numpy as np
 
 from skiros_py.geometry import Array, Pose
 
-__all__ = [
-    "COMPRESSED_IMAGE",
-    "FRAME_TRANSFORMS",
-    "LOG",
-    "POINT_CLOUD",
-    "SCENE_UPDATE",
-    "Json",
-    "Schema",
-    "Transform",
-    "compressed_image",
-    "cuboid",
-    "cylinder",
-    "entity",
-    "frame_transforms",
-    "log",
-    "point_cloud",
-    "pose_json",
-    "scene_update",
-    "stamp",
-]
-
 Json = Mapping[str, Any]
 _DIGITS = 5
 _GRID = 1024.0

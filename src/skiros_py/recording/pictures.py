@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from PIL.Image import Image
 
-__all__ = ["HEIGHT", "WIDTH", "Camera", "RunPictures", "check_pictures", "over_the_shoulder", "record_pictures", "webp"]
-
 _Point = tuple[float, float, float]
 Camera = Callable[[Snapshot, str], Pending[Any]]
 """Takes a picture, RGB, of what the robot with some device does: over its shoulder."""

@@ -42,8 +42,6 @@ from skiros_py.world.index import Index
 from skiros_py.world.journal.records import decode_change
 from skiros_py.world.journal.snapshot import Content, read_piece
 
-__all__ = ["DEVICES", "RUNS", "SUFFIX", "Frame", "Picture", "Recording", "find_recording", "nanoseconds"]
-
 RUNS = "runs"
 """Folder in a data directory that holds the recordings of its runs."""
 SUFFIX = ".mcap"

@@ -26,8 +26,6 @@ from skiros_py.tasks.trace import Happening, TraceEntry
 from skiros_py.world.index import Index
 from skiros_py.world.journal.snapshot import snapshot_pieces
 
-__all__ = ["Devices", "Frames", "Recorder"]
-
 _EVERY = 0.05
 """Time between two states of the devices [s]."""
 _KEY = 1.0

@@ -17,8 +17,6 @@ from skiros_py.recording.edits import edit_sentence
 from skiros_py.recording.reader import Picture, Recording
 from skiros_py.recording.timeline import lanes, span
 
-__all__ = ["report_page"]
-
 _MOST_PICTURES = 120
 _MOST_ROWS = 3000
 """Changes, and entries of the trace, that a page shows."""

@@ -9,8 +9,6 @@ from typing import Any
 from skiros_py.execution.monitor import Status
 from skiros_py.tasks.trace import Happening
 
-__all__ = ["Bar", "Lane", "lanes", "span"]
-
 _OVER = {Status.TERMINATED.value: "good", Status.ERROR.value: "bad", Status.PREEMPTED.value: "cut"}
 _WAIT_ENDS = {Happening.STARTED, Happening.FINISHED, Happening.STOPPED, Happening.REPLANS, Happening.NO_PLAN}
 _WAITS = "waits for "

@@ -17,8 +17,6 @@ from skiros_py.recording.foxglove import Json, Schema
 if TYPE_CHECKING:
     from skiros_py.recording.recorder import Recorder
 
-__all__ = ["GROUP", "Topic", "own_schema", "plain", "record_plugins"]
-
 _log = logging.getLogger(__name__)
 
 GROUP = "skiros.topics"

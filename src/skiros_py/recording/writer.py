@@ -23,8 +23,6 @@ from skiros_py.ports.pending import Pending
 from skiros_py.recording.reader import Recording, nanoseconds
 from skiros_py.recording.topics import Topic
 
-__all__ = ["LEAST_LIMIT", "LIMIT", "RecordingWriter", "Write", "export"]
-
 _log = logging.getLogger(__name__)
 
 LIMIT = 64 * 1024 * 1024

@@ -10,8 +10,6 @@ from skiros_py.scaffold.knowledge import Knowledge
 from skiros_py.scaffold.rendering import literal
 from skiros_py.skills.parameters import Kind, Param
 
-__all__ = ["calls_of"]
-
 
 def calls_of(known: Knowledge, primitives: Sequence[str], params: Sequence[Declared]) -> list[list[str]]:
     """Returns the arguments of one ``Do.of`` per primitive.

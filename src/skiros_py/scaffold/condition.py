@@ -18,8 +18,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import End, Family
 
-__all__ = ["NewCondition", "draft_condition"]
-
 
 @dataclass(frozen=True, slots=True)
 class NewCondition:

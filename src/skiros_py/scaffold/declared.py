@@ -12,8 +12,6 @@ from skiros_py.scaffold.spelling import sentence, words_of
 from skiros_py.skills.parameters import Kind
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["VALUE_TYPES", "Declared", "Wanted", "kind_of", "read_constant", "read_parameter", "read_wanted"]
-
 VALUE_TYPES: Mapping[str, str] = {
     "number": "float",
     "integer": "int",

@@ -14,8 +14,6 @@ from skiros_py.skills.conditions import Condition, effects_of
 from skiros_py.skills.parameters import Kind
 from skiros_py.world.names import local_name
 
-__all__ = ["Described", "NewSkill", "described"]
-
 _HAS_PART = "HasPart"
 _ROBOT = "Robot"
 

@@ -11,8 +11,6 @@ from pathlib import Path
 from skiros_py.errors import UsageError
 from skiros_py.world.scene.atomic import write_atomically
 
-__all__ = ["Draft"]
-
 
 @dataclass(frozen=True, slots=True)
 class Draft:

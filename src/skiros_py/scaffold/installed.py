@@ -15,8 +15,6 @@ from typing import Any
 
 from skiros_py.scaffold.project import Project
 
-__all__ = ["as_installed"]
-
 
 @contextmanager
 def as_installed(folder: Path) -> Iterator[Project]:

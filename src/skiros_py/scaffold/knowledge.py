@@ -16,8 +16,6 @@ from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.world.ontology import Ontology, load_installed
 
-__all__ = ["Knowledge", "Origin", "knowledge_of", "taken_by"]
-
 
 @dataclass(frozen=True, slots=True)
 class Origin:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from skiros_py.scaffold.project import Project
 
-__all__ = ["folder_files"]
-
 _FOLDERS = {
     "conditions": "The words in which goals and skills are stated, one in a file.",
     "primitives": "What a robot does, one in a file.",

@@ -7,8 +7,6 @@ from collections.abc import Collection
 from skiros_py.world.names import STANDARD_PREFIXES
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["declaring", "prefix_of", "prefix_table"]
-
 
 def prefix_of(curie: str) -> str:
     """Returns the prefix of a name ("sk:Arm" is of "sk")."""

@@ -17,8 +17,6 @@ from skiros_py.scaffold.spelling import class_name, module_name, sentence, words
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.ontology.documents import read_document
 
-__all__ = ["NewOntology", "draft_ontology"]
-
 _RANGES = {
     "boolean": "xsd:boolean",
     "number": "xsd:decimal",

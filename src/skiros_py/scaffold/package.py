@@ -22,8 +22,6 @@ from skiros_py.scaffold.scene import NewScene, draft_scene
 from skiros_py.scaffold.skill import NewSkill, draft_skill
 from skiros_py.scaffold.spelling import class_name, module_name, sentence, snake_case, words_of
 
-__all__ = ["NewPackage", "draft_package"]
-
 _Step = Callable[[Knowledge], Draft]
 
 

@@ -17,8 +17,6 @@ from skiros_py.scaffold.spelling import check_distinct, joined, module_name, sen
 from skiros_py.scaffold.stage import Stage
 from skiros_py.skills.parameters import Kind
 
-__all__ = ["SAMPLES", "NewPrimitive", "check_keys", "draft_primitive"]
-
 SAMPLES: Mapping[str, Any] = {"number": 1.0, "integer": 1, "text": "text", "boolean": True}
 """Some value of each type."""
 

@@ -14,8 +14,6 @@ from tomlkit.exceptions import TOMLKitError
 
 from skiros_py.errors import FileError, UsageError
 
-__all__ = ["Project"]
-
 _FILE = "pyproject.toml"
 
 

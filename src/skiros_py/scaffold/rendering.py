@@ -9,8 +9,6 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-__all__ = ["call", "imports", "listed", "literal", "render"]
-
 _WIDTH = 120
 
 

@@ -12,8 +12,6 @@ from skiros_py.scaffold.rendering import render
 from skiros_py.scaffold.robots import find_robot
 from skiros_py.scaffold.spelling import module_name, sentence, words_of
 
-__all__ = ["NewRobot", "draft_robot"]
-
 _LIMITS = {
     "max-linear": 0.8,
     "max-angular": 1.2,

@@ -14,8 +14,6 @@ from skiros_py.world.ontology.documents import Document
 from skiros_py.world.scene.robots import documents_of
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
-__all__ = ["RobotFile", "find_robot"]
-
 _TYPE = STANDARD_PREFIXES["rdf"] + "type"
 
 

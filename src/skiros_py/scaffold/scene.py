@@ -15,8 +15,6 @@ from skiros_py.scaffold.spelling import module_name, sentence, words_of
 from skiros_py.scaffold.stage import Stage
 from skiros_py.scaffold.trial import tried
 
-__all__ = ["NewScene", "draft_scene"]
-
 
 @dataclass(frozen=True, slots=True)
 class NewScene:

@@ -82,13 +82,11 @@ def _module(values: dict[str, Any], known: Knowledge, skill: Described) -> str:
         needed.append(("skiros_py.skills.parameters", "Kind"))
     needed += [("skiros_py.skills.skill", name) for name in ("Skill", "SkillDescription")]
     sets = (("pre", skill.pre), ("post", skill.post))
-    constant = str(values["constant"])
     return render(
         "skill.py",
         **values,
         needed=needed,
         own=own,
-        exported=sorted(map(literal, ["DESCRIPTION", f"{constant}_FAKE", *([constant] if values["calls"] else [])])),
         agent=skill.agent,
         target=skill.target,
         params=[_param(param) for param in skill.params],

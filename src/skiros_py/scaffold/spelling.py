@@ -8,17 +8,6 @@ from collections.abc import Iterable
 
 from skiros_py.errors import UsageError
 
-__all__ = [
-    "check_distinct",
-    "class_name",
-    "constant_name",
-    "joined",
-    "module_name",
-    "sentence",
-    "snake_case",
-    "words_of",
-]
-
 _LONGEST = 40
 _LONGEST_SENTENCE = 100
 _MODULE = re.compile(r"[a-z][a-z0-9_]*")

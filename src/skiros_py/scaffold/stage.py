@@ -15,8 +15,6 @@ from skiros_py.skills.conditions import AllOf, AnyOf, Compare, Computed, Exists,
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 
-__all__ = ["Stage"]
-
 _SAMPLES = {
     "xsd:boolean": "true",
     "xsd:integer": "1",

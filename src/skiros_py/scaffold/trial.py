@@ -16,8 +16,6 @@ from skiros_py.world.reasoners.plugins import load_reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 
-__all__ = ["open_questions", "tried"]
-
 
 def tried(known: Knowledge, text: str, what: str) -> World:
     """Loads a scene from its text.

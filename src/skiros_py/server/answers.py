@@ -8,8 +8,6 @@ from fastapi.responses import JSONResponse
 from skiros_py.server.problems import Problem
 from skiros_py.station.world.answers import Answer
 
-__all__ = ["CSV", "TURTLE", "answer_response"]
-
 CSV, TURTLE = "text/csv", "text/turtle"
 
 

@@ -45,8 +45,6 @@ from skiros_py.server.routes import (
 )
 from skiros_py.server.services import Services
 
-__all__ = ["PREFIX", "create_app"]
-
 PREFIX = "/api/v1"
 _TOPICS = (
     jobs, goals, templates, previews, world, view, elements, ontology, queries, learned, locks, scenes, simulation,

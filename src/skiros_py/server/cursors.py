@@ -6,8 +6,6 @@ import re
 
 from skiros_py.errors import UsageError
 
-__all__ = ["number_cursor"]
-
 _NUMBER = re.compile(r"\d{1,18}", re.ASCII)
 
 

@@ -10,8 +10,6 @@ from pathlib import Path
 from skiros_py.api.local import SERVER_FILE, LocalServer
 from skiros_py.errors import FileError
 
-__all__ = ["announced"]
-
 
 @contextmanager
 def announced(data: Path, url: str, token: str) -> Iterator[LocalServer]:

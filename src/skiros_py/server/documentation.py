@@ -10,8 +10,6 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse
 from starlette.staticfiles import StaticFiles
 
-__all__ = ["add_documentation"]
-
 
 def add_documentation(app: FastAPI, prefix: str) -> None:
     """Adds the description ``openapi.json``, the page ``docs`` about it, and what that is made of.

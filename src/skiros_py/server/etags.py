@@ -11,8 +11,6 @@ from skiros_py.api.problem import ProblemDetails
 from skiros_py.server.problems import Problem
 from skiros_py.station.requests import Seen
 
-__all__ = ["NEEDS_VERSION", "SeenDep", "etag", "expected_version", "tagged"]
-
 _TAG = re.compile(r'(?:W/)?"(\d{1,18})"')
 
 

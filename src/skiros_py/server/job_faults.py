@@ -20,8 +20,6 @@ from skiros_py.errors import (
 )
 from skiros_py.server.problems import Problem
 
-__all__ = ["INVALID_REQUEST", "INVALID_STATUS", "UNABLE_TO_ACCEPT", "UNKNOWN_ID", "job_faults"]
-
 UNKNOWN_ID, INVALID_STATUS, UNABLE_TO_ACCEPT, INVALID_REQUEST = 1 << 1, 1 << 3, 1 << 4, 1 << 32
 """Bits of the return status."""
 

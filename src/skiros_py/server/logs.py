@@ -17,8 +17,6 @@ import structlog
 from skiros_py.station.events.event import Event, Kind
 from skiros_py.station.events.log import EventLog
 
-__all__ = ["LogForm", "job_events_logged", "log_to", "request_id"]
-
 LogForm = Literal["console", "json"]
 
 request_id: ContextVar[str] = ContextVar("request_id", default="")

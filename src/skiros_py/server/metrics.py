@@ -16,8 +16,6 @@ from skiros_py.station.events.log import EventLog
 from skiros_py.station.jobs.views import state_name
 from skiros_py.station.session import Session
 
-__all__ = ["Metrics", "RequestMetrics"]
-
 _BOUNDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
 _STREAM = "text/event-stream"
 

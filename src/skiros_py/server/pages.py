@@ -22,8 +22,6 @@ from skiros_py.plugins.plugin import Plugin
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings
 
-__all__ = ["GROUP", "NAME", "Pages", "installed_pages", "is_page", "pages_of"]
-
 GROUP, NAME = "skiros.pages", "web"
 """Entry point by which a distribution says where its pages are: a :class:`pathlib.Path` of a folder."""
 

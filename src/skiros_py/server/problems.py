@@ -31,8 +31,6 @@ from skiros_py.errors import (
     WrongState,
 )
 
-__all__ = ["PROBLEMS", "Problem", "add_problem_handlers", "problem_response"]
-
 _log = logging.getLogger(__name__)
 
 _TYPE = "urn:skiros:problem:"

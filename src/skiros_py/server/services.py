@@ -24,8 +24,6 @@ from skiros_py.station.control import OpenSession
 from skiros_py.station.session import Session
 from skiros_py.station.station import Station, StationLimits
 
-__all__ = ["Services", "ServicesDep", "StationDep"]
-
 
 class Services:
     """What one server is made of. Start it, and close it, or use it in a ``with``.

@@ -19,8 +19,6 @@ from skiros_py.server.app import create_app
 from skiros_py.server.services import Services
 from skiros_py.server.settings import ServerSettings
 
-__all__ = ["Serving", "bind", "switching_quickly", "url_of"]
-
 _SWITCH = 0.001
 """How long a thread keeps the interpreter when others want it [s]."""
 _GRACE = 3

@@ -11,8 +11,6 @@ from typing import Literal
 
 from skiros_py.errors import UsageError
 
-__all__ = ["Authentication", "ServerSettings", "is_loopback"]
-
 Authentication = Literal["auto", "keys", "none"]
 
 _NAME = re.compile(r"[a-z0-9_-]+(\.[a-z0-9_-]+)*\.?", re.IGNORECASE)

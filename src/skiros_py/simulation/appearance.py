@@ -5,8 +5,6 @@ from __future__ import annotations
 from skiros_py.ports.cell import BodySpec
 from skiros_py.ports.simulation import Colour
 
-__all__ = ["Palette"]
-
 _FURNITURE: Colour = (0.80, 0.67, 0.49, 1.0)
 _KIT: Colour = (0.25, 0.45, 0.60, 1.0)
 _PARTS: tuple[Colour, ...] = (

@@ -14,8 +14,6 @@ from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.simulation import Rendering, Vector, View
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
 
-__all__ = ["DepthShot", "colour_of", "outside_view", "view_of"]
-
 _OUTSIDE_FOV = 0.8726646259971648  # vertical, 50 degrees [rad]
 _OUTSIDE_RANGE = (0.1, 30.0)  # [m]
 

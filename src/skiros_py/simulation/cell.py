@@ -22,8 +22,6 @@ from skiros_py.ports.values import Commands, DepthImage, Snapshot
 from skiros_py.simulation.camera import DepthShot, colour_of, outside_view, view_of
 from skiros_py.simulation.scene import Scene
 
-__all__ = ["ENGINE", "SimulatedCell"]
-
 ENGINE = "pybullet"
 """The engine that is used where no other is asked for."""
 

@@ -17,8 +17,6 @@ from skiros_py.ports.values import Commands
 from skiros_py.simulation.appearance import Palette
 from skiros_py.simulation.spawn import free_pose, start_poses
 
-__all__ = ["CellRobot", "Scene"]
-
 _CARRIED_MASS = 2.0  # [kg] of a body without mass that rides on a robot and so cannot be part of the ground
 _DEVICE_STREAM = 1
 # With fingers of 1.0 a part of 0.9 kg is held at 30 N per finger; at 0.3 parts begin to slip. The two small ones stop

@@ -12,8 +12,6 @@ from skiros_py.errors import DescriptionError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec
 
-__all__ = ["free_pose", "start_poses"]
-
 _MIN_DISTANCE = 0.13  # between the middles of parts on one place [m], so that a hand fits between them
 _DROP = 0.0005  # above the surface, from where a drawn part settles [m]
 _TRIES = 200

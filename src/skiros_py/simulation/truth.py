@@ -16,8 +16,6 @@ from skiros_py.ports.models import BASE_LINK
 from skiros_py.ports.simulation import FLOOR, SimulatedCarrier, SimulatedHolder
 from skiros_py.simulation.cell import SimulatedCell
 
-__all__ = ["Glance", "RobotContact", "Truth"]
-
 _WALL_TOLERANCE = 0.002  # how much nearer than its wall a part's origin must be to be inside a compartment [m]
 _LOW = 0.015  # greatest height of a part's origin above the floor of its compartment [m]
 _UPRIGHT = math.cos(math.radians(15.0))

@@ -19,24 +19,6 @@ from skiros_py.skills.outcome import Outcome
 if TYPE_CHECKING:
     from skiros_py.skills.plain import Reader
 
-__all__ = [
-    "Behaviour",
-    "Call",
-    "Edge",
-    "Node",
-    "Out",
-    "P",
-    "Scope",
-    "Uses",
-    "calls_of",
-    "check_behaviour",
-    "check_texts",
-    "lines",
-    "nodes_of",
-    "require",
-    "walk",
-]
-
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 

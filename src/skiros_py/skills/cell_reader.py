@@ -19,8 +19,6 @@ from skiros_py.world import vocabulary as v
 from skiros_py.world.stock import Stocked, stocks
 from skiros_py.world.view import WorldView
 
-__all__ = ["read_body", "read_cell"]
-
 _FAR, _HEAVY = 1000.0, 1000.0
 """Greatest distance from the map's origin [m] and greatest mass [kg] that make sense for a cell."""
 _MOST_STOCKED = 1000

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from skiros_py.skills.outcome import Outcome
     from skiros_py.skills.primitive import Execution
 
-__all__ = ["Caller", "Clock", "Libraries", "RunContext"]
-
 
 @dataclass(frozen=True, slots=True)
 class Libraries:

@@ -10,8 +10,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import effects_of, write_effects
 from skiros_py.world.world import World
 
-__all__ = ["Effects"]
-
 
 class Effects:
     """The effects of one run of a skill.

@@ -12,8 +12,6 @@ from typing import Protocol, Self
 from skiros_py.geometry import Pose
 from skiros_py.ports.motion import BasePath
 
-__all__ = ["Floor", "OpenFloor", "Outline", "Way"]
-
 Outline = Sequence[tuple[float, float]]
 """Points on the floor in the frame of a base [m]; what is in their convex hull belongs to the robot."""
 

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-__all__ = ["BROKEN", "BROKEN_OFF", "Failure", "Outcome", "Success"]
-
 _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
 BROKEN = -3

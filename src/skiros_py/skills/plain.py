@@ -23,8 +23,6 @@ from skiros_py.skills.conditions import (
     for_all,
 )
 
-__all__ = ["Reader", "as_data", "fields_as_data"]
-
 B = TypeVar("B")
 
 _PATTERNS: Mapping[str, type[Any]] = {

@@ -10,8 +10,6 @@ from itertools import count
 
 from skiros_py.errors import UnknownName, UsageError
 
-__all__ = ["Asked", "Question", "QuestionKind", "Questions"]
-
 _log = logging.getLogger(__name__)
 
 

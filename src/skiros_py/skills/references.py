@@ -7,8 +7,6 @@ from collections.abc import Collection, Iterator
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.behaviour import Behaviour, Uses
 
-__all__ = ["check_references"]
-
 
 def check_references(root: Behaviour, keys: Collection[str], where: str) -> None:
     """Looks whether a node and all below it refer to parameters that are there.

@@ -16,8 +16,6 @@ from skiros_py.world.journal import Journal
 from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
-__all__ = ["respawn"]
-
 
 def respawn(world: World, journal: Journal, check: Callable[[WorldView], None] = lambda _view: None) -> None:
     """Believes what will be so when the simulation starts: held parts lie where they were taken, robots stand anywhere.

@@ -5,8 +5,6 @@ from __future__ import annotations
 from skiros_py.ports.signals import SignalReader
 from skiros_py.world.view import Reading
 
-__all__ = ["SignalSensors"]
-
 
 class SignalSensors:
     """The :class:`~skiros_py.world.view.Sensors` of a cell: a device's quantity is the signal "device.quantity"."""

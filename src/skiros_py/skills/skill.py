@@ -14,8 +14,6 @@ from skiros_py.skills.references import check_references
 from skiros_py.skills.structure import of_one_robot
 from skiros_py.skills.variables import variables
 
-__all__ = ["Skill", "SkillDescription"]
-
 
 @dataclass(frozen=True, slots=True)
 class SkillDescription:

@@ -10,8 +10,6 @@ from skiros_py.skills.parameters import IT, Kind, Param
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
-__all__ = ["nearest_first", "of_one_robot"]
-
 
 def of_one_robot(agent: Param, params: Iterable[Param], said: Sequence[Condition]) -> tuple[Condition, ...]:
     """Returns that devices are of the robot of the agent, each one of which the conditions do not say so already.

@@ -22,8 +22,6 @@ from skiros_py.world.vocabulary import (
     SPATIAL_THING,
 )
 
-__all__ = ["held_by", "map_pose", "obstacles", "owner", "set_pose", "solid_of"]
-
 
 def map_pose(context: RunContext, element: str) -> Pose | None:
     """Returns the believed pose of an element in the map, or None when it has none.

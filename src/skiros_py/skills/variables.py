@@ -6,8 +6,6 @@ from typing import Any
 
 from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Pattern
 
-__all__ = ["variables"]
-
 
 def variables(pattern: Pattern) -> tuple[str, ...]:
     """Returns the names of a pattern's free variables, each once, as they come."""

@@ -12,8 +12,6 @@ from typing import Any, Generic, TypeVar
 
 from skiros_py.errors import Busy, DeviceError, SkirosError
 
-__all__ = ["Commands", "trace_of"]
-
 T = TypeVar("T")
 
 _log = logging.getLogger(__name__)

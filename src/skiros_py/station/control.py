@@ -14,8 +14,6 @@ from skiros_py.errors import Busy, DeviceError, SkirosError, UsageError
 from skiros_py.station.commands import Commands, trace_of
 from skiros_py.station.session import Session
 
-__all__ = ["CLOSING", "ControlThread", "Listener", "OpenSession"]
-
 T = TypeVar("T")
 OpenSession = Callable[[], Session]
 Listener = Callable[[Session], object]

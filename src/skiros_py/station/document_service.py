@@ -14,8 +14,6 @@ from skiros_py.station.session import Session
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["DocumentService"]
-
 
 class DocumentService:
     """Keeps runnable documents with their revisions.

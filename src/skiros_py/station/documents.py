@@ -11,8 +11,6 @@ from typing import Any, Literal
 from skiros_py.database import Database, Schema
 from skiros_py.errors import FileError, StaleVersion, UnknownName
 
-__all__ = ["SEQUENCE", "TEMPLATE", "TOLD", "Document", "DocumentStore"]
-
 TEMPLATE, SEQUENCE = "goal template", "sequence"
 TOLD = (TEMPLATE, SEQUENCE)
 """The kinds of documents that others may look at, and so hear of."""

@@ -9,8 +9,6 @@ import threading
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["Halt", "HaltMark"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -29,8 +29,6 @@ from skiros_py.world.vocabulary import (
     STATION,
 )
 
-__all__ = ["Whereabouts", "judge", "true_whereabouts"]
-
 Whereabouts = tuple[Mapping[str, Pose], Mapping[str, str]]
 """Poses in the map, and places of what can be moved; by the ids of bodies."""
 

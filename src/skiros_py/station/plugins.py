@@ -12,8 +12,6 @@ from skiros_py.plugins import PluginFault
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["PluginService"]
-
 
 class PluginService:
     """Lists plug-ins.

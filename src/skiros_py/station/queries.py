@@ -11,8 +11,6 @@ from skiros_py.station.session import Session
 from skiros_py.world.queries import Binding, Result
 from skiros_py.world.queries.outside import Limits, OutsideQueries
 
-__all__ = ["Queries"]
-
 _LIMITS = Limits()
 
 

@@ -9,8 +9,6 @@ from typing import Final
 
 from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName
 
-__all__ = ["ANY_VERSION", "LIBRARY", "Author", "Seen", "addressed", "require_seen"]
-
 
 @dataclass(frozen=True, slots=True)
 class Author:

@@ -13,8 +13,6 @@ from skiros_py.skills.plain import Reader
 from skiros_py.station.documents import Document, DocumentStore
 from skiros_py.station.session import Session
 
-__all__ = ["RunnableDocuments"]
-
 _log = logging.getLogger(__name__)
 
 

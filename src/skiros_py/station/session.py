@@ -52,8 +52,6 @@ if TYPE_CHECKING:
     from skiros_py.tasks.jobs import JobManager
     from skiros_py.world.journal import DataDirectory
 
-__all__ = ["Options", "Session", "open_data", "open_world", "scene_title"]
-
 _log = logging.getLogger(__name__)
 
 _STREAM = 1

@@ -53,8 +53,6 @@ from skiros_py.station.world.service import OntologyService
 from skiros_py.station.world.world import WorldService
 from skiros_py.world.journal.data_directory import make_folder
 
-__all__ = ["Station", "StationLimits"]
-
 
 @dataclass(frozen=True, slots=True)
 class StationLimits:

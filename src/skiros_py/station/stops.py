@@ -15,8 +15,6 @@ from skiros_py.station.events.log import EventLog
 from skiros_py.station.halt_mark import Halt, HaltMark
 from skiros_py.station.session import Session
 
-__all__ = ["Stopped", "Stops"]
-
 _log = logging.getLogger(__name__)
 
 _PATIENCE = 0.5

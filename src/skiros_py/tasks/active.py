@@ -8,8 +8,6 @@ from skiros_py.execution.running import Running
 from skiros_py.planning.plan import Step
 from skiros_py.tasks.handle import StepRun
 
-__all__ = ["Active"]
-
 
 @dataclass(slots=True, eq=False)
 class Active:

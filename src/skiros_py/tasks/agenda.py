@@ -6,8 +6,6 @@ from collections.abc import Collection, Mapping, Sequence
 
 from skiros_py.planning.plan import Step
 
-__all__ = ["Agenda"]
-
 
 class Agenda:
     """The steps of one plan and how far they are. Steps are spoken of by their index.

@@ -8,8 +8,6 @@ from skiros_py.skills.conditions import Condition, effects_of, write_effects
 from skiros_py.world.change import Writer
 from skiros_py.world.world import World
 
-__all__ = ["write_by_hand"]
-
 
 def write_by_hand(world: World, conditions: Iterable[Condition], by: str, what: str = "done by hand") -> None:
     """Makes conditions true in the world model, all of them or none.

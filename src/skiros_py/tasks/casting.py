@@ -13,8 +13,6 @@ from skiros_py.skills.outcome import Failure
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
-__all__ = ["Cast", "cast"]
-
 
 @dataclass(frozen=True, slots=True)
 class Cast:

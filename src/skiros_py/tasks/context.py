@@ -22,8 +22,6 @@ from skiros_py.tasks.reservations import Reservations
 from skiros_py.world.vocabulary import HAS_SKILL
 from skiros_py.world.world import World
 
-__all__ = ["TaskContext"]
-
 T = TypeVar("T")
 
 _POLL = 0.0005

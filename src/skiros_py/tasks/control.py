@@ -5,8 +5,6 @@ from __future__ import annotations
 import enum
 import threading
 
-__all__ = ["Control", "Mode"]
-
 
 class Mode(enum.Enum):
     """How a task shall go on."""

@@ -25,8 +25,6 @@ from skiros_py.tasks.telling import Telling
 from skiros_py.tasks.trace import Happening, step_id
 from skiros_py.world.stock import take
 
-__all__ = ["Dispatcher"]
-
 
 class Dispatcher:
     """Runs the steps of one task's plans.

@@ -27,8 +27,6 @@ from skiros_py.tasks.report_builder import ReportBuilder
 from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
 
-__all__ = ["GoalExecutor"]
-
 T = TypeVar("T")
 
 

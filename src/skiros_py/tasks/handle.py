@@ -15,8 +15,6 @@ from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import Trace
 
-__all__ = ["StepRun", "TaskHandle", "TaskStatus"]
-
 TaskStatus = Literal["planning", "running", "paused", "waiting", "ended"]
 
 

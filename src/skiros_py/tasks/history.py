@@ -15,8 +15,6 @@ from skiros_py.tasks.report import StepReport
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import DEVICE, ROBOT
 
-__all__ = ["History"]
-
 _LONGEST = 10_000
 """Steps kept of one task: a sequence may run for months."""
 

@@ -9,8 +9,6 @@ from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.report import StepReport
 from skiros_py.tasks.task_manager import TaskManager
 
-__all__ = ["learn_durations"]
-
 
 def learn_durations(tasks: TaskManager, runtime: Runtime) -> None:
     """Lets every step that ends well teach how long its skill takes; for real and simulated cells: fakes pretend."""

@@ -10,8 +10,6 @@ from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.world import World
 
-__all__ = ["Moments"]
-
 
 class Moments:
     """Notes when each condition of a goal came to be believed for good.

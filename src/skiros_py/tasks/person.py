@@ -15,8 +15,6 @@ from skiros_py.tasks.by_hand import write_by_hand
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
 
-__all__ = ["Choice", "ask_for_help", "believe_done"]
-
 
 class Choice(enum.StrEnum):
     """What a person can decide."""

@@ -22,8 +22,6 @@ from skiros_py.tasks.history import History
 from skiros_py.world.change import Change
 from skiros_py.world.world import World
 
-__all__ = ["PlanMonitor", "Staleness"]
-
 
 class Staleness:
     """Tells whether anything changed that an answer depends on. One thread uses it; any may write the world.

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from skiros_py.errors import UsageError
 
-__all__ = ["Policy"]
-
 
 @dataclass(frozen=True, slots=True)
 class Policy:

@@ -11,8 +11,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 
-__all__ = ["pursue"]
-
 
 def pursue(
     runtime: Runtime, tasks: TaskManager, goal: Sequence[Condition], leave: Callable[[], bool] = lambda: False

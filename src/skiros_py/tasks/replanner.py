@@ -14,8 +14,6 @@ from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.control import Control
 from skiros_py.tasks.history import History
 
-__all__ = ["Replanner"]
-
 _AGAIN = 4
 """How often it is planned again where there is no plan but others changed the world meanwhile."""
 

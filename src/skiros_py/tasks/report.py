@@ -5,8 +5,6 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, replace
 
-__all__ = ["ConditionReport", "GoalReport", "Outcome", "StepReport"]
-
 
 class Outcome(enum.StrEnum):
     """How a task ended."""

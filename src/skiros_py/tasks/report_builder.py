@@ -13,8 +13,6 @@ from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.trace import Happening, TraceEntry
 
-__all__ = ["ReportBuilder", "end_before_beginning"]
-
 
 class ReportBuilder:
     """What is noted of one goal, for its report.

@@ -15,8 +15,6 @@ from skiros_py.world.stock import is_token
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 
-__all__ = ["Reservations", "in_hands", "robot_of", "used_by"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Braking:

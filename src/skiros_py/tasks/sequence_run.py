@@ -24,8 +24,6 @@ from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
 from skiros_py.tasks.wording import short_step
 
-__all__ = ["SequenceRun"]
-
 T = TypeVar("T")
 
 

@@ -23,8 +23,6 @@ from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
 
-__all__ = ["StepCheck", "StepSequence", "StepsCheck", "check_steps"]
-
 
 @dataclass(frozen=True, slots=True)
 class StepCheck:

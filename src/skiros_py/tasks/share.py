@@ -9,8 +9,6 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.reservations import in_hands, used_by
 
-__all__ = ["Share"]
-
 
 class Share:
     """What one task has of the cell.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["StopWanted"]
-
 
 class StopWanted(Exception):
     """Somebody wants the task to end; its text says why."""

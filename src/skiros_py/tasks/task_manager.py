@@ -30,8 +30,6 @@ from skiros_py.tasks.sequence_run import SequenceRun
 from skiros_py.tasks.sequences import StepSequence
 from skiros_py.world.world import World
 
-__all__ = ["TaskManager"]
-
 _TRIES = {False: (1.0, 4.0), True: (5.0, 10.0)}
 """How long one planner, and all together, may try out repairs, by whether simulated time stands still [s]."""
 

@@ -13,8 +13,6 @@ from skiros_py.tasks.handle import StepRun
 from skiros_py.tasks.trace import Happening, Trace, TraceEntry, step_id
 from skiros_py.tasks.wording import short_step
 
-__all__ = ["Telling"]
-
 
 class Telling:
     """The voice of one task.

@@ -11,8 +11,6 @@ from typing import Any
 
 from skiros_py.execution.pulse import CycleOverrun
 
-__all__ = ["Happening", "Trace", "TraceEntry", "step_id"]
-
 _log = logging.getLogger(__name__)
 
 _LONGEST = 10_000

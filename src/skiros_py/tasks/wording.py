@@ -6,8 +6,6 @@ from skiros_py.planning.plan import Step
 from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
 
-__all__ = ["short_step"]
-
 
 def short_step(step: Step, skill: SkillDescription) -> str:
     """Returns a step as people say it: the skill and what people specify of it, without devices and what follows."""

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 
 from skiros_py.skills.questions import Question, Questions
 
-__all__ = ["Answers", "answers"]
-
 
 class Answers:
     """What was asked, and what nobody had an answer to.

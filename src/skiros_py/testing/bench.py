@@ -33,8 +33,6 @@ from skiros_py.testing.tiny_skills import CONDITIONS, SKILLS
 from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
-__all__ = ["Bench"]
-
 Cell = Callable[[CellSpec], CellDriver]
 """Brings a cell up."""
 

@@ -15,8 +15,6 @@ import numpy as np
 from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.values import Commands, Snapshot
 
-__all__ = ["Blind", "CellFault", "Deaf", "Dies", "Frozen", "Late", "Noisy", "Says", "heard", "said"]
-
 
 @dataclass(frozen=True, slots=True)
 class Deaf:

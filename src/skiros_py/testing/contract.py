@@ -19,8 +19,6 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
 
-__all__ = ["ContractCase", "check_contract", "contract_cases"]
-
 
 @dataclass(frozen=True, slots=True)
 class ContractCase:

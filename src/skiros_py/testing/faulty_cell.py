@@ -14,8 +14,6 @@ from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
 from skiros_py.testing.cell_faults import Blind, CellFault, Dies, Late, Noisy, heard, said
 
-__all__ = ["FaultyCell"]
-
 
 class FaultyCell:
     """A :class:`skiros_py.ports.driver.CellDriver` that passes everything on, but for its faults.

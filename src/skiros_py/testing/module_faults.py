@@ -10,8 +10,6 @@ from skiros_py.errors import UnknownName
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.primitive import Execution, Primitive
 
-__all__ = ["Breaks", "Fails", "ModuleFault", "Slow", "spoiled"]
-
 
 @dataclass(frozen=True, slots=True)
 class Fails:

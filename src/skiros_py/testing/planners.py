@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 
-__all__ = ["GivenPlanner"]
-
 
 @dataclass(frozen=True, slots=True)
 class _Given:

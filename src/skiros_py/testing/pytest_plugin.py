@@ -17,17 +17,6 @@ if TYPE_CHECKING:
     from skiros_py.testing import Bench, SkillTrial
     from skiros_py.world.world import World
 
-__all__ = [
-    "pytest_addoption",
-    "pytest_configure",
-    "pytest_runtest_makereport",
-    "run_primitive",
-    "run_skill",
-    "skiros_bench",
-    "skiros_session",
-    "skiros_world",
-]
-
 _MARKER = "skiros_scene"
 _NO_SCENE = (
     "which scene? mark the test with @pytest.mark.skiros_scene(name, path or Turtle), "

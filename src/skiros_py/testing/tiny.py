@@ -15,8 +15,6 @@ from skiros_py.world.reasoners.spatial import SpatialReasoner
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 
-__all__ = ["TINY_ONTOLOGY", "tiny_ontology", "tiny_scene", "tiny_world"]
-
 TINY_ONTOLOGY = Path(__file__).parent / "tiny.ttl"
 """The file of the tiny domain; add it to ``SKIROS_ONTOLOGIES`` to run tiny scenes from the command line."""
 

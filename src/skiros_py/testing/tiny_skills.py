@@ -12,24 +12,6 @@ from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A, HELD_BY, IN
 
-__all__ = [
-    "AT_LOCATION",
-    "CARRIES",
-    "CONDITIONS",
-    "DRIVE",
-    "EMPTY_HANDED",
-    "FITS",
-    "FREE",
-    "HAS_PART",
-    "HOLDING",
-    "IN_CONTAINER",
-    "PICK",
-    "PLACE",
-    "REACHABLE",
-    "SKILLS",
-    "pretend",
-]
-
 
 def _fits(view: WorldView, ball: str, slot: str) -> Verdict:
     giant = view.ontology.is_a(view.element(ball).type, "tiny:Giant")

@@ -11,8 +11,6 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE
 from skiros_py.world.view import WorldView
 
-__all__ = ["tiny_pddl", "tiny_task"]
-
 
 def tiny_task(
     view: WorldView,

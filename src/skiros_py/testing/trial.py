@@ -11,8 +11,6 @@ from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.questions import Question
 from skiros_py.world.change import Change, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, RelationEdit
 
-__all__ = ["SkillTrial"]
-
 
 @dataclass(frozen=True, slots=True, repr=False)
 class SkillTrial:

@@ -24,8 +24,6 @@ from skiros_py.testing.trial import SkillTrial
 from skiros_py.world.change import Change
 from skiros_py.world.world import World
 
-__all__ = ["run_primitive", "run_skill"]
-
 _LIMIT = 600.0
 _ANY = "any"
 """A kind of driver for which there is no implementation: those that are for every kind are used."""

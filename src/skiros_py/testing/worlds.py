@@ -13,8 +13,6 @@ from skiros_py.world.reasoners.plugins import load_reasoners
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
 
-__all__ = ["robot_turtle", "world_of"]
-
 _CORE = "https://w3id.org/skiros-py/core"
 _IRI = "https://w3id.org/skiros-py/scenes/in_memory"
 _ROOTS = {

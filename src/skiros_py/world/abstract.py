@@ -19,8 +19,6 @@ from skiros_py.world.ontology.statements import Node, Statements, english
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 from skiros_py.world.vocabulary import ELEMENT, LABEL
 
-__all__ = ["abstract_individuals"]
-
 _READ: WeakKeyDictionary[Ontology, tuple[Edit, ...]] = WeakKeyDictionary()
 _NO_CLASSES = ("owl:NamedIndividual", "owl:Thing")
 

@@ -10,8 +10,6 @@ from skiros_py.world.element import Element
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT, STRUCTURE
 
-__all__ = ["BACKWARDS", "Branch", "branch", "children", "parent", "tree"]
-
 BACKWARDS = "^"
 """Before a relation's name: read from its object to its subject, as in a property path of SPARQL."""
 

@@ -9,9 +9,6 @@ from typing import Any, ClassVar, Self
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Element, Placement, Value
 
-__all__ = ["Change", "Edit", "ElementEdit", "GoalsEdit", "PlacementEdit", "PropertyEdit", "RelationEdit", "Writer"]
-
-
 _Json = dict[str, Any]
 
 

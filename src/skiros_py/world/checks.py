@@ -19,18 +19,6 @@ from skiros_py.world.terms import Cardinality, Family
 from skiros_py.world.vocabulary import ELEMENT, LABEL, POSE_FRAME, ROOT, SOLID, SPATIAL_THING
 from skiros_py.world.xsd import LONGEST_TEXT, check_string
 
-__all__ = [
-    "checked_value",
-    "class_problem",
-    "element_problem",
-    "goal_problem",
-    "guest_problems",
-    "id_problem",
-    "number_problems",
-    "relation_problem",
-    "state_problems",
-]
-
 
 def number_problems(view: Index, element_id: str) -> Iterator[str]:
     """Yields a sentence for each relation or property by which an element has too much or too little.

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 from skiros_py.world.terms import reached
 
-__all__ = ["Draft", "add_draft", "draft_of", "instantiate", "learn"]
-
 _To = TypeVar("_To", bound="Draft | str")
 
 

@@ -8,8 +8,6 @@ from types import MappingProxyType
 
 from skiros_py.geometry import Pose
 
-__all__ = ["Element", "Placement", "Stamp", "Value", "is_abstract", "is_learned"]
-
 Value = str | bool | int | float | Pose | tuple[float, ...]
 """What a property may hold."""
 

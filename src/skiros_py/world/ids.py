@@ -9,9 +9,6 @@ from itertools import chain, islice
 
 from skiros_py.world.names import local_name
 
-__all__ = ["EMPTY", "IdSet", "Ids", "is_valid_id"]
-
-
 _ID = re.compile(r"(?:learned:)?[A-Za-z_][A-Za-z0-9_]{0,199}")
 _NUMBERED = re.compile(r"(.+)_(\d{1,15})")
 _LONGEST_STEM = 160

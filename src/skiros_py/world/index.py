@@ -25,8 +25,6 @@ from skiros_py.world.vocabulary import LABEL, PLACEMENT, STRUCTURE
 if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
 
-__all__ = ["Index", "collection_paused", "with_value"]
-
 
 @contextmanager
 def collection_paused() -> Iterator[None]:

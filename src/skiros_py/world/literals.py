@@ -11,17 +11,6 @@ from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.world.element import Value
 from skiros_py.world.xsd import XSD_DATATYPES, Datatype, check_length, check_number, check_string
 
-__all__ = [
-    "ANY_LITERAL",
-    "CLASS_NAME",
-    "DATATYPES",
-    "any_value",
-    "format_value",
-    "literal_type",
-    "parse_value",
-    "shown",
-]
-
 ANY_LITERAL = "rdfs:Literal"
 """Range of a property whose values may be of any type."""
 

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 
 from skiros_py.errors import Locked, UsageError
 
-__all__ = ["Lock", "Locks"]
-
 _LONGEST = 24 * 3600.0
 """No lock outlives a day [s]: its owner may have gone home."""
 

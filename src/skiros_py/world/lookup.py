@@ -14,8 +14,6 @@ from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["Wanted", "resolve", "the"]
-
 Wanted: TypeAlias = Value | Callable[[Value], bool] | None
 """What is asked of a property: that it has this value, one of which a function says True, or (None) no value at all."""
 

@@ -8,23 +8,6 @@ from typing import NewType
 
 from skiros_py.errors import UnknownName
 
-__all__ = [
-    "CORE",
-    "LEARNED",
-    "LEARNED_GRAPH",
-    "SCENE",
-    "SCENE_GRAPH",
-    "STANDARD_PREFIXES",
-    "ClassName",
-    "IndividualName",
-    "Names",
-    "PropertyName",
-    "RelationName",
-    "local_name",
-    "split_iri",
-]
-
-
 CORE = "https://w3id.org/skiros-py/core#"
 """Namespace of the upper ontology (prefix ``sk:``)."""
 

@@ -13,8 +13,6 @@ from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Family
 from skiros_py.world.view import ForwardingView, WorldView
 
-__all__ = ["ExtendedView", "FilteredView", "Overlay"]
-
 _Statement = tuple[str, str, str]
 
 

@@ -10,8 +10,6 @@ from skiros_py.world.change import Change, GoalsEdit, Writer
 from skiros_py.world.ids import Ids
 from skiros_py.world.index import Index
 
-__all__ = ["GOALS", "ChangeLog", "MemoryLog", "Past", "subjects_of"]
-
 GOALS = ""
 """Stands for the goals among what a change is about; no element has this id."""
 

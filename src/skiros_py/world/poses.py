@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from skiros_py.world.transaction import Transaction
     from skiros_py.world.view import WorldView
 
-__all__ = ["attach", "map_pose", "pose_in", "write_pose"]
-
 
 def map_pose(view: WorldView, element: str) -> Pose | None:
     """Returns an element's pose in the map, or None where its pose, or that of a frame it hangs on, is not known.

@@ -18,8 +18,6 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import CONTAINER, HAS_A, IN, ON, STOCK, STOCK_COUNT, STOCK_OF
 
-__all__ = ["Stock", "Stocked", "by_stock", "is_token", "stocks", "take"]
-
 _MARK = "#"
 """Parts a token's stock from its number; no id has it."""
 

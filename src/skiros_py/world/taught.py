@@ -21,8 +21,6 @@ from skiros_py.world.vocabulary import (
 if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 
-__all__ = ["TEACHABLE", "class_value", "lesson_about", "lessons"]
-
 TEACHABLE = frozenset({DRIVING_POSE, GRASP_POSE, GRASP_WIDTH, PLACING_POSE})
 """Properties whose values can be taught."""
 

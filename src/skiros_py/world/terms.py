@@ -9,25 +9,6 @@ from graphlib import CycleError, TopologicalSorter
 from types import MappingProxyType
 from typing import Literal, TypeVar
 
-__all__ = [
-    "DECLARES",
-    "MOST_ABOVE",
-    "Cardinality",
-    "Class",
-    "End",
-    "Family",
-    "Filler",
-    "Kind",
-    "PlaceEnd",
-    "Property",
-    "Relation",
-    "closure",
-    "cycle",
-    "inverse",
-    "reached",
-    "too_deep",
-]
-
 
 class Kind(StrEnum):
     """What a term may be declared as; the value is what people call it."""

@@ -25,8 +25,6 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import COMPUTED, LABEL, PLACEMENT, STRUCTURE
 from skiros_py.world.workspace import Workspace, remove
 
-__all__ = ["Transaction"]
-
 
 class Transaction:
     """Made by :meth:`World.transaction`; its methods never raise for a wrong write, the end of the block does.

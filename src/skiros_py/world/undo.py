@@ -9,8 +9,6 @@ from skiros_py.world.change import Change, Writer
 from skiros_py.world.past import ChangeLog, subjects_of
 from skiros_py.world.world import World
 
-__all__ = ["last_undoable", "undo"]
-
 
 def last_undoable(log: ChangeLog) -> Change | None:
     """Returns the last remembered change by a person that was not taken back yet, or None."""

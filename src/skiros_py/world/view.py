@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.reasoners.registry import Reasoners
 
-__all__ = ["NO_SENSORS", "ForwardingView", "NoSensors", "Reading", "Sensors", "WorldView"]
-
-
 Reading = float | bool
 """What a sensor says."""
 

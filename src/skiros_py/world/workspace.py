@@ -9,8 +9,6 @@ from skiros_py.world.index import Index, with_value
 from skiros_py.world.terms import reached
 from skiros_py.world.vocabulary import HELD_BY, LABEL, PLACEMENT, POSE, POSE_FRAME, STRUCTURE
 
-__all__ = ["Workspace", "remove"]
-
 
 class Workspace:
     """What a transaction works on. Nothing is checked here.

@@ -28,8 +28,6 @@ from skiros_py.world.vocabulary import STRUCTURE
 if TYPE_CHECKING:
     from skiros_py.world.store import TripleStore
 
-__all__ = ["World"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -11,9 +11,6 @@ from types import MappingProxyType
 
 from skiros_py.world.element import Value
 
-__all__ = ["LONGEST_TEXT", "XSD_DATATYPES", "Datatype", "check_length", "check_number", "check_string"]
-
-
 LONGEST_TEXT = 64 * 1024
 """Characters that one literal may have: what is longer belongs into a file of its own."""
 

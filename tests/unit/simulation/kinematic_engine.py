@@ -34,8 +34,6 @@ from skiros_py.ports.simulation import (
 )
 from skiros_py.ports.values import CameraIntrinsics
 
-__all__ = ["KinematicEngine"]
-
 T = TypeVar("T")
 
 

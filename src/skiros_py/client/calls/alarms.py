@@ -7,8 +7,6 @@ from urllib.parse import quote
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
 from skiros_py.client.call import Call
 
-__all__ = ["acknowledge_alarm", "answer_alarm", "get_alarm", "list_alarms"]
-
 
 def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | None = None) -> Call[AlarmPage]:
     """Lists alarms, oldest first: all, those that are active, or those that are over."""

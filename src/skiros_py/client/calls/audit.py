@@ -5,8 +5,6 @@ from __future__ import annotations
 from skiros_py.api.audit import AuditPage
 from skiros_py.client.call import Call
 
-__all__ = ["list_audit"]
-
 
 def list_audit(limit: int = 100, cursor: str | None = None) -> Call[AuditPage]:
     """Lists requests that changed something or were refused, the youngest first."""

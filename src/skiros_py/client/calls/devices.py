@@ -7,8 +7,6 @@ from urllib.parse import quote
 from skiros_py.api.devices import DeviceInfo, DeviceReading
 from skiros_py.client.call import Call
 
-__all__ = ["get_device", "get_device_state", "list_devices"]
-
 
 def list_devices() -> Call[list[DeviceInfo]]:
     """Lists the devices with the values that each offers."""

@@ -9,15 +9,6 @@ from urllib.parse import quote
 from skiros_py.api.documents import DocumentInfo, DocumentKinds, Documents
 from skiros_py.client.call import Call, nothing
 
-__all__ = [
-    "get_document",
-    "list_document_kinds",
-    "list_document_revisions",
-    "list_documents",
-    "put_document",
-    "remove_document",
-]
-
 
 def list_document_kinds() -> Call[DocumentKinds]:
     """Lists the kinds of documents, each with the nodes that an editor offers."""

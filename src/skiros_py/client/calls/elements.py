@@ -9,18 +9,6 @@ from skiros_py.api.elements import ElementDetails, ElementPage, ElementPatch, Ne
 from skiros_py.api.world import ChangePage, Written
 from skiros_py.client.call import Call
 
-__all__ = [
-    "add_element",
-    "change_element",
-    "list_elements",
-    "list_relations",
-    "read_element",
-    "read_element_history",
-    "remove_element",
-    "state_relation",
-    "take_back_relation",
-]
-
 
 def list_elements(
     *,

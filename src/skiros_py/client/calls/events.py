@@ -12,8 +12,6 @@ from skiros_py.api.state import StationState
 from skiros_py.client.call import Call
 from skiros_py.client.streams import Stream
 
-__all__ = ["get_state", "list_events", "stream_events", "stream_job_events", "stream_state"]
-
 
 def stream_events(
     *, kinds: Sequence[EventKind] = (), types: Sequence[str] = (), job: str = "", element: str = ""

@@ -7,13 +7,6 @@ from collections.abc import Sequence
 from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalData, GoalOrder, GoalTexts, SceneGoals
 from skiros_py.client.call import Call
 
-__all__ = [
-    "check_goal",
-    "get_goals",
-    "list_goal_conditions",
-    "put_goals",
-]
-
 
 def check_goal(order: GoalOrder) -> Call[CheckedGoal]:
     """Says how a goal is understood, and whether it holds now; nothing is ordered."""

@@ -31,33 +31,6 @@ from skiros_py.api.replays import Replay
 from skiros_py.client.call import Call
 from skiros_py.errors import UsageError
 
-__all__ = [
-    "abort_job",
-    "answer_job",
-    "cancel_job",
-    "clear_job",
-    "get_capabilities",
-    "get_job",
-    "get_job_explanation",
-    "get_job_plan",
-    "get_job_recording",
-    "get_job_replay",
-    "get_job_report",
-    "get_job_response",
-    "get_job_trace",
-    "get_job_transitions",
-    "list_job_responses",
-    "list_jobs",
-    "order_job",
-    "pause_job",
-    "put_job",
-    "remove_job",
-    "resume_job",
-    "revoke_start_of_job",
-    "start_job",
-    "stop_job",
-]
-
 M = TypeVar("M", bound=BaseModel)
 
 _ID = re.compile(r"[^\s/\x00-\x1f]{1,200}")

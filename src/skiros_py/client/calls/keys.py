@@ -7,8 +7,6 @@ from urllib.parse import quote
 from skiros_py.api.keys import ApiKey, KeyOrder, NewKey
 from skiros_py.client.call import Call
 
-__all__ = ["create_key", "get_key", "list_keys", "revoke_key"]
-
 
 def list_keys() -> Call[list[ApiKey]]:
     """Lists the keys, revoked ones too."""

@@ -8,8 +8,6 @@ from skiros_py.api.learned import LearnedPage
 from skiros_py.api.world import Written
 from skiros_py.client.call import Call
 
-__all__ = ["export_learned", "forget_learned", "list_learned"]
-
 
 def list_learned(*, limit: int | None = None, cursor: str | None = None) -> Call[LearnedPage]:
     """Lists what robots were taught."""

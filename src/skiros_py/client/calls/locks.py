@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from skiros_py.api.locks import LockList, LockOrder
 from skiros_py.client.call import Call
 
-__all__ = ["end_locks", "list_locks", "lock_elements"]
-
 
 def list_locks() -> Call[LockList]:
     """Tells who alone may edit which elements."""

@@ -17,22 +17,6 @@ from skiros_py.api.modules import (
 )
 from skiros_py.client.call import Call, nothing
 
-__all__ = [
-    "close_manager",
-    "command_module_run",
-    "get_module",
-    "get_module_run",
-    "get_skill",
-    "list_managers",
-    "list_module_runs",
-    "list_modules",
-    "list_skills",
-    "open_manager",
-    "reset_module",
-    "run_module",
-    "show_panel",
-]
-
 
 def list_managers() -> Call[list[ManagerInfo]]:
     """Lists the skill managers, with what each can do and what it runs."""

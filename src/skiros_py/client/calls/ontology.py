@@ -7,8 +7,6 @@ from urllib.parse import quote
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
 from skiros_py.client.call import Call
 
-__all__ = ["list_ontology_properties", "list_ontology_relations", "read_class", "read_classes", "read_placements"]
-
 
 def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[ClassNode]:
     """Tells what kinds of things there can be, as a tree.

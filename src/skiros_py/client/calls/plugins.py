@@ -5,8 +5,6 @@ from __future__ import annotations
 from skiros_py.api.plugins import PluginFaultInfo, Plugins
 from skiros_py.client.call import Call
 
-__all__ = ["list_plugin_faults", "list_plugins"]
-
 
 def list_plugins() -> Call[Plugins]:
     """Lists every entry point that is installed where the server runs."""

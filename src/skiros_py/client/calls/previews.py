@@ -8,13 +8,6 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
 from skiros_py.client.call import Call
 
-__all__ = [
-    "apply_repair",
-    "ask_preview",
-    "get_preview",
-    "list_previews",
-]
-
 
 def ask_preview(order: GoalOrder) -> Call[Preview]:
     """Begins to plan for a goal."""

@@ -8,8 +8,6 @@ from pydantic import TypeAdapter
 from skiros_py.api.queries import AskAnswer, ConstructAnswer, Query, QueryAnswer, SelectAnswer
 from skiros_py.client.call import Call
 
-__all__ = ["ask_question"]
-
 _ANSWER: TypeAdapter[SelectAnswer | AskAnswer | ConstructAnswer] = TypeAdapter(QueryAnswer)
 
 

@@ -6,8 +6,6 @@ from urllib.parse import quote
 
 from skiros_py.client.call import Call
 
-__all__ = ["get_robot_mesh", "get_robot_model"]
-
 
 def get_robot_model(robot: str) -> Call[str]:
     """Tells what a robot looks like, as URDF."""

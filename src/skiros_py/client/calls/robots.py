@@ -9,17 +9,6 @@ from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, RobotInfo, RobotReading, Teach
 from skiros_py.client.call import Call
 
-__all__ = [
-    "get_look",
-    "get_robot",
-    "get_robot_motion",
-    "get_robot_state",
-    "home_robot",
-    "jog_robot",
-    "list_robots",
-    "teach_robot",
-]
-
 
 def list_robots() -> Call[list[RobotInfo]]:
     """Lists the robots with what each is made of."""

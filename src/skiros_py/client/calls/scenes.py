@@ -7,18 +7,6 @@ from urllib.parse import quote
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, Scenes
 from skiros_py.client.call import Call, nothing
 
-__all__ = [
-    "delete_scene",
-    "get_scene",
-    "get_scene_difference",
-    "get_scene_file",
-    "get_scene_turtle",
-    "list_scenes",
-    "load_scene",
-    "save_scene",
-    "upload_scene",
-]
-
 
 def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:
     """Lists the scenes that can be loaded, by name."""

@@ -9,18 +9,6 @@ from skiros_py.api.sequences import InsertStep, NewSequence, RunSequence, Sequen
 from skiros_py.api.tasks import TaskInfo, WantedStep
 from skiros_py.client.call import Call, nothing
 
-__all__ = [
-    "change_step",
-    "create_sequence",
-    "delete_sequence",
-    "get_sequence",
-    "insert_step",
-    "list_sequences",
-    "move_step",
-    "remove_step",
-    "run_sequence",
-]
-
 
 def list_sequences() -> Call[Sequences]:
     """Lists the sequences, by id."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from skiros_py.api.session import Login, Me
 from skiros_py.client.call import Call, nothing
 
-__all__ = ["get_session", "login", "logout"]
-
 
 def get_session() -> Call[Me]:
     """Tells who the caller is and what they may do."""

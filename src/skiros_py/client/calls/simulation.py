@@ -8,16 +8,6 @@ from urllib.parse import quote
 from skiros_py.api.simulation import Bodies, Pace, SimulationState
 from skiros_py.client.call import Call, nothing
 
-__all__ = [
-    "get_picture",
-    "get_simulation",
-    "list_bodies",
-    "move_body",
-    "remove_body",
-    "reset_simulation",
-    "set_pace",
-]
-
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 

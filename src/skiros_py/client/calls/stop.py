@@ -5,8 +5,6 @@ from __future__ import annotations
 from skiros_py.api.stop import StopInfo
 from skiros_py.client.call import Call
 
-__all__ = ["get_stop", "reset", "stop"]
-
 
 def stop(reason: str = "") -> Call[StopInfo]:
     """Halts all robots in the next control cycle.

@@ -8,8 +8,6 @@ from urllib.parse import quote
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.client.call import Call
 
-__all__ = ["begin_task", "command_task", "get_task", "get_task_trace", "list_tasks"]
-
 
 def list_tasks(*, active: bool | None = None, limit: int | None = None) -> Call[Tasks]:
     """Lists the tasks, the youngest first."""

@@ -7,13 +7,6 @@ from urllib.parse import quote
 from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
 from skiros_py.client.call import Call, nothing
 
-__all__ = [
-    "get_goal_template",
-    "list_goal_templates",
-    "put_goal_template",
-    "remove_goal_template",
-]
-
 
 def list_goal_templates() -> Call[GoalTemplates]:
     """Lists the goal templates."""

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from skiros_py.api.view import WorldView
 from skiros_py.client.call import Call
 
-__all__ = ["read_view"]
-
 
 def read_view(elements: Sequence[str] | None = None) -> Call[WorldView]:
     """Tells where everything is believed to be, and what it looks like.

@@ -7,18 +7,6 @@ from urllib.parse import quote
 from skiros_py.api.webhooks import Deliveries, DeliveryState, Webhook, WebhookChange, WebhookOrder, WebhookSecret
 from skiros_py.client.call import Call, nothing
 
-__all__ = [
-    "change_webhook",
-    "create_webhook",
-    "delete_webhook",
-    "get_webhook",
-    "list_dead_letters",
-    "list_deliveries",
-    "list_webhooks",
-    "ping_webhook",
-    "redeliver",
-]
-
 
 def list_webhooks() -> Call[list[Webhook]]:
     """Lists who is told of jobs."""

@@ -6,8 +6,6 @@ from skiros_py.api.elements import TreeNode
 from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
 from skiros_py.client.call import Call
 
-__all__ = ["list_changes", "read_change", "read_tree", "read_world", "undo_edit", "write_transaction"]
-
 
 def read_world() -> Call[WorldInfo]:
     """Tells the world's version and what is in it, in numbers."""

@@ -15,8 +15,6 @@ from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
 
-__all__ = ["ArmModel", "se3"]
-
 _ACCELERATION = 5.0  # [rad/s²] a URDF has no such limit; gentle for what is held by friction
 
 

@@ -21,8 +21,6 @@ from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.models import write_robot_urdf
 from skiros_py.ports.motion import MotionPlan, MotionRequest, NoMotion, Trajectory
 
-__all__ = ["ArmMotion"]
-
 _START_SLACK = 0.05  # [rad] a sensed start may lie this far outside the limits
 
 

@@ -14,8 +14,6 @@ from skiros_py.geometry import Array, Pose, Primitive
 from skiros_py.motion.pinocchio.arm_model import ArmModel, se3
 from skiros_py.ports.motion import Held, Obstacle
 
-__all__ = ["Checker", "CollisionScene", "Contact", "self_collision_pairs"]
-
 _HELD = "what it holds"
 _SAMPLES = 200
 _ALWAYS = 0.9  # share of random postures; shapes that overlap that often are neighbours

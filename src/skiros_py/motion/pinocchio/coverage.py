@@ -11,8 +11,6 @@ from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.ports.motion import Held
 
-__all__ = ["covered"]
-
 _THICK = 0.12
 """How far links, hand and camera stick out around the joints and the tip [m]."""
 _STEP = 10

@@ -14,8 +14,6 @@ from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.collision import Checker
 
-__all__ = ["Effort", "FreeMoves"]
-
 _FINE = 0.01  # [m] the arm moves at most about this far between two checked postures
 _COARSE = 0.03  # [m] the same while searching; what is found is checked finely afterwards
 _EXTEND = 0.35  # [rad] length of one branch

@@ -8,8 +8,6 @@ import pinocchio as pin
 from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 
-__all__ = ["IkSolver"]
-
 _ITERATIONS = 40
 _POSITION_TOLERANCE = 1e-6  # [m] the last step converges quadratically, so being exact costs one more iteration
 _ANGLE_TOLERANCE = 1e-5  # [rad]

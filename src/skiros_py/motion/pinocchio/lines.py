@@ -13,8 +13,6 @@ from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.collision import Checker
 from skiros_py.motion.pinocchio.ik import IkSolver
 
-__all__ = ["Line", "LineFollower"]
-
 _STEP = 0.005  # [m] between postures
 _TURN_STEP = math.radians(2.0)  # [rad] between postures
 _LARGEST_JUMP = 0.15  # [rad] of one joint between postures; more means the arm would have to flip

@@ -23,8 +23,6 @@ from skiros_py.motion.pinocchio.lines import Line, LineFollower
 from skiros_py.motion.smoothing import round_corners
 from skiros_py.ports.motion import JointMove, LineMove, Move, PoseMove, Route
 
-__all__ = ["Chain", "FreeLeg", "LineLeg", "Refusal", "RouteSearch"]
-
 _FREE_MARGIN = 0.005  # [m] kept from everything on free moves
 _LINE_MARGIN = 0.002  # [m] on lines, which go where it is narrow
 _POSTURES = 6  # tried per pose

@@ -9,8 +9,6 @@ from typing import Any
 from skiros_py.planning.domain.model import Action
 from skiros_py.skills.skill import SkillDescription
 
-__all__ = ["ActionAccount", "SkillAccount", "account_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class ActionAccount:

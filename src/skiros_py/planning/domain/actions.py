@@ -26,8 +26,6 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.vocabulary import PLACEMENT
 
-__all__ = ["actions_of"]
-
 
 def actions_of(
     skill: SkillDescription, ontology: Ontology, asked: Mapping[str, Asked | Not] | None = None

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-__all__ = ["Term", "block", "conjuncts", "field", "read_term", "shown", "typed_lines", "unused", "words"]
-
 Term = str | list["Term"]
 """A word, or terms in brackets."""
 

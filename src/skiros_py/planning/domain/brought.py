@@ -7,8 +7,6 @@ from collections.abc import Iterable
 from skiros_py.planning.domain.model import Action
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["Brought"]
-
 
 class Brought:
     """What a set of skills can bring about.

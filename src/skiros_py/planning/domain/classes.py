@@ -8,8 +8,6 @@ from dataclasses import replace
 from skiros_py.planning.domain.model import Action, Atom, NoneSuch, Variable
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["IS", "common_class", "primary_line", "with_class_predicates"]
-
 IS = "is "
 """Prefix of the predicate that says that an object is of a class."""
 

@@ -14,8 +14,6 @@ from skiros_py.planning.domain.variants import numbered
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["complement_facts", "stated_objects", "with_complements"]
-
 
 def with_complements(actions: Iterable[Action], goal: Iterable[Atom], ontology: Ontology) -> tuple[Action, ...]:
     """Lets actions keep up to date what some precondition, or the goal, asks not to hold.

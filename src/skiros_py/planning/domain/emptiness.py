@@ -11,8 +11,6 @@ from skiros_py.planning.domain.placing import shown
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["emptiness_classes", "maintain_emptiness"]
-
 
 @dataclass(frozen=True, slots=True)
 class _Emptiness:

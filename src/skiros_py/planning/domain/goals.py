@@ -24,8 +24,6 @@ from skiros_py.skills.variables import variables
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["FINISHED", "REACHED", "CompiledGoal", "compile_goal"]
-
 WORKING = Atom("working")
 FINISHED = Atom("finished")
 REACHED = "reached "

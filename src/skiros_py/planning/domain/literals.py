@@ -31,24 +31,6 @@ from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 
-__all__ = [
-    "BY_CLASS",
-    "CAN",
-    "HAS",
-    "NOT",
-    "NOTHING",
-    "VALUE",
-    "Asked",
-    "Conjunction",
-    "allows_value",
-    "asked_literals",
-    "atom_of",
-    "compared",
-    "expand",
-    "negated",
-    "property_of",
-]
-
 CAN = "can_"
 HAS = "has "
 NOTHING = "nothing "

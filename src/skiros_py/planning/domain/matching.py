@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from skiros_py.planning.domain.model import Atom, NoneSuch
 
-__all__ = ["Fits", "are_none", "bindings"]
-
 Fits = Callable[[str, str], bool]
 """Tells whether an element is of a class."""
 

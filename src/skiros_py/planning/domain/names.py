@@ -6,8 +6,6 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 
-__all__ = ["RESERVED", "NameMap"]
-
 _LOGIC = frozenset({"and", "or", "not", "exists", "forall", "when", "imply", "either"})
 _STRUCTURE = frozenset({"object", "define", "domain", "problem"})
 _NUMBERS = frozenset({"number", "total-cost", "total-time", "increase", "decrease", "assign", "minimize", "maximize"})

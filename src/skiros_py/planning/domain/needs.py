@@ -8,8 +8,6 @@ from skiros_py.skills.conditions import Condition, is_sensed
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
 
-__all__ = ["needs_of", "passed_keys", "required_elements", "sensed_holds_of", "with_defaults"]
-
 
 def needs_of(skill: SkillDescription) -> tuple[Condition, ...]:
     """Returns what a plan must see to: what the skill needs, and what must hold while it runs but what is sensed."""

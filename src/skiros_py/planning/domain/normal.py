@@ -24,8 +24,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 
-__all__ = ["is_stored", "normal", "storable"]
-
 
 def normal(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
     """Returns an equivalent pattern of AllOf, AnyOf, Exists, Not(Exists), literals and negated literals.

@@ -12,8 +12,6 @@ from skiros_py.planning.domain.model import Action, Atom, Domain, NoneSuch, Prob
 from skiros_py.planning.domain.names import NameMap
 from skiros_py.world.names import local_name
 
-__all__ = ["PddlTexts", "write_pddl"]
-
 
 @dataclass(frozen=True, slots=True)
 class PddlTexts:

@@ -14,8 +14,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import End
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 
-__all__ = ["is_placement", "moved_and_place", "shown", "with_implicit_deletes"]
-
 
 def moved_and_place(atom: Atom, ontology: Ontology) -> tuple[str, str]:
     """Returns the argument that moves and the one that is its place, of an atom of the placement family."""

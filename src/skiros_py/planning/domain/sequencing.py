@@ -20,8 +20,6 @@ from skiros_py.planning.sequence import counts, sequence_number, turn_of, turns_
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import LOCATION, ROBOT
 
-__all__ = ["in_sequence", "with_costs"]
-
 GOES_ON_FROM = "goes on from"
 """Predicate: the place whose number is the lowest that a robot may still visit."""
 IN_ORDER = "in order"

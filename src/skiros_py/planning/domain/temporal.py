@@ -26,9 +26,6 @@ from skiros_py.planning.domain.pddl import PddlTexts, write_pddl
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.robots.effort import USUAL
 
-__all__ = ["write_temporal"]
-
-
 Rates = Mapping[str, Mapping[str, float]]
 """How long agents need for skills [s], by skill and agent."""
 

@@ -11,8 +11,6 @@ from skiros_py.planning.domain.placing import is_placement, moved_and_place
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["numbered", "possible_variants"]
-
 
 def numbered(actions: Iterable[Action]) -> tuple[Action, ...]:
     """Names each action after its skill, with a number where there are several of one; bookkeeping keeps its names."""

@@ -19,8 +19,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
 
-__all__ = ["certain_causes", "find_causes"]
-
 
 def certain_causes(task: PlanningTask, view: WorldView) -> tuple[Cause, ...]:
     """Returns causes each of which proves that there is no plan, without a search; none where nobody knows.

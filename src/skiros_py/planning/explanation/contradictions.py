@@ -24,8 +24,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.stock import by_stock
 
-__all__ = ["Contradictions"]
-
 _FEW = 2
 """Up to so many things or places are named: more are not what it is about."""
 

@@ -14,8 +14,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["Demand", "demands_of", "is_exclusive"]
-
 _MOST = 2000
 """How many ways to fulfil one condition are looked at; with more, nothing can be said of it."""
 

@@ -12,8 +12,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.stock import is_token, take
 from skiros_py.world.transaction import Transaction
 
-__all__ = ["Add", "Assign", "Move", "Relate", "Remove", "SceneEdit"]
-
 
 @dataclass(frozen=True, slots=True)
 class Move:

@@ -11,8 +11,6 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A
 
-__all__ = ["exchanges"]
-
 _CHOICES = 4
 """How many other places are looked at for one condition."""
 _CONDITIONS = 3

@@ -9,8 +9,6 @@ from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.world.view import WorldView
 
-__all__ = ["with_everyone"]
-
 
 def with_everyone(task: PlanningTask, view: WorldView) -> PlanningTask:
     """Returns a task in which whoever is of the right class takes part, with the skill or without it.

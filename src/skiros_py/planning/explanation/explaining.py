@@ -15,8 +15,6 @@ from skiros_py.planning.reasons import Cause, CauseKind, Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
-__all__ = ["Explanation", "conflict_of", "explain", "smallest_unsolvable"]
-
 Reachable = Callable[[Sequence[Condition]], bool | None]
 """Tells whether conditions can be reached together, None where that is not known."""
 

@@ -6,8 +6,6 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from skiros_py.planning.domain.model import Atom
 
-__all__ = ["Binding", "Facts", "Fits", "is_variable", "solutions", "unified"]
-
 Binding = Mapping[str, str]
 """Element by variable."""
 Fits = Callable[[str, str], bool]

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.reasons import Cause
 
-__all__ = ["Found", "Shortage"]
-
 
 @dataclass(frozen=True, slots=True)
 class Shortage:

@@ -10,8 +10,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.overlay import ExtendedView
 from skiros_py.world.view import WorldView
 
-__all__ = ["HypotheticalView"]
-
 
 class HypotheticalView(ExtendedView):
     """An overlay with more elements than the world has, and without some that it has."""

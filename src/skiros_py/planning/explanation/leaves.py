@@ -15,8 +15,6 @@ from skiros_py.skills.conditions import Computed
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 
-__all__ = ["Leaves"]
-
 _SHOWN = 4
 """How many things that are elsewhere are named."""
 _COUNTED = 32

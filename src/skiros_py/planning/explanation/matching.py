@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-__all__ = ["short"]
-
 
 def short(wanted: Sequence[Iterable[str]]) -> tuple[int, ...]:
     """Returns demands that together could use fewer resources than they are, by index; empty when all can be served.

@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.reasons import CauseKind
 
-__all__ = ["Obstacle"]
-
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:

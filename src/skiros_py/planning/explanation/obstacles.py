@@ -18,8 +18,6 @@ from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 
-__all__ = ["Obstacles"]
-
 Chain = tuple[Atom, ...]
 Types = Mapping[str, str]
 

@@ -19,8 +19,6 @@ from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["exclusive_conditions"]
-
 _OBJECTS, _FACTS, _STEPS = 120, 600, 4000
 """Up to so many objects, facts that change, and ground actions it is worked out: more would take seconds."""
 

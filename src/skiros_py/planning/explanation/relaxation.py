@@ -14,8 +14,6 @@ from skiros_py.planning.explanation.facts import Binding, Facts, is_variable, so
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["Relaxation", "relax"]
-
 _FEW = 40
 """Up to so many objects none are taken together: finding out which are alike would cost more."""
 

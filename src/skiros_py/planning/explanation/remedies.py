@@ -22,8 +22,6 @@ from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import FLOOR, HAS_A, ON
 
-__all__ = ["Remedy", "advice", "remedies"]
-
 _CHOICES = 3
 """Of how many things or places each is a choice of its own."""
 

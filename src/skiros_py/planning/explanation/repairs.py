@@ -21,8 +21,6 @@ from skiros_py.planning.reasons import CauseKind, Exchange, Repair
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
-__all__ = ["Solve", "find_repairs"]
-
 Solve = Callable[[WorldView, Sequence[Condition]], bool | None]
 """Tells whether a goal has a plan that survives its replay, None where that is not known."""
 

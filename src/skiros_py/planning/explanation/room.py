@@ -13,8 +13,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import FLOOR, LOCATION, UNKNOWN_LOCATION
 
-__all__ = ["Room"]
-
 
 class Room:
     """Knows which places skills keep to one thing: those that they want to be empty.

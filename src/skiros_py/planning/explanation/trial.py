@@ -15,8 +15,6 @@ from skiros_py.planning.problem.task import Capability, build_task
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
-__all__ = ["Trial"]
-
 _QUICK = "kairos"
 """The planner that answers in milliseconds: asked where it is there and fits."""
 _GLANCE = 0.0005

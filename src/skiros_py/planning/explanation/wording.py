@@ -11,8 +11,6 @@ from skiros_py.planning.explanation.facts import is_variable
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["Wording", "listed", "some"]
-
 _SHOWN = 4
 """How many things of one kind are named before it gets long."""
 

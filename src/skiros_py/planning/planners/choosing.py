@@ -9,8 +9,6 @@ from typing import Self
 from skiros_py.errors import PlanningError, SkirosError
 from skiros_py.planning.planners.planner import Planner
 
-__all__ = ["PREFERRED", "Planners", "lacking"]
-
 PREFERRED = ("fast-downward", "kairos")
 """Asked before others, in this order: the first for classical tasks, the second for what the first does not take."""
 

@@ -13,8 +13,6 @@ from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.planning.planners.program_planner import DOMAIN, PROBLEM, ProgramPlanner
 from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits
 
-__all__ = ["CLASSICAL", "EVERYTHING", "CommandPlanner"]
-
 CLASSICAL = frozenset({":strips", ":typing"})
 """What every planner takes."""
 EVERYTHING = CLASSICAL | {

@@ -18,8 +18,6 @@ from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import ProgramPlanner
 from skiros_py.planning.planners.programs import Ended, Limits
 
-__all__ = ["LAMA_FIRST", "FastDownward", "driver_path"]
-
 LAMA_FIRST = (
     "let(hlm, "
     "eval_modify_costs(landmark_sum(lm_factory=lm_reasonable_orders_hps(lm_rhw()), pref=false), cost_type=one), "

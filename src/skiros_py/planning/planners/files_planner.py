@@ -19,8 +19,6 @@ from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import ProgramPlanner
 from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits
 
-__all__ = ["FilesPlanner"]
-
 _CALL, _REPLY = "call", "reply"
 _STAYS = {"_threads"}
 

@@ -18,8 +18,6 @@ from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
 from skiros_py.planning.planners.program_planner import ProgramPlanner
 from skiros_py.planning.planners.programs import Ended, Limits
 
-__all__ = ["Kairos", "program_path"]
-
 _SOLVED, _PROVED_UNSOLVABLE, _OUT_OF_TIME, _OUT_OF_MEMORY, _UNSUPPORTED, _NO_PLAN_FOUND = 0, 10, 11, 12, 13, 14
 _PLAN = "plan"
 

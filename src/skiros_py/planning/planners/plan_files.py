@@ -9,8 +9,6 @@ from pathlib import Path
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Solved
 
-__all__ = ["last_plan_file", "read_plan_file", "read_plan_text", "steps_among"]
-
 _STEP = re.compile(
     r"(?:(?P<start>\d+(?:\.\d+)?)\s*:\s*)?"  # 0.003:
     r"\(\s*(?P<words>[^()\s][^()]*)\)"  # (drive base_1 robot_1 box_a floor)

@@ -7,8 +7,6 @@ from typing import Protocol
 
 from skiros_py.ports.pending import Pending
 
-__all__ = ["Answer", "Planner", "Solved", "Unsolvable", "abandon"]
-
 
 @dataclass(frozen=True, slots=True)
 class Solved:

@@ -13,8 +13,6 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits, run_program
 
-__all__ = ["DOMAIN", "PROBLEM", "ProgramPlanner", "Solving"]
-
 DOMAIN, PROBLEM = "domain.pddl", "problem.pddl"
 """Names of the files in the folder of a call."""
 

@@ -24,8 +24,6 @@ from pathlib import Path
 
 from skiros_py.errors import PlanningError
 
-__all__ = ["USUAL_LIMITS", "Ended", "Limits", "run_program"]
-
 _MARK = "SKIROS_PROGRAM"
 _GLANCE = 0.02
 """Time between two looks whether a program shall stop, or has ended without closing its output [s]."""

@@ -11,8 +11,6 @@ from skiros_py.errors import PlanningError
 from skiros_py.interruptions import by_user
 from skiros_py.planning.planners.planner import Unsolvable
 
-__all__ = ["main"]
-
 
 def main(domain: str, problem: str, call: str, reply: str) -> None:
     """Calls the method and writes what it says.

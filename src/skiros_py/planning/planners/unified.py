@@ -14,8 +14,6 @@ from skiros_py.planning.planners.files_planner import FilesPlanner
 from skiros_py.planning.planners.planner import Unsolvable
 from skiros_py.planning.planners.programs import Limits
 
-__all__ = ["UnifiedPlanning"]
-
 _LIMITS = Limits(memory=None)
 
 

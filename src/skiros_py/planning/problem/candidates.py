@@ -10,8 +10,6 @@ from skiros_py.planning.problem.lifted import Lifted, Slot, other, partners
 from skiros_py.skills.conditions import Not
 from skiros_py.world.view import WorldView
 
-__all__ = ["Candidates"]
-
 _PAGE = 64
 _LOOKED_AT = 256
 """So many elements of a class are looked at, for each that is wanted, before unlikely ones are taken."""

@@ -15,8 +15,6 @@ from skiros_py.skills.conditions import Computed, Not
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["Facts"]
-
 
 class Facts:
     """The facts about some elements, by predicate.

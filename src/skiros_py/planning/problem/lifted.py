@@ -12,8 +12,6 @@ from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import STRUCTURE
 
-__all__ = ["Lifted", "Slot", "other", "partners"]
-
 
 class Slot(NamedTuple):
     """An argument of an action: a variable, or an element that its atoms name."""

@@ -10,8 +10,6 @@ from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["living", "supported"]
-
 
 def living(actions: Iterable[Action], view: WorldView) -> tuple[Action, ...]:
     """Leaves out variants that speak of a class of which there is nothing (no station, no deck, ...)."""

@@ -18,8 +18,6 @@ from skiros_py.planning.problem.lifted import Lifted, Slot, other, partners
 from skiros_py.skills.conditions import Not
 from skiros_py.world.view import WorldView
 
-__all__ = ["Relevant", "relevant"]
-
 _AIM = ""
 """Name of the action that stands for the goal: it needs what the goal is."""
 

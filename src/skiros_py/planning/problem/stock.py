@@ -11,8 +11,6 @@ from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, No
 from skiros_py.world.stock import Stock, Stocked, is_token, stocks
 from skiros_py.world.view import WorldView
 
-__all__ = ["believed", "lacks_stock", "tokens_of", "with_stock"]
-
 _SPARE = 2
 """So many more than a goal speaks of: a skill may use one up, and a place with stock is not empty."""
 _PLENTY = 16

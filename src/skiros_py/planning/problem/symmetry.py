@@ -8,8 +8,6 @@ from skiros_py.planning.domain.literals import NOTHING
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.problem.lifted import Lifted
 
-__all__ = ["superfluous"]
-
 _OWN = "#"
 """Stands for a thing itself in what is said of it; no id is this."""
 

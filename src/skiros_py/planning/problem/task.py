@@ -24,8 +24,6 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["Capability", "PlanningTask", "build_task"]
-
 
 @dataclass(frozen=True, slots=True)
 class Capability:

@@ -18,8 +18,6 @@ from skiros_py.planning.robots.handling import Handling, columns
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import HAS_A, ROBOT
 
-__all__ = ["ASSIGNED", "Share", "deal", "shares", "teams"]
-
 ASSIGNED = "assigned"
 """Predicate that says that an agent may handle a thing."""
 

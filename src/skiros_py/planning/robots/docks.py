@@ -24,8 +24,6 @@ from skiros_py.world.poses import map_pose
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AT, DRIVING_POSE, HAS_A
 
-__all__ = ["docking_nearer"]
-
 _MOST = 20
 """So many exchanges are made at most."""
 _WORTH = 0.1

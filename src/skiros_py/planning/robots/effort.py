@@ -15,8 +15,6 @@ from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["USUAL", "efforts"]
-
 USUAL = 10.0
 """How long a skill is taken to last of which nobody knows [s]."""
 

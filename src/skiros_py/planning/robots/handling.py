@@ -11,8 +11,6 @@ from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.vocabulary import ROBOT
 
-__all__ = ["Handling", "columns", "moved_by"]
-
 
 def moved_by(action: Action, ontology: Ontology) -> tuple[tuple[str, str], ...]:
     """Returns what an action gives a new place, each with that place, as the action's variables."""

@@ -20,8 +20,6 @@ from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
-__all__ = ["contrary", "makespan", "order", "partial_order", "schedule"]
-
 Order = tuple[frozenset[int], ...]
 """For each step the indices of the steps that must have ended before it starts; only those that no other implies."""
 

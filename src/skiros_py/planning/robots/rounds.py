@@ -23,8 +23,6 @@ from skiros_py.planning.robots.ordering import makespan, partial_order, schedule
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.view import WorldView
 
-__all__ = ["arranged"]
-
 _MOST_ROUNDS = 40
 """Plans of more rounds stay as they are: to try them out would take seconds."""
 _USUAL = 10.0

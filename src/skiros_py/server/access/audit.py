@@ -14,8 +14,6 @@ from fastapi import Request
 from skiros_py.database import Database
 from skiros_py.errors import SkirosError
 
-__all__ = ["AuditEntry", "AuditLog", "note"]
-
 _log = logging.getLogger(__name__)
 
 _KEPT = 100_000

@@ -15,8 +15,6 @@ from skiros_py.server.access.roles import LOCAL, Caller, Role
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings, is_loopback
 
-__all__ = ["Authenticator", "check_access"]
-
 _GUESSES = 10
 """Wrong keys that one address may show in a minute."""
 _LONGEST_USER = 100

@@ -12,8 +12,6 @@ from starlette.types import Message, Receive
 
 from skiros_py.server.problems import Problem
 
-__all__ = ["check_json", "read_body", "replayed"]
-
 _DEEPEST = 64
 """How deep lists and objects may be nested."""
 _LARGEST = 2**63

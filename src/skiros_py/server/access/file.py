@@ -7,8 +7,6 @@ from pathlib import Path
 
 from skiros_py.database import Database, Schema
 
-__all__ = ["FILE", "open_access"]
-
 FILE = "access.db"
 """Name of the file in a data directory."""
 

@@ -28,8 +28,6 @@ from skiros_py.server.pages import is_page
 from skiros_py.server.problems import Problem, problem_response
 from skiros_py.server.settings import ServerSettings
 
-__all__ = ["OPEN", "Gate", "Guarded"]
-
 _log = logging.getLogger(__name__)
 
 _API = "/api/v1"

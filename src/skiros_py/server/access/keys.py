@@ -20,8 +20,6 @@ from skiros_py.errors import Busy, UnknownName, UsageError, WrongState
 from skiros_py.server.access.file import open_access
 from skiros_py.server.access.roles import LOCAL, Role
 
-__all__ = ["Key", "KeyStore", "shown", "without_keys"]
-
 _LONGEST_NAME = 100
 _MOST = 10_000
 """Keys that are kept, revoked ones included."""

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from skiros_py.server.access.networks import network_of
 from skiros_py.server.problems import Problem
 
-__all__ = ["Load"]
-
 _STRANGERS = 50
 """Logins that may be under way at the same time."""
 _OF_ONE = 10

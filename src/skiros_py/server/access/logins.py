@@ -8,8 +8,6 @@ import secrets
 import time
 from collections import OrderedDict
 
-__all__ = ["COOKIE", "LIFETIME", "Logins", "cookie_name"]
-
 COOKIE = "skiros_session"
 """Name of the cookie, where the address has no port."""
 LIFETIME = 12 * 3600

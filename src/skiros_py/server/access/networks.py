@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import ipaddress
 
-__all__ = ["network_of"]
-
 
 def network_of(address: str) -> str:
     """Returns what tells one stranger from another: the address, or of IPv6, where everybody has many, the network."""

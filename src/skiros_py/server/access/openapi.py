@@ -13,8 +13,6 @@ from skiros_py.server.access.gate import OPEN
 from skiros_py.server.access.logins import COOKIE
 from skiros_py.server.access.roles import Need, Role
 
-__all__ = ["GuardedApi", "operations"]
-
 _SCHEMES = {
     "key": {"type": "http", "scheme": "bearer", "description": "A key: Authorization: Bearer sk_…"},
     "keyHeader": {"type": "apiKey", "in": "header", "name": "X-API-Key", "description": "A key, for older systems."},

@@ -10,8 +10,6 @@ from starlette.datastructures import Headers
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings
 
-__all__ = ["SAFE", "OriginPolicy"]
-
 SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 """Methods that change nothing."""
 

@@ -13,8 +13,6 @@ from fastapi.routing import APIRoute
 from skiros_py.errors import UnknownName
 from skiros_py.server.problems import Problem
 
-__all__ = ["check_query"]
-
 
 def check_query(request: Request) -> None:
     """Sees that the route knows all query parameters of a request.

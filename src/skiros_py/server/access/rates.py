@@ -6,8 +6,6 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable
 
-__all__ = ["Rates"]
-
 
 class Rates:
     """A bucket of permits for each of many people, filled again as time passes; for one thread.

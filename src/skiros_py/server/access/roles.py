@@ -12,9 +12,6 @@ from skiros_py.server.access.parameters import check_query
 from skiros_py.server.problems import Problem
 from skiros_py.station.requests import Author
 
-__all__ = ["LOCAL", "Caller", "CallerDep", "Need", "Role", "needs"]
-
-
 LOCAL = "local"
 """Stands for a key with programs that may read the data directory; they say themselves who they work for."""
 

@@ -11,8 +11,6 @@ from skiros_py.server.access.file import open_access
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.settings import ServerSettings
 
-__all__ = ["set_up_access"]
-
 
 def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:
     """Opens the keys and the audit log of a data directory.

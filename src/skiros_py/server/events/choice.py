@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from skiros_py.station.events.event import Event, Kind
 
-__all__ = ["EVERYTHING", "Choice"]
-
 
 @dataclass(frozen=True, slots=True)
 class Choice:

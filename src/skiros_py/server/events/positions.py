@@ -9,8 +9,6 @@ from typing import Any
 from skiros_py.station.events.event import as_text
 from skiros_py.station.events.log import EventLog
 
-__all__ = ["Reset", "find_position", "missed", "position_text"]
-
 _PLACE = re.compile(r"([0-9a-f]{8})-(\d{1,18})", re.ASCII)
 
 _READ = ("/api/v1/jobs", "/api/v1/world", "/api/v1/tasks", "/api/v1/alarms", "/api/v1/stop")

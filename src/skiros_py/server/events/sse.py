@@ -10,8 +10,6 @@ from contextlib import AbstractContextManager
 from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-__all__ = ["EventStream"]
-
 _log = logging.getLogger(__name__)
 
 _STALLED = 60.0

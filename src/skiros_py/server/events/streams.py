@@ -17,8 +17,6 @@ from skiros_py.server.events.choice import Choice
 from skiros_py.server.events.positions import Reset, find_position, missed, position_text
 from skiros_py.station.events.log import EventLog
 
-__all__ = ["Streams"]
-
 _GATHER = 0.01
 """For so long after an event others are gathered before the streams are woken: a burst wakes them once [s]."""
 _QUIET = 10.0

@@ -12,8 +12,6 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(prefix="/alarms", tags=["alarms"])
 
 AlarmId = Annotated[str, Path(max_length=200, description="Id of the alarm.", examples=["1f2e3d4c-7"])]

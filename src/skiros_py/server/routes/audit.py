@@ -13,8 +13,6 @@ from skiros_py.server.access.audit import AuditEntry
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import ServicesDep
 
-__all__ = ["router"]
-
 router = APIRouter(prefix="/audit", tags=["access"])
 
 Limit = Annotated[int, Query(ge=1, le=1000, description="At most so many.")]

@@ -10,8 +10,6 @@ from skiros_py.api.devices import DeviceInfo, DeviceReading
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["robots"])
 
 Id = Annotated[str, Path(max_length=200)]

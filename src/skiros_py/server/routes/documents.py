@@ -17,8 +17,6 @@ from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.job_faults import job_faults
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["documents"])
 
 KindName = Annotated[str, Path(min_length=1, max_length=100, description="Kind of the document.", examples=["tree"])]

@@ -22,8 +22,6 @@ from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.routes.parameters import ChangeLimit, Cursor, ElementPath, Limit, NamePath, WhyQuery
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["elements"])
 
 _LATEST = 2**62

@@ -19,8 +19,6 @@ from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep
 from skiros_py.station.events.event import Event, Kind
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["events"])
 
 _OF_MES = frozenset({Kind.JOB, Kind.ALARM, Kind.SYSTEM})

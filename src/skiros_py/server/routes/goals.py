@@ -13,8 +13,6 @@ from skiros_py.server.job_faults import job_faults
 from skiros_py.server.services import StationDep
 from skiros_py.station.jobs.goals import goals_version
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["goals"])
 
 

@@ -13,8 +13,6 @@ from skiros_py.server.problems import PROBLEMS
 from skiros_py.server.services import ServicesDep, StationDep
 from skiros_py.station.station import Station
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["operation"])
 
 

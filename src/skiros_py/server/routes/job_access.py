@@ -10,8 +10,6 @@ from fastapi import Depends, Path, Query, Response
 from skiros_py.api.jobs import AcceptedJob, Job
 from skiros_py.server.etags import SeenDep, etag
 
-__all__ = ["CursorQuery", "ExpectedDep", "JobId", "NewestFirstQuery", "accepted", "job_location", "shown"]
-
 JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
 CursorQuery = Annotated[str | None, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")]
 NewestFirstQuery = Annotated[bool, Query(description="Go back from the job that was ordered last.")]

@@ -14,8 +14,6 @@ from skiros_py.server.job_faults import job_faults
 from skiros_py.server.routes.job_access import ExpectedDep, JobId, accepted
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(responses=tagged())
 
 _NEEDS = [needs(Role.OPERATOR, mes=True)]

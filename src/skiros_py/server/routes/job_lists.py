@@ -12,8 +12,6 @@ from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.routes.job_access import CursorQuery, NewestFirstQuery
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter()
 
 _NEEDS = [needs(Role.VIEWER, mes=True)]

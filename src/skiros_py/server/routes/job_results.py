@@ -16,8 +16,6 @@ from skiros_py.server.job_faults import job_faults
 from skiros_py.server.routes.job_access import JobId
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter()
 
 _NEEDS = [needs(Role.VIEWER, mes=True)]

@@ -29,8 +29,6 @@ from skiros_py.server.services import StationDep
 from skiros_py.station.jobs.views import is_open
 from skiros_py.station.station import Station
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["jobs"])
 
 _LONGEST_WAIT = 30

@@ -13,8 +13,6 @@ from skiros_py.server.services import ServicesDep
 from skiros_py.server.settings import is_loopback
 from skiros_py.station.requests import addressed
 
-__all__ = ["router"]
-
 router = APIRouter(prefix="/keys", tags=["access"])
 
 KeyId = Annotated[str, Path(max_length=64, description="Id of the key.", examples=["1f0c55a2"])]

@@ -11,8 +11,6 @@ from skiros_py.server.etags import NEEDS_VERSION, SeenDep
 from skiros_py.server.routes.parameters import Cursor, ElementPath, Limit, WhyQuery
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["learned"])
 
 

@@ -12,8 +12,6 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["locks"])
 
 

@@ -20,8 +20,6 @@ from skiros_py.api.modules import (
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.services import StationDep
 
-__all__ = ["location_of", "router"]
-
 router = APIRouter(tags=["modules"])
 
 Id = Annotated[str, Path(max_length=200)]

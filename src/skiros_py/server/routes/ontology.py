@@ -18,8 +18,6 @@ from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.routes.parameters import Cursor, Limit, NamePath
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(prefix="/ontology", tags=["ontology"])
 
 

@@ -8,8 +8,6 @@ from fastapi import Path, Query
 
 from skiros_py.api.problem import ProblemDetails
 
-__all__ = ["ChangeLimit", "Cursor", "ElementPath", "Limit", "NamePath", "WhyQuery", "also_refused"]
-
 Limit = Annotated[int, Query(ge=1, le=1000, description="How many at most.")]
 ChangeLimit = Annotated[int, Query(ge=1, le=200, description="How many at most.")]
 Cursor = Annotated[str | None, Query(max_length=300, description="Where to read on: `next` of the page before.")]

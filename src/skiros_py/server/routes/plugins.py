@@ -8,8 +8,6 @@ from skiros_py.api.plugins import PluginFaultInfo, Plugins
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["plugins"])
 
 

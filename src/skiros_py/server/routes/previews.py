@@ -13,8 +13,6 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.job_faults import job_faults
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["previews"])
 
 _NEEDS = [needs(Role.OPERATOR, mes=True)]

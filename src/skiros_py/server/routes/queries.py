@@ -10,8 +10,6 @@ from skiros_py.server.answers import CSV, TURTLE, answer_response
 from skiros_py.server.routes.parameters import also_refused
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["queries"])
 
 _TEXT = {"schema": {"type": "string"}}

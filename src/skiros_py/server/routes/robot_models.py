@@ -11,8 +11,6 @@ from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["robots"])
 
 _Id = Annotated[str, Path(max_length=200)]

@@ -13,8 +13,6 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.routes.modules import location_of
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["robots"])
 
 Id = Annotated[str, Path(max_length=200)]

@@ -23,8 +23,6 @@ from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["scenes"])
 
 TURTLE = "text/turtle"

@@ -13,8 +13,6 @@ from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.routes.tasks import place_of
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["sequences"])
 
 Id = Annotated[str, Path(max_length=200)]

@@ -12,8 +12,6 @@ from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.services import Services, ServicesDep
 
-__all__ = ["router"]
-
 
 class _CookieOptions(TypedDict):
     httponly: bool

@@ -10,8 +10,6 @@ from skiros_py.api.simulation import Bodies, BodyPose, NewPace, Pace, Simulation
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(prefix="/simulation", tags=["simulation"])
 
 BodyId = Annotated[str, Path(max_length=200, description="Id of the body.", examples=["starter_1"])]

@@ -16,8 +16,6 @@ from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.services import StationDep
 from skiros_py.station.stops import Stopped
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["stop"])
 
 _LONGEST = 1000

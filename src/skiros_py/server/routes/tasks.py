@@ -11,8 +11,6 @@ from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.services import StationDep
 
-__all__ = ["place_of", "router"]
-
 router = APIRouter(tags=["tasks"])
 
 Name = Annotated[str, Path(max_length=200, examples=["task 1"])]

@@ -10,8 +10,6 @@ from skiros_py.api.view import WorldView
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["world"])
 
 _TAG = {"description": "Version of the view, for If-None-Match.", "schema": {"type": "string"}}

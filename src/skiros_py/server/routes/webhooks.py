@@ -28,8 +28,6 @@ from skiros_py.server.webhooks.store import Post, Subscription, new_secret
 from skiros_py.server.webhooks.target import resolve, target_of
 from skiros_py.station.requests import addressed
 
-__all__ = ["router"]
-
 router = APIRouter(prefix="/webhooks", tags=["webhooks"], dependencies=[needs(Role.ADMIN)])
 
 WebhookId = Annotated[str, Path(max_length=100, description="Id of the webhook.", examples=["wh_5f0c"])]

@@ -14,8 +14,6 @@ from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
 from skiros_py.server.routes.parameters import ChangeLimit, Cursor, Limit, also_refused
 from skiros_py.server.services import StationDep
 
-__all__ = ["router"]
-
 router = APIRouter(tags=["world"])
 
 _LATEST = 2**62

@@ -10,8 +10,6 @@ from cloudevents.core.formats.json import JSONFormat
 from cloudevents.core.v1.event import CloudEvent
 from standardwebhooks import Webhook as Signer
 
-__all__ = ["JOB_STATE", "MEDIA_TYPE", "PING", "payload", "signed"]
-
 JOB_STATE = "io.skiros.job.state.v1"
 PING = "io.skiros.ping.v1"
 MEDIA_TYPE = "application/cloudevents+json"

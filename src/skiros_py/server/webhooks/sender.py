@@ -21,8 +21,6 @@ from skiros_py.server.webhooks.store import Post, Subscription, WebhookStore
 from skiros_py.server.webhooks.target import resolve, target_of
 from skiros_py.station.jobs.views import Announcement
 
-__all__ = ["Patience", "WebhookSender"]
-
 _log = logging.getLogger(__name__)
 
 Announcements = Callable[[int, int], Sequence[Announcement]]

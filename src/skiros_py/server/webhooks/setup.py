@@ -13,8 +13,6 @@ from skiros_py.server.webhooks.store import Post, WebhookStore
 from skiros_py.station.jobs.views import Announcement, job_view
 from skiros_py.station.station import Station
 
-__all__ = ["open_sender"]
-
 
 def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tuple[WebhookStore, WebhookSender]:
     """Opens the file of webhooks and begins to send.

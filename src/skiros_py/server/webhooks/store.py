@@ -17,8 +17,6 @@ from skiros_py.errors import Busy, UnknownName
 from skiros_py.server.webhooks.payload import JOB_STATE, PING, payload
 from skiros_py.station.jobs.views import Announcement, state_name
 
-__all__ = ["Post", "Subscription", "WebhookStore", "new_secret", "state_of"]
-
 _TABLES = """
 CREATE TABLE subscriptions (id TEXT PRIMARY KEY, data TEXT NOT NULL, seen INTEGER NOT NULL, last INTEGER NOT NULL)
     WITHOUT ROWID;

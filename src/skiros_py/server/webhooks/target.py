@@ -10,8 +10,6 @@ from urllib.parse import urlsplit, urlunsplit
 
 from skiros_py.errors import UsageError
 
-__all__ = ["Target", "resolve", "target_of"]
-
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 _PORTS = {"http": 80, "https": 443}

@@ -10,8 +10,6 @@ from skiros_py.ports.driver import require_known
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
 
-__all__ = ["FakeCell"]
-
 _PERIOD = 1.0 / 200.0
 
 

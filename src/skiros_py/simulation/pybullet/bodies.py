@@ -12,8 +12,6 @@ from skiros_py.geometry import Array, Pose, Primitive, Solid
 from skiros_py.ports.simulation import Colour, Vector
 from skiros_py.simulation.pybullet.client import Client
 
-__all__ = ["Body", "Poses", "build_solid", "centre_of_mass"]
-
 
 @dataclass(slots=True)
 class Body:

@@ -12,8 +12,6 @@ from typing import Any, cast
 
 from skiros_py.errors import DeviceError, UsageError
 
-__all__ = ["Client"]
-
 
 class Client:
     """The functions and constants of the pybullet module, for one physics client.

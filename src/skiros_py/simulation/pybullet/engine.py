@@ -21,8 +21,6 @@ from skiros_py.simulation.pybullet.renderer import BodyLook, Moment, Renderer, R
 from skiros_py.simulation.pybullet.robot import PyBulletRobot, surface_options
 from skiros_py.workers import Call, Worker
 
-__all__ = ["PyBulletEngine"]
-
 T = TypeVar("T")
 
 _GRAVITY = 9.81  # [m/s²]

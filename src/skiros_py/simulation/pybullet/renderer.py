@@ -20,8 +20,6 @@ from skiros_py.simulation.pybullet.bodies import build_solid
 from skiros_py.simulation.pybullet.client import Client
 from skiros_py.simulation.pybullet.robot import RobotModel
 
-__all__ = ["BodyLook", "Moment", "Renderer", "RobotLook", "intrinsics_of"]
-
 T = TypeVar("T")
 
 _FLOOR = Solid.box(40.0, 40.0, 0.1)

@@ -16,8 +16,6 @@ from skiros_py.simulation.pybullet.client import Client
 if TYPE_CHECKING:
     from skiros_py.simulation.pybullet.engine import PyBulletEngine
 
-__all__ = ["PyBulletJoints", "PyBulletLink", "PyBulletRobot", "RobotModel", "surface_options"]
-
 _COUPLING_ERP = 0.1
 
 

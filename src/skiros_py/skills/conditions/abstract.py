@@ -9,8 +9,6 @@ from skiros_py.world.element import Element, is_abstract
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS
 
-__all__ = ["some_such"]
-
 
 def some_such(name: str, pattern: Pattern, ontology: Ontology, *, described: bool) -> Pattern:
     """Returns "there is something such that ...", where an argument is a class or an individual of the ontology.

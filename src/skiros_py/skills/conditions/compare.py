@@ -12,8 +12,6 @@ from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 
-__all__ = ["Compare"]
-
 
 @dataclass(frozen=True, slots=True)
 class Compare:

@@ -14,8 +14,6 @@ from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.element import Value
 from skiros_py.world.literals import shown
 
-__all__ = ["Comparison", "Constant", "Operator"]
-
 Operator = Literal["=", "!=", "<", "<=", ">", ">="]
 """How two values are compared; numbers all ways, texts and truth values by the first two."""
 

@@ -15,8 +15,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["Junction", "Quantified", "all_of", "any_of", "exists", "for_all"]
-
 _VARIABLE = re.compile(r"[^\W\d]\w*")
 _TRIED_SHOWN = 5
 """Of elements for which a condition was tried in vain, so many are told of."""

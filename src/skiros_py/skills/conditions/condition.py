@@ -12,8 +12,6 @@ from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["Condition", "ConditionType", "Role"]
-
 
 @dataclass(frozen=True, slots=True)
 class Role:

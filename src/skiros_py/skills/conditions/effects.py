@@ -17,8 +17,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.transaction import Transaction
 
-__all__ = ["Assign", "Effect", "Relate", "Unrelate", "effects_of", "suppose_effects", "write_effects"]
-
 
 @dataclass(frozen=True, slots=True)
 class Relate:

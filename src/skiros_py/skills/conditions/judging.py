@@ -10,8 +10,6 @@ from skiros_py.skills.conditions.pattern import Binding
 from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.view import WorldView
 
-__all__ = ["judge"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -11,8 +11,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.terms import Filler
 from skiros_py.world.view import WorldView
 
-__all__ = ["ClassRelated", "IsA"]
-
 
 @dataclass(frozen=True, slots=True)
 class IsA:

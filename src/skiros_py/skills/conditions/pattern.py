@@ -15,8 +15,6 @@ from typing import Protocol
 from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.view import WorldView
 
-__all__ = ["AllOf", "AnyOf", "Binding", "Computed", "Exists", "Has", "Not", "Nothing", "Pattern", "Related"]
-
 Binding = Mapping[str, str]
 """Element id by variable."""
 

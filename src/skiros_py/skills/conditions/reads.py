@@ -13,8 +13,6 @@ from skiros_py.world.taught import TEACHABLE, lessons
 from skiros_py.world.terms import Family
 from skiros_py.world.view import ForwardingView, Sensors
 
-__all__ = ["Key", "ReadingView", "touched_by"]
-
 Key = tuple[str, ...]
 """A piece of the world: its kind, and which.
 

@@ -10,8 +10,6 @@ from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, N
 from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.view import NO_SENSORS, WorldView
 
-__all__ = ["Sensor", "is_sensed"]
-
 
 @dataclass(frozen=True, slots=True)
 class Sensor:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-__all__ = ["Verdict"]
-
 _SHOWN = 5
 """So many reasons are said in one sentence."""
 

@@ -12,8 +12,6 @@ from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.world.change import Change
 from skiros_py.world.world import World
 
-__all__ = ["Watch", "Watches"]
-
 
 class _Watched:
     """One condition under watch.

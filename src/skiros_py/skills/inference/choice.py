@@ -17,8 +17,6 @@ from skiros_py.skills.variables import variables
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 
-__all__ = ["Solution", "choose"]
-
 Solution = Mapping[str, str]
 """Element by key, of the parameters that are chosen together."""
 

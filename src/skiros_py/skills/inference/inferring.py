@@ -18,8 +18,6 @@ from skiros_py.skills.structure import nearest_first
 from skiros_py.skills.variables import variables
 from skiros_py.world.view import WorldView
 
-__all__ = ["applying", "infer"]
-
 _ENOUGH = 100_000
 """So many combinations are compared; more only arise where nothing connects one parameter with the others."""
 

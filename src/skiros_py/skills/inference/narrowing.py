@@ -9,8 +9,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 
-__all__ = ["candidates", "conjuncts", "is_indexed", "that_fit"]
-
 
 def conjuncts(pattern: Pattern) -> tuple[Pattern, ...]:
     """Returns the patterns that must all hold for this one to hold."""

@@ -8,8 +8,6 @@ from typing import Any
 
 from skiros_py.skills.conditions import Verdict
 
-__all__ = ["Inferred", "Missing"]
-
 
 @dataclass(frozen=True, slots=True)
 class Inferred:

@@ -15,8 +15,6 @@ from skiros_py.skills.variables import variables
 from skiros_py.world.element import is_abstract
 from skiros_py.world.view import WorldView
 
-__all__ = ["Search"]
-
 _Domain = Mapping[str, None] | None
 """Candidates in the order of their ids; None for every element of the class."""
 

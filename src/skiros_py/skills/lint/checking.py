@@ -13,8 +13,6 @@ from skiros_py.skills.skill import Skill
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
-__all__ = ["check", "problems_of"]
-
 _ALLOWED = re.compile(r"#\s*skiros:\s*allow\s+([a-z-]+(?:\s*,\s*[a-z-]+)*)")
 
 

@@ -7,8 +7,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-__all__ = ["Finding", "Problem", "Severity", "Spot"]
-
 
 class Severity(StrEnum):
     """How bad it is to break a rule."""

@@ -12,8 +12,6 @@ from skiros_py.skills.lint.subject import Subject
 from skiros_py.skills.parameters import IT
 from skiros_py.skills.skill import Skill, SkillDescription
 
-__all__ = ["Classes", "Use", "classes_of", "leaves", "uses_of", "walk_scoped"]
-
 Classes = Mapping[str, str]
 """Class of the element that a variable stands for, by variable."""
 

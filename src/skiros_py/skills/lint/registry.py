@@ -20,8 +20,6 @@ from skiros_py.skills.lint.rules.reach import IMPOSSIBLE_EFFECT, UNREACHABLE_PRE
 from skiros_py.skills.lint.rules.recursion import RECURSIVE_SKILL
 from skiros_py.skills.lint.rules.words import NOT_COMPUTED, UNKNOWN_WORD
 
-__all__ = ["DOES_NOT_LOAD", "EFFECT_MISSING", "NEVER_TRIED", "RULES", "UNDECLARED_CHANGE", "rule"]
-
 DOES_NOT_LOAD = Rule("does-not-load", Severity.ERROR, "A plug-in that cannot be loaded.")
 EFFECT_MISSING = Rule("effect-missing", Severity.ERROR, "A skill ran, and an effect it declares did not happen.")
 UNDECLARED_CHANGE = Rule("undeclared-change", Severity.ERROR, "A skill ran, and changed what it does not declare.")

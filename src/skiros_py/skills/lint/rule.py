@@ -9,8 +9,6 @@ from pathlib import Path
 from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.subject import Known, Subject
 
-__all__ = ["Check", "Rule"]
-
 Check = Callable[[Subject, Known], Iterator[Problem]]
 """Yields what is wrong with a thing; nothing for things that the rule is not about."""
 

@@ -17,8 +17,6 @@ from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS, Reasoners
 
-__all__ = ["Known", "PrimitiveClass", "Source", "Subject", "title"]
-
 PrimitiveClass = type[Primitive[Any]]
 
 

@@ -10,8 +10,6 @@ from skiros_py.skills.parameters.param import Kind, Param
 from skiros_py.skills.parameters.values import read_value
 from skiros_py.world.view import WorldView
 
-__all__ = ["Arguments", "missing", "read_arguments"]
-
 Arguments = Mapping[str, Any]
 """Value by key of every parameter; None where it is not specified."""
 

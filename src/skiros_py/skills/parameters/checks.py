@@ -10,8 +10,6 @@ from skiros_py.skills.parameters.param import IT, Kind, Param
 from skiros_py.skills.parameters.value_types import VALUE_TYPES
 from skiros_py.skills.variables import variables
 
-__all__ = ["check_params"]
-
 
 def check_params(params: Sequence[Param], where: str) -> None:
     """Checks parameters that belong together.

@@ -16,9 +16,6 @@ from skiros_py.skills.parameters.value_types import ValueType
 if TYPE_CHECKING:
     from pydantic import TypeAdapter, ValidationError
 
-__all__ = ["custom_type"]
-
-
 _TYPES: dict[ValueClass, ValueType] = {}
 
 

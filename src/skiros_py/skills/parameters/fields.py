@@ -9,8 +9,6 @@ from skiros_py.errors import DescriptionError
 from skiros_py.skills.parameters.checks import check_params
 from skiros_py.skills.parameters.param import Kind, Param, ValueClass
 
-__all__ = ["param", "params_of"]
-
 
 def param(
     type_: str | ValueClass,

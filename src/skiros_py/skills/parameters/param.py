@@ -11,8 +11,6 @@ from skiros_py.errors import DescriptionError
 from skiros_py.skills.conditions import Pattern
 from skiros_py.world.view import WorldView
 
-__all__ = ["IT", "Cost", "Kind", "Param", "Patterns", "ValueClass"]
-
 IT = "it"
 """Variable of a parameter's own patterns: the element that it may be."""
 

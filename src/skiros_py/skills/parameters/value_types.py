@@ -10,8 +10,6 @@ from typing import Any
 from skiros_py.geometry import Pose
 from skiros_py.world.literals import DATATYPES
 
-__all__ = ["VALUE_TYPES", "ValueType"]
-
 
 @dataclass(frozen=True, slots=True)
 class ValueType:

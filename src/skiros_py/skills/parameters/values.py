@@ -12,8 +12,6 @@ from skiros_py.skills.parameters.value_types import VALUE_TYPES, ValueType
 from skiros_py.world.literals import shown
 from skiros_py.world.view import WorldView
 
-__all__ = ["as_json", "as_shown", "as_text", "read_value", "schema"]
-
 
 def read_value(param: Param, value: Any, view: WorldView) -> Any:
     """Checks a value of a parameter and returns it in its own form.

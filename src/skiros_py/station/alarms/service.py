@@ -12,8 +12,6 @@ from skiros_py.station.requests import LIBRARY, Author, addressed
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["AlarmService"]
-
 _UNKNOWN = "UnknownAlarm"
 
 

@@ -16,8 +16,6 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import Happening, TraceEntry
 
-__all__ = ["AlarmSources"]
-
 _log = logging.getLogger(__name__)
 
 _OF_SESSION = (AlarmKind.HALTED, AlarmKind.CYCLE, AlarmKind.MANAGER, AlarmKind.QUESTION, AlarmKind.JOB)

@@ -12,8 +12,6 @@ from typing import Any
 
 from fastapi.sse import format_sse_event
 
-__all__ = ["Event", "Kind", "as_text", "written"]
-
 _ID = b"\nid: "
 """What stands behind the text in a server-sent event; text in one line has no such thing in it."""
 _LONGEST = 64_000

@@ -21,8 +21,6 @@ from skiros_py.station.session import Session
 from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import HELD_BY
 
-__all__ = ["LiveState"]
-
 _RATE = 20.0
 """How often the state is built at most [Hz]."""
 _QUIET = 10.0

@@ -12,8 +12,6 @@ from typing import Any
 
 from skiros_py.station.events.event import Event, Kind, written
 
-__all__ = ["EventLog"]
-
 _log = logging.getLogger(__name__)
 
 _MOST_ELEMENTS = 1000

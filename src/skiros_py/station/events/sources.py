@@ -19,8 +19,6 @@ from skiros_py.tasks.trace import TraceEntry
 from skiros_py.world.change import Change
 from skiros_py.world.element import is_learned
 
-__all__ = ["EventSources", "change_data", "job_data"]
-
 _MOST_EDITS = 100
 """So many edits of one change are told; the history has all of them."""
 

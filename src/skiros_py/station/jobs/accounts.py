@@ -19,8 +19,6 @@ from skiros_py.station.jobs.views import job_view, steps_view, transitions_view
 from skiros_py.tasks.jobs import Job, JobManager
 from skiros_py.tasks.trace import Happening
 
-__all__ = ["explanation_of", "plan_of", "planned_steps", "report_of", "response_of"]
-
 Trace = Sequence[Mapping[str, Any]]
 
 _ENDS = (Happening.ENDED.value, Happening.FAILED.value, Happening.BROKEN_OFF.value)

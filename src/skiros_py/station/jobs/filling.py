@@ -9,8 +9,6 @@ from skiros_py.api.goals import Material
 from skiros_py.api.templates import GoalTemplateContent
 from skiros_py.errors import UnknownName, UsageError
 
-__all__ = ["faults_of", "filled"]
-
 _FIELDS = ("class", "definition", "id", "location", "lot", "use")
 """What of a material a placeholder may stand for."""
 _MOST = 2000

@@ -18,8 +18,6 @@ from skiros_py.tasks.goals import goal_as_data, goal_as_text, parse_goal
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 
-__all__ = ["checked_goal", "condition_words"]
-
 
 def checked_goal(
     texts: Sequence[str], view: WorldView, version: int, conditions: Mapping[str, ConditionType]

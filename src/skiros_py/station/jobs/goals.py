@@ -19,8 +19,6 @@ from skiros_py.world.change import Writer
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["GoalService", "TemplateService", "goals_version"]
-
 
 class GoalService:
     """Checks goals, and keeps those that go with the scene.

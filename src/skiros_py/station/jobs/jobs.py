@@ -36,8 +36,6 @@ from skiros_py.world.vocabulary import MANIPULATABLE
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["Command", "JobService", "OrderResult"]
-
 Command = Literal["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear", "remove"]
 
 _UNABLE = 1 << 4

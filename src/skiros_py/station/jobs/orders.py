@@ -17,8 +17,6 @@ from skiros_py.tasks.jobs import JobOrder
 from skiros_py.tasks.jobs.order import Material
 from skiros_py.tasks.policy import Policy
 
-__all__ = ["LONGEST", "digest_of", "is_same", "job_order", "new_id", "texts_of"]
-
 LONGEST = 64 << 10
 """Length of an order, with its goal and everything else that it says [bytes]."""
 

@@ -14,8 +14,6 @@ from skiros_py.station.jobs.texts import data_as_text
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["KIND", "TemplateStore", "check_template"]
-
 KIND = TEMPLATE
 
 

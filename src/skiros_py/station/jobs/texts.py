@@ -10,8 +10,6 @@ from skiros_py.api.faults import fault_words
 from skiros_py.errors import UsageError
 from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Said, Word
 
-__all__ = ["data_as_text", "goal_texts"]
-
 _DEEPEST = 60
 """Nested deeper, it is refused by the language of goals anyway, and could not be walked through."""
 _PLAIN = re.compile(r"[^\W\d](?:[\w.-]|:(?=\w))*")

@@ -8,8 +8,6 @@ import time
 from skiros_py.station.session import Session
 from skiros_py.tasks.jobs import Job, JobManager, JobState
 
-__all__ = ["JobWaiter"]
-
 _MOST = 8
 """So many may wait at the same time: each holds a thread that other requests may need."""
 _GLANCE = 0.25

@@ -24,8 +24,6 @@ from skiros_py.station.session import Session
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["ModuleService"]
-
 
 class ModuleService:
     """Opens and closes skill managers, describes modules and runs them by themselves.

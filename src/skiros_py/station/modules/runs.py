@@ -20,8 +20,6 @@ from skiros_py.skills.parameters import Param
 from skiros_py.station.session import Session
 from skiros_py.world.change import Change
 
-__all__ = ["ModuleRun", "ModuleRuns", "Round", "Turn", "Wish"]
-
 Turn = Literal["paused", "resumed"]
 """What becomes of a run that goes on all the same."""
 _KEPT = 200

@@ -36,8 +36,6 @@ from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, Round
 from skiros_py.station.session import Session
 
-__all__ = ["manager", "managers", "module", "modules", "panel", "run_info", "skills", "skills_of"]
-
 ModuleKind = Literal["skill", "primitive", "document"]
 
 # ---------------------------------------------------------------------- managers and modules

@@ -14,8 +14,6 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
 from skiros_py.tasks.trace import Happening, TraceEntry
 
-__all__ = ["JobRecordings"]
-
 _log = logging.getLogger(__name__)
 
 _MOST = 200

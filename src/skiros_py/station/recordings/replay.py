@@ -15,8 +15,6 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.recording.reader import DEVICES, Recording
 from skiros_py.station.recordings.sources import VIEW
 
-__all__ = ["MOST_FRAMES", "replay_text"]
-
 MOST_FRAMES = 5000
 _DIGITS = 5
 

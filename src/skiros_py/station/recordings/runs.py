@@ -23,8 +23,6 @@ from skiros_py.station.session import Session
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.scene.writer import scene_turtle
 
-__all__ = ["recorder_of", "run_recorder"]
-
 _PACKAGES = ("skiros-py", "pybullet", "numpy", "up-fast-downward", "kairos-planner")
 """Packages whose versions are recorded."""
 

@@ -12,8 +12,6 @@ from skiros_py.tasks.jobs import Job
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["RecordingService"]
-
 
 class RecordingService:
     """Finds the recordings of jobs.

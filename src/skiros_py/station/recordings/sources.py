@@ -42,8 +42,6 @@ from skiros_py.station.world.view import view_of
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 
-__all__ = ["VIEW", "Scene", "camera_of", "frames_of", "record_looks", "record_view"]
-
 _BASE = "base_link"
 _MAP = "map"
 _MOST_POINTS = 5000

@@ -7,8 +7,6 @@ from skiros_py.errors import UnknownName
 from skiros_py.ports.device import to_plain
 from skiros_py.station.session import Session
 
-__all__ = ["device_info", "device_infos", "device_reading"]
-
 
 def device_infos(session: Session) -> list[DeviceInfo]:
     """Describes all devices of the cell."""

@@ -18,8 +18,6 @@ from skiros_py.errors import SkirosError
 from skiros_py.geometry import Pose
 from skiros_py.ports.models import write_robot_urdf
 
-__all__ = ["Joint", "RobotModel", "known_model", "robot_model"]
-
 _BASE = "base_link"
 _Quaternion = tuple[float, float, float, float]
 _TURNS = ("revolute", "continuous")

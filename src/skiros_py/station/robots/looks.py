@@ -21,8 +21,6 @@ from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequ
 from skiros_py.ports.values import DepthImage
 from skiros_py.station.session import Session
 
-__all__ = ["MOST_POINTS", "Looks", "points_of"]
-
 MOST_POINTS = 20_000
 """Points of one look."""
 _KEPT = 2

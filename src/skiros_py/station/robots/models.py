@@ -25,8 +25,6 @@ from skiros_py.workers import Worker
 if TYPE_CHECKING:
     from skiros_py.perception.light_meshes import MeshPiece
 
-__all__ = ["MESHES", "DrawnModel", "RobotModels"]
-
 MESHES = "model/meshes/"
 """Where the meshes are, seen from the address of the model."""
 

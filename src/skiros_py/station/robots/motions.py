@@ -24,8 +24,6 @@ from skiros_py.ports.values import Snapshot
 from skiros_py.station.robots.kinematics import known_model
 from skiros_py.station.session import Session
 
-__all__ = ["MOST_POINTS", "Motions"]
-
 MOST_POINTS = 60
 """Points on the way of one arm."""
 _KEPT = 8

@@ -34,8 +34,6 @@ from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.world.vocabulary import HELD_BY
 
-__all__ = ["info", "jog", "reading", "robot_of", "start_by_hand"]
-
 # ---------------------------------------------------------------------- what there is
 
 

@@ -19,8 +19,6 @@ from skiros_py.station.robots.models import DrawnModel
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["DeviceService", "RobotService"]
-
 _LESSONS = {"grasp": "teach_grasp", "driving-pose": "teach_driving_pose", "placing-pose": "teach_placing_pose"}
 
 

@@ -10,8 +10,6 @@ from skiros_py.world.scene import diff
 from skiros_py.world.vocabulary import HAS_PRIMITIVE, HAS_SKILL, PRIMITIVE, SKILL
 from skiros_py.world.workspace import Workspace
 
-__all__ = ["changes_to", "scene_only"]
-
 _KINDS = ((SKILL, HAS_SKILL), (PRIMITIVE, HAS_PRIMITIVE))
 
 

@@ -12,8 +12,6 @@ from skiros_py.world.change import Change, Writer
 from skiros_py.world.index import Index
 from skiros_py.world.world import World
 
-__all__ = ["LOADED", "load", "require_rest", "scene_of"]
-
 LOADED = "loaded scene "
 """What the reasons of such changes begin with; the name of the scene comes next, or "(upload)"."""
 _UPLOAD = "(upload)"

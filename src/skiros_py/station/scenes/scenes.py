@@ -18,8 +18,6 @@ from skiros_py.world.index import Index
 from skiros_py.world.scene.atomic import write_atomically
 from skiros_py.world.scene.writer import scene_turtle
 
-__all__ = ["SceneFile", "SceneStore"]
-
 _NAME = re.compile(SCENE_NAME)
 _SUFFIX = ".ttl"
 

@@ -22,8 +22,6 @@ from skiros_py.world.vocabulary import ELEMENT, ROBOT
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["SceneService"]
-
 _UNKNOWN = "UnknownScene"
 _SAVED_AS = "saved as"
 

@@ -20,8 +20,6 @@ from skiros_py.world.ontology.documents import read_document
 from skiros_py.world.scene import diff, load_scene
 from skiros_py.world.world import World
 
-__all__ = ["SceneStage", "shown"]
-
 _KEPT = 8
 """So many scenes are kept as they were read, for those who look often."""
 _THIS, _LABEL = SCENE + "this", STANDARD_PREFIXES["rdfs"] + "label"

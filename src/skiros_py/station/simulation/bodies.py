@@ -22,8 +22,6 @@ from skiros_py.world.element import is_abstract
 from skiros_py.world.index import Index
 from skiros_py.world.view import WorldView
 
-__all__ = ["Bodies"]
-
 _FIXED = (v.ROBOT, v.DEVICE, v.STOCK)
 """What these are made of is read once, when the session is opened."""
 _MOST_STALE = 100

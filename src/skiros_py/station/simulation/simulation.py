@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from skiros_py.simulation.cell import SimulatedCell
     from skiros_py.station.judgement import Whereabouts
 
-__all__ = ["Simulation"]
-
 Point = tuple[float, float, float]
 
 _ASIDE = 1e-3

@@ -16,8 +16,6 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
 
-__all__ = ["KeptTask", "TaskBook"]
-
 _KEPT = 100
 """Tasks that are over and still known; the oldest go first."""
 _ENTRIES = 1000

@@ -18,8 +18,6 @@ from skiros_py.world.change import Writer
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["PreviewService"]
-
 
 class PreviewService:
     """Plans goals from the present beliefs, and applies the repairs that are offered where there is no plan.

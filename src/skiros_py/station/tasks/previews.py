@@ -17,8 +17,6 @@ from skiros_py.planning.service import Planned, PlanningOptions
 from skiros_py.skills.conditions import Condition
 from skiros_py.station.session import Session
 
-__all__ = ["Preview", "Previews", "is_applicable"]
-
 _AT_ONCE = 2
 """Planners take a core each."""
 _KEPT = 100

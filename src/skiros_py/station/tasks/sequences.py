@@ -28,8 +28,6 @@ from skiros_py.station.tasks.steps import Workbench
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["SequenceService"]
-
 _MOST = 500
 """Sequences that are kept; somebody has to delete some before there are more."""
 _MOST_STEPS = 100

@@ -14,8 +14,6 @@ from skiros_py.station.session import Session
 from skiros_py.tasks.sequences import StepCheck, StepSequence, check_steps
 from skiros_py.world.index import Index
 
-__all__ = ["Workbench", "require_works"]
-
 
 @dataclass(frozen=True, slots=True)
 class Workbench:

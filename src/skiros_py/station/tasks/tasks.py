@@ -21,8 +21,6 @@ from skiros_py.tasks.sequences import StepSequence
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["TaskService", "require_ready"]
-
 _PLAIN = JobPolicy()
 
 

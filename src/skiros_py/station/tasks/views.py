@@ -12,8 +12,6 @@ from skiros_py.station.tasks.book import KeptTask
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import Happening, TraceEntry
 
-__all__ = ["planned_steps", "task_info", "task_trace"]
-
 _ENDS = (Happening.ENDED, Happening.FAILED, Happening.BROKEN_OFF)
 
 

@@ -11,8 +11,6 @@ from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, format_value
 from skiros_py.world.queries import Constructed, Result, Table
 
-__all__ = ["Answer"]
-
 
 class Answer:
     """The answer to a query.

@@ -13,8 +13,6 @@ from skiros_py.world.journal import Head, Journal
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.world import World
 
-__all__ = ["change_page", "history", "one_change", "told_change", "undoable", "written"]
-
 _MOST_EDITS = 100
 """Edits of a change that are told in a list; a scene has thousands."""
 

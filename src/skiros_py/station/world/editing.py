@@ -20,8 +20,6 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import LABEL, STRUCTURE
 from skiros_py.world.world import World
 
-__all__ = ["add", "change", "operate", "told_lock", "writing"]
-
 
 @contextmanager
 def writing(

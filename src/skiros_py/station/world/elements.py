@@ -21,8 +21,6 @@ from skiros_py.world.world import World
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["ElementService"]
-
 
 class ElementService:
     """Reads and edits elements.

@@ -8,8 +8,6 @@ from skiros_py.geometry import Pose
 from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import POSE, POSE_FRAME
 
-__all__ = ["Frames"]
-
 _Place = tuple[str | None, Pose]
 """A base, or None for the map; and the pose in its frame."""
 

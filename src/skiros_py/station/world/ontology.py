@@ -15,8 +15,6 @@ from skiros_py.world.taught import class_value
 from skiros_py.world.terms import Class, End, Property, Relation
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["class_details", "class_tree", "property_info", "relation_info"]
-
 _MOST_SHOWN = 100
 """Ids of individuals that are told with a class."""
 

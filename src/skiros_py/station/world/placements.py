@@ -16,8 +16,6 @@ from skiros_py.world.terms import End, Relation
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 
-__all__ = ["placement_options"]
-
 _TRIAL = "placed_on_trial"
 """Id of what is put somewhere to see whether it may be; nobody else ever sees it."""
 

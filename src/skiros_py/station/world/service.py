@@ -22,8 +22,6 @@ from skiros_py.world.vocabulary import ELEMENT
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
 
-__all__ = ["OntologyService"]
-
 
 class OntologyService:
     """Describes the ontology, and answers questions over everything that is known.

@@ -12,8 +12,6 @@ from skiros_py.world.element import Element, Value
 from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import HOLLOW, SIZE, SOLID
 
-__all__ = ["Shapes"]
-
 _SHEET = 0.01
 """How thick what has length and width only is drawn, below its frame [m]: floors, decks."""
 _DIMENSIONS = (2, 3)

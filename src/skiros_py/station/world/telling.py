@@ -16,8 +16,6 @@ from skiros_py.world.taught import lesson_about
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import POSE, POSE_FRAME
 
-__all__ = ["computed_relations", "details", "relations", "summary"]
-
 _MOST_RELATIONS = 200
 """Relations that are told together with an element."""
 

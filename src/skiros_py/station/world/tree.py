@@ -11,8 +11,6 @@ from skiros_py.api.elements import TreeNode
 from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import ELEMENT, MODULE, ROOT, SPATIAL_THING, STRUCTURE
 
-__all__ = ["MOST_NODES", "tree"]
-
 MOST_NODES = 2000
 """Nodes of one answer: those nearest to the root are told, the others asked for."""
 

@@ -12,8 +12,6 @@ from skiros_py.world.poses import write_pose
 from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import POSE
 
-__all__ = ["given", "set_value", "told"]
-
 
 def told(value: Value | None, frame: str | None = None) -> Any:
     """Returns a value as plain data.

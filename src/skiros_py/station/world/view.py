@@ -27,8 +27,6 @@ from skiros_py.world.vocabulary import (
     STRUCTURE,
 )
 
-__all__ = ["view_of"]
-
 Kind = Literal["part", "place", "furniture", "floor", "robot", "device", "other"]
 
 _UNSEEN: Mapping[str, Pose] = MappingProxyType({})

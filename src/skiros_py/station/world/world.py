@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     from skiros_py.station.station import Station
 
-__all__ = ["WorldService"]
-
 
 class WorldService:
     """Reads the world as a whole, and writes transactions of a person.

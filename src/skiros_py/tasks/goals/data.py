@@ -17,8 +17,6 @@ from skiros_py.skills.conditions import Condition, ConditionType, Junction, Quan
 from skiros_py.tasks.goals.meaning import goal_of
 from skiros_py.world.view import WorldView
 
-__all__ = ["goal_as_data", "goal_from_data"]
-
 _LONGEST_PATH = 20
 
 

@@ -9,8 +9,6 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapt
 
 from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Said, Word, implication
 
-__all__ = ["GOALS", "AllField", "AnyField", "ExistsField", "ForAllField", "IfField", "NotField", "WordField"]
-
 _KINDS = ("condition", "not", "all_of", "any_of", "if", "for_all", "exists")
 
 

@@ -15,8 +15,6 @@ from skiros_py.errors import GoalSyntaxError
 from skiros_py.tasks.goals.said import Joined, Name, Negation, Quantification, Said, Word, implication
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["read"]
-
 _WORDS: Mapping[str, str] = {
     "LPAR": "'('",
     "RPAR": "')'",

@@ -12,8 +12,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["Lexicon"]
-
 
 class Lexicon:
     """Looks words up, for one goal.

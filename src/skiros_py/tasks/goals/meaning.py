@@ -14,8 +14,6 @@ from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT, SPATIAL_THING
 
-__all__ = ["DEEPEST", "MOST_LOOKED_AT", "Meaning", "goal_of"]
-
 DEEPEST = 50
 """Conditions nested deeper than this are refused: nobody could read why they do not hold."""
 

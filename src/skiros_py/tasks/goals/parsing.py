@@ -10,8 +10,6 @@ from skiros_py.tasks.goals.forms import read
 from skiros_py.tasks.goals.meaning import goal_of
 from skiros_py.world.view import WorldView
 
-__all__ = ["goal_as_text", "parse_goal"]
-
 _PLAIN = re.compile(r"[^\W\d](?:[\w.-]|:(?=\w))*")
 
 

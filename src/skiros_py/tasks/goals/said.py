@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["Joined", "Name", "Negation", "Quantification", "Said", "Word", "implication"]
-
 
 @dataclass(frozen=True, slots=True)
 class Name:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from skiros_py.tasks.jobs.job import Job
 
-__all__ = ["CANCELLED", "CLEARED", "MOST_ANNOUNCEMENTS", "Announcement", "keep_announcement"]
-
 CANCELLED, CLEARED = "cancelled", "cleared"
 """What is announced of a job that is removed, before it began and after its end."""
 

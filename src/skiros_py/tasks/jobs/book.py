@@ -15,8 +15,6 @@ from skiros_py.tasks.jobs.states import JobState, Trigger, next_state
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.jobs.views import AllJobs, OpenJobs
 
-__all__ = ["JobBook"]
-
 _log = logging.getLogger(__name__)
 
 

@@ -12,8 +12,6 @@ from skiros_py.tasks.by_hand import write_by_hand
 from skiros_py.tasks.jobs.job import Intent
 from skiros_py.world.world import World
 
-__all__ = ["done_by_hand"]
-
 
 def done_by_hand(world: World, capabilities: Sequence[Capability], intent: Intent, by: str) -> None:
     """Writes a step's effects into the world.

@@ -14,8 +14,6 @@ from skiros_py.tasks.jobs.run import JobRun
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.store import JobStore
 
-__all__ = ["JobCommands"]
-
 
 class JobCommands(JobLookups):
     """Takes commands; one that is given again, where it has had its effect already, changes nothing.

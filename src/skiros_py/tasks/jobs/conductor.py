@@ -22,8 +22,6 @@ from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.jobs.turns import Turns
 from skiros_py.tasks.task_manager import TaskManager
 
-__all__ = ["Conductor", "ReadGoal"]
-
 ReadGoal = Callable[[Sequence[str]], tuple[Condition, ...]]
 """Reads goal texts."""
 

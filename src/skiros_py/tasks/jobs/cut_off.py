@@ -11,8 +11,6 @@ from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.world.world import World
 
-__all__ = ["ABORT", "BY_HAND", "CUT_OFF", "RETRY", "WAITS", "hold_what_was_cut_off", "hold_what_was_halted"]
-
 RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
 """What a person may answer: go on from what is believed now; a person has done the step; give the job up."""
 

@@ -6,8 +6,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["Guard"]
-
 
 class Guard:
     """Held by whoever changes a job, also while the disk is waited for.

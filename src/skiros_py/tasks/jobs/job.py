@@ -10,8 +10,6 @@ from pydantic import BaseModel, ConfigDict
 from skiros_py.tasks.jobs.order import JobOrder
 from skiros_py.tasks.jobs.states import JobState
 
-__all__ = ["Actual", "Intent", "Job", "MaterialActual", "Outcome", "Transition"]
-
 
 class Outcome(enum.StrEnum):
     """What came of a job that is over."""

@@ -13,8 +13,6 @@ from skiros_py.tasks.jobs.receipts import Receipt
 from skiros_py.tasks.jobs.states import JobState
 from skiros_py.tasks.jobs.store import JobStore, Page
 
-__all__ = ["JobLookups"]
-
 
 class JobLookups:
     """Answers questions about jobs.

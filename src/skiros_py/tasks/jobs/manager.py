@@ -23,8 +23,6 @@ from skiros_py.tasks.jobs.states import Trigger
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.task_manager import TaskManager
 
-__all__ = ["JobManager"]
-
 _MOST_OPEN = 50_000
 _RETRY_AFTER = 30.0
 """When a full queue may have room again [s]: a job takes its time."""

@@ -11,8 +11,6 @@ from skiros_py.world.index import Index
 from skiros_py.world.vocabulary import MANIPULATABLE
 from skiros_py.world.world import World
 
-__all__ = ["moved"]
-
 
 def moved(world: World, job: Job, intents: Iterable[Intent]) -> tuple[MaterialActual, ...]:
     """Returns what a job has moved by now: what it has said before, and what changed since :attr:`Job.seen`.

@@ -8,8 +8,6 @@ from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validato
 
 from skiros_py.tasks.policy import Policy
 
-__all__ = ["JobOrder", "Material"]
-
 _LONGEST_ID = 200
 _PRIORITIES = 2**15
 

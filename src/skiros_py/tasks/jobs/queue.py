@@ -10,8 +10,6 @@ from collections.abc import Iterable
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.states import JobState
 
-__all__ = ["JobQueue", "rank"]
-
 _Rank = tuple[int, float, int]
 _Mark = tuple[int, int]
 _Ready = tuple[_Rank, float, str, _Mark]

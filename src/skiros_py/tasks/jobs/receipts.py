@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from skiros_py.errors import KeyReused
 
-__all__ = ["KEPT", "Receipt", "keep_receipt", "leave_receipts"]
-
 KEPT = 24 * 3600.0
 """How long a receipt is kept at least [s]."""
 

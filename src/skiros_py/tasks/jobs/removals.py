@@ -6,8 +6,6 @@ import sqlite3
 
 from skiros_py.tasks.jobs.job import Job
 
-__all__ = ["REMEMBERED", "keep_removal"]
-
 REMEMBERED = 7 * 24 * 3600.0
 """How long it is known that there was a job [s]."""
 

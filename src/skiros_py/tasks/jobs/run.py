@@ -20,8 +20,6 @@ from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
 
-__all__ = ["JobRun"]
-
 _BETWEEN_WRITES = 1.0
 """Wall time between two writes of the trace: each waits for the disk [s]."""
 

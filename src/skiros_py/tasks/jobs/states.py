@@ -8,8 +8,6 @@ from types import MappingProxyType
 
 from skiros_py.errors import WrongState
 
-__all__ = ["JobState", "Trigger", "allowed", "next_state"]
-
 
 class JobState(enum.Enum):
     """Where a job is; the numbers are those of the standard."""

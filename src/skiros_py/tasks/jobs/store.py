@@ -20,8 +20,6 @@ from skiros_py.tasks.jobs.removals import keep_removal
 from skiros_py.tasks.jobs.states import JobState, Trigger
 from skiros_py.tasks.jobs.tables import SCHEMA
 
-__all__ = ["JobStore", "Page"]
-
 T = TypeVar("T")
 
 _LAST = 2**63 - 1

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from skiros_py.database import Schema
 
-__all__ = ["SCHEMA"]
-
 _FIRST = """
 CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE transitions (job TEXT NOT NULL, data TEXT NOT NULL);

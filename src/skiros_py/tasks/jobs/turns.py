@@ -8,8 +8,6 @@ from skiros_py.tasks.jobs.book import JobBook
 from skiros_py.tasks.jobs.queue import rank
 from skiros_py.tasks.jobs.states import JobState
 
-__all__ = ["Turns"]
-
 
 class Turns:
     """The jobs that may begin, and those that begin anew; used in the control thread, apart from :meth:`next`.

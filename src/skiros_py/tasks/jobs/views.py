@@ -7,8 +7,6 @@ from collections.abc import ItemsView, Iterator, KeysView, Mapping, ValuesView
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.store import JobStore
 
-__all__ = ["AllJobs", "OpenJobs"]
-
 
 class OpenJobs(Mapping[str, Job]):
     """The jobs that are not over. Going through them shows those of one moment.

@@ -32,8 +32,6 @@ from skiros_py.ports.motion import (
 from skiros_py.testing.conformance.cells import small_cell
 from skiros_py.testing.conformance.pending import check_pending
 
-__all__ = ["ArmPlannerContract"]
-
 
 class ArmPlannerContract:
     """Claims about an :class:`~skiros_py.ports.motion.ArmPlanner`; one planner serves all tests of the class.

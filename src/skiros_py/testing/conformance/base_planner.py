@@ -16,8 +16,6 @@ from skiros_py.geometry import Pose, Solid, wrap_angle
 from skiros_py.ports.motion import BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.testing.conformance.pending import check_pending
 
-__all__ = ["BasePlannerContract"]
-
 _OUTLINE = ((-0.40, -0.25), (0.30, -0.25), (0.30, 0.25), (-0.40, 0.25))
 _START = Pose()
 _GOAL = Pose.of(4.0, 1.0, 0.0, yaw=0.5)

@@ -24,8 +24,6 @@ from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.testing.conformance.cells import small_cell
 from skiros_py.testing.conformance.pending import check_pending
 
-__all__ = ["CellDriverContract"]
-
 _NOTHING: Commands = {}
 
 

@@ -11,8 +11,6 @@ from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import CellSpec, RobotSpec
 
-__all__ = ["small_cell"]
-
 _HOME = (-1.5708, -0.6, 0.0, -2.4, 0.0, 1.9, 0.7854)
 _FOOTPRINT = ((-0.50, -0.28), (0.32, -0.28), (0.32, 0.28), (-0.50, 0.28))
 

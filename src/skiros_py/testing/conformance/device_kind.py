@@ -15,8 +15,6 @@ import pytest
 from skiros_py.errors import DeviceError
 from skiros_py.ports.device import DeviceModel, DeviceSpec
 
-__all__ = ["DeviceKindContract"]
-
 _PERIOD = 0.005
 _AT_REST = 400
 """Cycles after which a device without a target stands, at the latest."""

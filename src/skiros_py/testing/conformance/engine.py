@@ -16,8 +16,6 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.ports.simulation import FLOOR, Engine, Rendering, SimulatedRobot, Surface, View, Wrench
 
-__all__ = ["EngineContract"]
-
 _PERIOD = 1.0 / 200.0
 _GRAVITY = 9.81
 _GREY = (0.5, 0.5, 0.5, 1.0)

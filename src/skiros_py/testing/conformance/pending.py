@@ -12,8 +12,6 @@ import pytest
 
 from skiros_py.ports.pending import Pending
 
-__all__ = ["PendingContract", "check_pending"]
-
 T = TypeVar("T")
 
 _PATIENCE = 60.0

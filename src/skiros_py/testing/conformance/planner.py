@@ -14,8 +14,6 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Planner, Solved, Unsolvable
 from skiros_py.testing.conformance.pending import check_pending
 
-__all__ = ["PlannerContract"]
-
 _DOMAIN = """
 (define (domain doves)
   (:requirements :typing)

@@ -20,8 +20,6 @@ from skiros_py.world.scene import load_scene
 from skiros_py.world.scene.learned import LearnedFile
 from skiros_py.world.world import World
 
-__all__ = ["DataDirectory", "make_folder"]
-
 _log = logging.getLogger(__name__)
 
 _LONG = 20_000

@@ -31,9 +31,6 @@ from skiros_py.world.journal.records import (
 from skiros_py.world.journal.snapshot import Content, read_piece, snapshot_pieces
 from skiros_py.world.past import Past
 
-__all__ = ["Journal", "Recent"]
-
-
 _MOST_CHANGES = 10_000
 _MOST_EDITS = 100_000
 

@@ -11,8 +11,6 @@ from pathlib import Path
 
 from skiros_py.errors import FileError
 
-__all__ = ["DirectoryLock"]
-
 
 class DirectoryLock:
     """The right to use a folder, until :meth:`release` or the end of the process, however it ends.

@@ -25,26 +25,6 @@ from skiros_py.world.change import (
 from skiros_py.world.element import Element, Placement, Value
 from skiros_py.world.past import subjects_of
 
-__all__ = [
-    "LONGEST_PART",
-    "SCHEMA",
-    "Entry",
-    "Head",
-    "decode_change",
-    "decode_edits",
-    "delete_from",
-    "delete_until",
-    "encode_change",
-    "encode_edits",
-    "insert",
-    "parts",
-    "select",
-    "select_after",
-    "select_edits",
-    "select_heads",
-]
-
-
 _CHANGES = """
 CREATE TABLE changes (
     number INTEGER PRIMARY KEY,

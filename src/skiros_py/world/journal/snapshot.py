@@ -18,9 +18,6 @@ from skiros_py.world.vocabulary import ELEMENT
 if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
 
-__all__ = ["Content", "read_piece", "snapshot_pieces"]
-
-
 _Key = TypeVar("_Key")
 _Entry = TypeVar("_Entry")
 

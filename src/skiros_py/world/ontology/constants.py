@@ -16,8 +16,6 @@ from skiros_py.errors import UnknownName
 from skiros_py.world.names import STANDARD_PREFIXES, local_name
 from skiros_py.world.ontology.ontology import Ontology
 
-__all__ = ["constants_module", "namespaces_of"]
-
 _WIDTH = 120
 _KINDS = {
     "CLASS": ("ClassName", "classes"),

@@ -34,8 +34,6 @@ from skiros_py.world.terms import (
     too_deep,
 )
 
-__all__ = ["Declarations", "read_declarations"]
-
 _FAMILIES = {
     "sk:placement": Family.PLACEMENT,
     "sk:structure": Family.STRUCTURE,

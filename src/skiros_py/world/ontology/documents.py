@@ -15,9 +15,6 @@ from skiros_py.world.ontology.formats import check_turtle, outline_xml, parse_tu
 from skiros_py.world.ontology.spelling import TurtleSpelling, XmlSpelling
 from skiros_py.world.xsd import LONGEST_TEXT
 
-__all__ = ["Document", "Inventory", "common_names", "inventory", "rdf_files", "read_document"]
-
-
 _TYPE = ox.NamedNode(STANDARD_PREFIXES["rdf"] + "type")
 _ONTOLOGY = ox.NamedNode(STANDARD_PREFIXES["owl"] + "Ontology")
 _IMPORTS = ox.NamedNode(STANDARD_PREFIXES["owl"] + "imports")

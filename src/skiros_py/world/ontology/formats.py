@@ -14,19 +14,6 @@ import pyoxigraph as ox
 from skiros_py.errors import FileError, MissingExtra
 from skiros_py.world.xsd import LONGEST_TEXT
 
-__all__ = [
-    "DEEPEST",
-    "LONGEST_ENTITY",
-    "XmlOutline",
-    "check_turtle",
-    "outline_xml",
-    "parse_owl_xml",
-    "parse_turtle",
-    "parse_xml",
-    "read_text",
-]
-
-
 DEEPEST = 500
 """How deep elements, brackets and parentheses may be nested."""
 

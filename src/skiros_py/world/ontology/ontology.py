@@ -14,8 +14,6 @@ from skiros_py.world.ontology.declarations import Declarations, read_declaration
 from skiros_py.world.ontology.documents import Document, common_names, rdf_files, read_document
 from skiros_py.world.terms import Cardinality, Class, End, Family, Filler, Property, Relation, closure, inverse
 
-__all__ = ["Ontology", "load_installed", "plugin_files"]
-
 
 class Ontology:
     """Classes, relations and properties by CURIE; never changed once loaded.

@@ -6,8 +6,6 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-__all__ = ["TurtleSpelling", "XmlSpelling"]
-
 
 @dataclass(frozen=True, slots=True)
 class TurtleSpelling:

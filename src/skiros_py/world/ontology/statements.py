@@ -11,9 +11,6 @@ from skiros_py.world.names import LEARNED, SCENE, Names
 from skiros_py.world.ontology.documents import Document
 from skiros_py.world.terms import Cardinality, End, Filler, reached
 
-__all__ = ["Node", "Statements", "cardinalities", "conjuncts", "end", "english", "fillers"]
-
-
 Node = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
 """What a statement may be about."""
 

@@ -27,21 +27,6 @@ if TYPE_CHECKING:
     from skiros_py.world.names import Names
     from skiros_py.world.view import WorldView
 
-__all__ = [
-    "Binding",
-    "Constructed",
-    "Question",
-    "Result",
-    "Table",
-    "Text",
-    "bound_term",
-    "called_functions",
-    "literal",
-    "mentioned_relations",
-    "typed",
-    "value_of",
-]
-
 
 class Text(str):
     """Marks a bound text as a literal; any other string that is bound is a name."""

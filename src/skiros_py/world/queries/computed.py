@@ -15,8 +15,6 @@ from skiros_py.world.queries.patterns import End, Group, Known, Predicate, Step,
 from skiros_py.world.store.store import COMPUTED_GRAPH, QuadStore, Rows
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["MOST_PAIRS", "worked_out"]
-
 MOST_PAIRS = 1_000_000
 """Pairs of elements that one query may have looked at."""
 

@@ -22,8 +22,6 @@ from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order
 from skiros_py.world.store.store import AnswerLimits
 from skiros_py.world.world import World
 
-__all__ = ["LONGEST_TIME", "Limits", "OutsideQueries"]
-
 LONGEST_TIME = 3600.0
 """What any query may take at most [s]."""
 

@@ -24,8 +24,6 @@ from rdflib.plugins.sparql.parserutils import CompValue
 from skiros_py.errors import UsageError
 from skiros_py.world.store.rdflib_terms import for_rdflib
 
-__all__ = ["RDFLIB_SPARQL", "End", "Group", "Known", "Predicate", "Step", "known", "query_groups"]
-
 RDFLIB_SPARQL = threading.RLock()
 """rdflib's parser and its table of functions are for one thread at a time."""
 

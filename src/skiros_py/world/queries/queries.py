@@ -9,8 +9,6 @@ from skiros_py.world.element import Value
 from skiros_py.world.queries.answering import Binding, Constructed, Question, Result, Table, typed
 from skiros_py.world.world import World
 
-__all__ = ["ask", "construct", "query", "select"]
-
 
 def select(world: World, sparql: str, *, entailed: bool = False, **bindings: Binding) -> list[dict[str, Value | None]]:
     """Runs a SELECT over all graphs as one; the ontology's prefixes and ``scene:`` are declared already.

@@ -28,8 +28,6 @@ from skiros_py.world.queries.answering import Question, Result, typed
 from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order, receive, send
 from skiros_py.world.store import Projection
 
-__all__ = ["QueryReplica", "Replica", "main"]
-
 
 def main(control: int, program: str) -> None:
     """Runs until the process that started it goes away.

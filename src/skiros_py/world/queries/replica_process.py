@@ -19,8 +19,6 @@ from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.wire import receive, send
 
-__all__ = ["QUERIES", "Ended", "Pending", "ReplicaProcess"]
-
 QUERIES = "skiros_py.world.queries.replica:QueryReplica"
 """Answers SPARQL queries."""
 

@@ -16,8 +16,6 @@ import pyoxigraph as ox
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.names import Names
 
-__all__ = ["DEEPEST", "QueryText", "parsed"]
-
 DEEPEST = 100
 """Brackets within brackets that a query may have: engines that read by recursion crash on thousands."""
 

@@ -9,8 +9,6 @@ from dataclasses import dataclass, field
 from skiros_py.world.queries.answering import Binding
 from skiros_py.world.store.store import UNLIMITED, AnswerLimits
 
-__all__ = ["OUT_OF_MEMORY", "Order", "receive", "send"]
-
 OUT_OF_MEMORY = 77
 """Exit status of a query that could get no more memory; the engine itself aborts."""
 

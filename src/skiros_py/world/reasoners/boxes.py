@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 from skiros_py.world.terms import reached
 
-__all__ = ["MAP", "Bools", "BoxMemory", "Boxes", "Ints", "extents", "read_boxes"]
-
-
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 

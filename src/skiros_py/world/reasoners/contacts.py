@@ -15,18 +15,6 @@ import shapely
 from skiros_py.geometry import Array
 from skiros_py.world.reasoners.boxes import Bools, Boxes, Ints
 
-__all__ = [
-    "candidate_pairs",
-    "depth",
-    "distance",
-    "gap_along",
-    "gap_seen_from_above",
-    "is_closer",
-    "offset_along",
-    "reach_along",
-]
-
-
 _FEW = 200_000
 """So many pairs are compared one with each; a search tree pays beyond."""
 _BLOCK = 50_000

@@ -13,8 +13,6 @@ from skiros_py.world.reasoners.registry import Reasoners
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import COMPUTED
 
-__all__ = ["GROUP", "load_reasoners"]
-
 GROUP = "skiros.reasoners"
 """Entry points of this group name subclasses of :class:`~skiros_py.world.reasoners.reasoner.Reasoner`."""
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from skiros_py.world.transaction import Transaction
     from skiros_py.world.view import WorldView
 
-__all__ = ["Answer", "ComputedRelation", "Proposal", "Reasoner"]
-
 
 @dataclass(frozen=True, slots=True)
 class Answer:

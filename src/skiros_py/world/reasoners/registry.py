@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.view import WorldView
 
-__all__ = ["NO_REASONERS", "Reasoners", "computed_objects", "computed_subjects"]
-
 
 def computed_objects(view: WorldView, subject: str, relation: str) -> tuple[str, ...]:
     """Returns ids of the scene's elements to which a computed relation holds, sorted.

@@ -19,8 +19,6 @@ from skiros_py.world.vocabulary import CONTAINER, FITS_IN, GRASP_WIDTH, GRASPABL
 if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 
-__all__ = ["CLEARANCE", "SizeReasoner", "dimensions", "similarity"]
-
 CLEARANCE = 0.008
 """A thing fits when it leaves this much room both ways: fingers and poses are not more exact [m]."""
 _SPREAD = 0.1

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from skiros_py.world.transaction import Transaction
     from skiros_py.world.view import WorldView
 
-__all__ = ["SpatialReasoner", "box_distance"]
-
 
 def box_distance(view: WorldView, a: str, b: str) -> float | None:
     """Returns the distance between the boxes around two elements [m], or None where it is not known.

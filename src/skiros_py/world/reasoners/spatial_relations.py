@@ -31,8 +31,6 @@ from skiros_py.world.vocabulary import (
     RIGHT_OF,
 )
 
-__all__ = ["ACCURACY", "NEARBY", "RESTING", "SPATIAL_RELATIONS", "SpatialRelation"]
-
 ACCURACY = 0.003
 """Poses are not sensed more exactly: what differs less is taken for the same [m]."""
 NEARBY = 0.5

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from skiros_py.errors import FileError
 
-__all__ = ["write_atomically"]
-
 
 def write_atomically(path: Path, text: str) -> None:
     """Writes a text file that is whole even after a crash or a power loss, or else the old one is still there.

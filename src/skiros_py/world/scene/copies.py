@@ -13,8 +13,6 @@ from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import POSE, POSE_FRAME, STRUCTURE
 
-__all__ = ["Individual", "add_copy"]
-
 
 class Individual:
     """What all files together say of one individual.

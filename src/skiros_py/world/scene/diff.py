@@ -12,8 +12,6 @@ from skiros_py.world.literals import ANY_LITERAL, format_value, shown
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.workspace import Workspace
 
-__all__ = ["describe", "diff"]
-
 _Statement = tuple[str, str, str]
 
 

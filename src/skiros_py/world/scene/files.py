@@ -18,8 +18,6 @@ from skiros_py.world.scene.robots import robot_document
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.world import World
 
-__all__ = ["fill", "load_into", "load_scene", "save_scene", "scene_goals"]
-
 
 def load_scene(
     ontology: Ontology, path: Path, ontology_paths: Sequence[Path] = (), *, reasoners: Reasoners = NO_REASONERS

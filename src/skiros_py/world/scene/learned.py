@@ -20,8 +20,6 @@ from skiros_py.world.scene.writer import TurtleWriter
 from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
 
-__all__ = ["LearnedFile", "learned_turtle", "read_learned"]
-
 
 def learned_turtle(view: Index) -> str:
     """Returns what was learned, of a state, as the text of a Turtle file; equal states give equal texts."""

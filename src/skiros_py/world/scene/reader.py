@@ -22,9 +22,6 @@ from skiros_py.world.scene.copies import Individual, add_copy
 from skiros_py.world.vocabulary import BUILT_LIKE, GOAL, LABEL
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
-__all__ = ["Kind", "Predicate", "Predicates", "Reader", "fault_about", "fault_of_all"]
-
-
 _MOST_SHOWN = 10
 _CURIE = re.compile(r"[\w-]+:[\w-]+")
 

@@ -10,8 +10,6 @@ from skiros_py.plugins import Entry, Plugin, PluginFault, fault_of, files_of, in
 from skiros_py.ports.models import GROUP, RobotModel
 from skiros_py.world.ontology.documents import Document, rdf_files, read_document
 
-__all__ = ["documents_of", "robot_document"]
-
 
 def robot_document(iri: str) -> tuple[Document | None, tuple[PluginFault, ...]]:
     """Looks among the plug-ins for the file that declares an IRI, and loads no more of them than needed.

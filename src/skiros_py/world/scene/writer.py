@@ -16,8 +16,6 @@ from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import ELEMENT, GOAL, LABEL, POSE, POSE_FRAME
 from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 
-__all__ = ["TurtleWriter", "scene_turtle"]
-
 _SAFE = re.compile(r"[A-Za-z][A-Za-z0-9_-]*:[A-Za-z0-9_][A-Za-z0-9_-]*")
 _BARE = {
     "xsd:boolean": re.compile("true|false"),

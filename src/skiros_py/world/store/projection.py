@@ -29,9 +29,6 @@ from skiros_py.world.vocabulary import SCENE as SCENE_CLASS
 if TYPE_CHECKING:
     from skiros_py.world.world import World
 
-__all__ = ["Projection", "TripleStore", "Triples", "entailed_store"]
-
-
 _SCENE_GRAPH = ox.NamedNode(SCENE_GRAPH)
 _LEARNED_GRAPH = ox.NamedNode(LEARNED_GRAPH)
 

@@ -9,8 +9,6 @@ import rdflib
 
 from skiros_py.world.store.store import Term
 
-__all__ = ["Node", "for_rdflib", "from_rdflib", "to_rdflib", "triple_of"]
-
 Node = rdflib.URIRef | rdflib.BNode | rdflib.Literal
 
 

@@ -13,21 +13,6 @@ import pyoxigraph as ox
 
 from skiros_py.errors import UsageError
 
-__all__ = [
-    "COMPUTED_GRAPH",
-    "INFERRED_GRAPH",
-    "NO_FUNCTIONS",
-    "UNLIMITED",
-    "Answer",
-    "AnswerLimits",
-    "Functions",
-    "QuadStore",
-    "Rows",
-    "Term",
-    "parse_fault",
-]
-
-
 _FAULT = re.compile(r"error at (\d+):(\d+): expected (?:one of )?(.*)", re.DOTALL)
 _LISTED = re.compile(r'"(?:\\.|[^"\\])*"|\[[^\]]*\]', re.DOTALL)
 """What is no phrase: signs in quotes, and sets of signs."""

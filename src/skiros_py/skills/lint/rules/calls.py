@@ -15,8 +15,6 @@ from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.skills.variables import variables
 
-__all__ = ["MISSING_ARGUMENT", "MISSING_PARAMETER", "UNKNOWN_MODULE"]
-
 
 def _calls(subject: Subject, known: Known) -> Iterator[Problem]:
     for call in _calls_of(subject):

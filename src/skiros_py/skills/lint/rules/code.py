@@ -12,8 +12,6 @@ from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.primitive import Primitive
 
-__all__ = ["BLOCKING_CALL", "MOTION_IN_FINALLY", "YIELD_NEVER"]
-
 
 def _motion(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
     if not isinstance(subject, Source) or not subject.has_primitives:

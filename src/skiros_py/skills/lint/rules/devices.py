@@ -16,8 +16,6 @@ from skiros_py.skills.lint.subject import Known, Subject
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 
-__all__ = ["SAME_DEVICE"]
-
 
 @dataclass(frozen=True, slots=True)
 class _Device:

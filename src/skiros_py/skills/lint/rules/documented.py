@@ -12,8 +12,6 @@ from skiros_py.skills.lint.rules.words import own_params
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.skill import Skill, SkillDescription
 
-__all__ = ["MISSING_HELP", "MISSING_UNIT"]
-
 _SHORTEST = 3
 """Fewer characters than this help nobody."""
 

@@ -9,8 +9,6 @@ from skiros_py.skills.lint.finding import Problem, Severity, Spot
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Source, Subject
 
-__all__ = ["PRIVATE_IMPORT"]
-
 _PACKAGE = "skiros_py"
 _OPEN = frozenset(
     {"behaviours", "devices", "errors", "geometry", "ports", "skills", "testing", "world", "workers", "__version__"}

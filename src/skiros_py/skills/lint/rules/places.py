@@ -14,8 +14,6 @@ from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
 
-__all__ = ["MOVES_BY_STRUCTURE", "UNPLACED"]
-
 
 def _unplaced(subject: Subject, known: Known) -> Iterator[Problem]:
     """Yields effects that take something from its place without saying where it is then."""

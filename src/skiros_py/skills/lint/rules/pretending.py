@@ -10,8 +10,6 @@ from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Subject
 from skiros_py.skills.skill import Skill
 
-__all__ = ["PRETENDS"]
-
 
 def _pretended(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
     if not isinstance(subject, Skill) or subject.driver == "fake":

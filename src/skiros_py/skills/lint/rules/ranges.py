@@ -25,8 +25,6 @@ from skiros_py.world.literals import CLASS_NAME, DATATYPES
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import End
 
-__all__ = ["WRONG_RANGE", "overlap"]
-
 
 def _misfits(subject: Subject, known: Known) -> Iterator[Problem]:
     for use in uses_of(subject):

@@ -27,8 +27,6 @@ from skiros_py.skills.lint.subject import Known, Subject
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["IMPOSSIBLE_EFFECT", "UNREACHABLE_PRECONDITION", "brought_about"]
-
 
 def brought_about(condition: Condition) -> tuple[Effect, ...]:
     """Returns the effects of a condition; none where it cannot be brought about."""

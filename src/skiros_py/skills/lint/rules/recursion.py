@@ -10,8 +10,6 @@ from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Subject
 from skiros_py.skills.skill import Skill
 
-__all__ = ["RECURSIVE_SKILL"]
-
 
 def _endless(subject: Subject, known: Known) -> Iterator[Problem]:
     """Yields a problem for an implementation none of whose ways to succeed ever ends."""

@@ -29,8 +29,6 @@ from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription
 from skiros_py.world.ontology import Ontology
 
-__all__ = ["NOT_COMPUTED", "UNKNOWN_WORD", "own_params"]
-
 _ALIKE = 0.8
 """How much a word must be like another one that this is what was meant."""
 

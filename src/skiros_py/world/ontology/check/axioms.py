@@ -24,9 +24,6 @@ from skiros_py.world.ontology.check.material import (
 from skiros_py.world.ontology.documents import Document
 from skiros_py.world.terms import Kind, reached
 
-__all__ = ["Axiom", "Axioms", "axioms_of", "in_words", "line_of", "triples_of"]
-
-
 _TYPE = rdf("type")
 _ONLY_DECLARE = frozenset({owl("Class"), owl("ObjectProperty"), owl("DatatypeProperty"), owl("NamedIndividual")}) | {
     type_ for type_, kind in DECLARES.items() if kind in (Kind.ANNOTATION, Kind.DATATYPE)

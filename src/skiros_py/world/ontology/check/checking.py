@@ -21,8 +21,6 @@ from skiros_py.world.ontology.ontology import Ontology
 from skiros_py.world.reasoners.registry import NO_REASONERS
 from skiros_py.world.vocabulary import ELEMENT
 
-__all__ = ["CheckReport", "ReasonerChoice", "check_ontology"]
-
 ReasonerChoice = Literal["auto", "hermit", "owl-rl", "none"]
 
 _NO_REASONING = frozenset({FindingKind.CYCLE, FindingKind.DEPTH})

@@ -12,9 +12,6 @@ from skiros_py.world.ontology.check.findings import Finding, FindingKind, Severi
 from skiros_py.world.ontology.check.material import Material, Statement, is_standard, owl, rdfs
 from skiros_py.world.terms import Kind
 
-__all__ = ["bad_ends", "misfits"]
-
-
 _ENDS = {FindingKind.DOMAIN: rdfs("domain"), FindingKind.RANGE: rdfs("range")}
 _THING = owl("Thing")
 

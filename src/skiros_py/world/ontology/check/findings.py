@@ -8,8 +8,6 @@ from pathlib import Path
 
 from skiros_py.errors import FileError
 
-__all__ = ["Finding", "FindingKind", "Severity", "finding_of", "in_order"]
-
 
 class Severity(StrEnum):
     """How bad a finding is."""

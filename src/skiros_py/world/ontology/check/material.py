@@ -18,23 +18,6 @@ from skiros_py.world.ontology.documents import Document, common_names, rdf_files
 from skiros_py.world.terms import DECLARES as KIND_BY_TYPE
 from skiros_py.world.terms import Kind, closure, reached
 
-__all__ = [
-    "ANNOTATIONS",
-    "DECLARES",
-    "HEADER",
-    "Material",
-    "Statement",
-    "iri_of",
-    "is_standard",
-    "is_standard_word",
-    "owl",
-    "rdf",
-    "rdfs",
-    "read_material",
-    "sk",
-]
-
-
 _STANDARD = {name: STANDARD_PREFIXES[name] for name in ("rdf", "rdfs", "owl", "xsd")}
 _WORDS = {"rdf": rdflib.RDF, "rdfs": rdflib.RDFS, "owl": rdflib.OWL, "xsd": rdflib.XSD}
 

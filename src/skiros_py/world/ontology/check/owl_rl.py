@@ -22,9 +22,6 @@ from skiros_py.world.ontology.check.reasoner import NoAnswer, Verdict, one_of, s
 from skiros_py.world.store.rdflib_terms import Node, to_rdflib
 from skiros_py.world.terms import reached
 
-__all__ = ["Facts", "OwlRl", "clashes", "connected"]
-
-
 _ZERO = (owl("maxCardinality"), owl("cardinality"), owl("maxQualifiedCardinality"), owl("qualifiedCardinality"))
 
 

@@ -26,20 +26,6 @@ import pyoxigraph as ox
 from skiros_py.processes import limit, start_python
 from skiros_py.world.ontology.check.material import owl, rdf
 
-__all__ = [
-    "MEMORY",
-    "HermiT",
-    "NoAnswer",
-    "NotStarted",
-    "OwlRlProcess",
-    "Reasoner",
-    "Verdict",
-    "java",
-    "main",
-    "one_of",
-    "some",
-]
-
 
 class NoAnswer(Exception):
     """A reasoner could not answer: too little time, or statements that it does not take; the text says which."""

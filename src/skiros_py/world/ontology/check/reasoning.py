@@ -15,9 +15,6 @@ from skiros_py.world.ontology.check.material import Material
 from skiros_py.world.ontology.check.reasoner import NoAnswer, Reasoner, Verdict, one_of, some
 from skiros_py.world.terms import closure
 
-__all__ = ["Explainer", "Explanation", "logical_findings"]
-
-
 _QUESTIONS = 60
 """Questions put to the complete reasoner for one explanation; each takes some tenths of a second."""
 

@@ -16,9 +16,6 @@ from skiros_py.world.ontology.check.material import Material, Statement, owl, rd
 from skiros_py.world.ontology.check.undeclared import undeclared_terms
 from skiros_py.world.terms import MOST_ABOVE, Kind, closure, cycle, too_deep
 
-__all__ = ["cycles", "depths", "family_relations", "house_rules", "place_is_subject", "structural_findings"]
-
-
 _FAMILIES = (sk("placement"), sk("structure"), sk("computed"))
 _CORE_IRI = CORE.removesuffix("#")
 

@@ -21,8 +21,6 @@ from skiros_py.world.ontology.check.material import (
 )
 from skiros_py.world.terms import Kind
 
-__all__ = ["undeclared_terms"]
-
 _CLASSES = (Kind.CLASS,)
 _RELATIONS = (Kind.RELATION,)
 _PROPERTIES = (Kind.RELATION, Kind.PROPERTY)
