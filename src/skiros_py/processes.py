@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import os
+import pickle
 import resource
 import signal
 import socket
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import cloudpickle
 
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -40,6 +47,42 @@ def start_python(function: str, *arguments: object) -> tuple[subprocess.Popen[by
             start_new_session=True,
         )
     return process, ours
+
+
+def packed(thing: object) -> bytes:
+    """Returns an object as bytes that another Python process on this machine reads with ``pickle.loads``.
+
+    Functions and classes of modules that a new process would not find (a script, a notebook, a test) are packed whole.
+
+    Raises:
+        Exception: Something in it cannot be packed. Its own methods decide what that is.
+    """
+    buffer = io.BytesIO()
+    _Pickler(buffer, protocol=pickle.HIGHEST_PROTOCOL).dump(thing)
+    return buffer.getvalue()
+
+
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]  # it has no types
+    """Registers the modules that cannot be imported again."""
+
+    def reducer_override(self, obj: object) -> Any:
+        if isinstance(obj, type | FunctionType) and not _is_found(obj.__module__):
+            cloudpickle.register_pickle_by_value(sys.modules[obj.__module__])
+        return super().reducer_override(obj)
+
+
+@cache
+def _is_found(module: str | None) -> bool:
+    """Returns False where a new Python process with our path does not find a module."""
+    file = getattr(sys.modules.get(module or ""), "__file__", None)
+    if module is None or file is None or not file.endswith(".py"):  # built in, compiled, or not yet imported
+        return True
+    top, *rest = module.split(".")
+    spec = next(filter(None, (finder.find_spec(top, None) for finder in sys.meta_path)), None)
+    if spec is None or not rest:
+        return spec is not None
+    places = (Path(place, *rest) for place in spec.submodule_search_locations or ())
+    return any(place.with_suffix(".py").is_file() or (place / "__init__.py").is_file() for place in places)
 
 
 def limit(*, seconds: float, memory: int) -> None:

@@ -19,11 +19,10 @@ from contextlib import closing
 from threading import Event
 from typing import Any, TypeVar
 
-from loky.backend.reduction import dumps
-
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, WorldError
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.requests import Answer, Asked, Request, answered
+from skiros_py.processes import packed
 from skiros_py.world.index import Index
 from skiros_py.world.queries.replica import Replica
 from skiros_py.world.queries.replica_process import Ended, ReplicaProcess
@@ -149,7 +148,7 @@ class PlanningProcess:
 
 def _packed(what: str, thing: object) -> bytes:
     try:
-        return bytes(dumps(thing))
+        return packed(thing)
     except Exception as error:  # noqa: BLE001 - whatever cannot be pickled raises what it likes
         raise PlanningError(f"{what} cannot be sent to the planning process: {type(error).__name__}: {error}") from None
 

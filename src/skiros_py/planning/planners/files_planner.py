@@ -18,6 +18,7 @@ from skiros_py.planning.planners.plan_files import read_plan_text
 from skiros_py.planning.planners.planner import Answer, Unsolvable
 from skiros_py.planning.planners.program_planner import ProgramPlanner
 from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits
+from skiros_py.processes import packed
 
 _CALL, _REPLY = "call", "reply"
 _STAYS = {"_threads"}
@@ -58,11 +59,7 @@ class FilesPlanner(ProgramPlanner):
 
     def prepare(self, folder: Path) -> None:
         """Leaves there what is to be called, and where its modules are found."""
-        import cloudpickle  # most sessions have no such planner
-
-        if not _is_found(type(self).__module__):  # in a script, a notebook, a test
-            cloudpickle.register_pickle_by_value(sys.modules[type(self).__module__])
-        call = cloudpickle.dumps(self.solve_files)
+        call = packed(self.solve_files)
         (folder / _CALL).write_bytes(pickle.dumps((sys.path, call)))
 
     def __getstate__(self) -> dict[str, object]:
@@ -82,9 +79,3 @@ class FilesPlanner(ProgramPlanner):
                 return Unsolvable(text, proven=kind == "proven")
             case _:
                 raise PlanningError(f"{self.title} broke: {text}")
-
-
-def _is_found(module: str) -> bool:
-    """Tells whether another process finds a module by its name."""
-    path = Path(*module.split("."))
-    return any((Path(entry) / place).is_file() for entry in sys.path for place in (f"{path}.py", path / "__init__.py"))

@@ -11,10 +11,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from loky.backend.reduction import dumps
-
 from skiros_py.errors import DeviceError
-from skiros_py.processes import start_python
+from skiros_py.processes import packed, start_python
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.wire import receive, send
@@ -79,7 +77,7 @@ class ReplicaProcess:
         Raises:
             DeviceError: It is gone.
         """
-        payload = dumps((tuple(changes), order))
+        payload = packed((tuple(changes), order))
         (answer, answer_there), (status, status_there) = os.pipe(), os.pipe()
         pending = Pending(answer, status, self)
         try:
@@ -208,10 +206,9 @@ class Pending:
 
 def _packed(*state: object) -> bytes:
     try:
-        packed: bytes = dumps(state)
+        return packed(state)
     except (pickle.PicklingError, TypeError, AttributeError) as error:
         raise DeviceError(f"the world cannot be copied to another process: {error}") from None
-    return packed
 
 
 def _read(source: int, deadline: float, most: int = _PIECE) -> bytes:
