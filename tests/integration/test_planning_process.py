@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -109,6 +110,75 @@ def test_a_process_that_is_killed_comes_back_and_the_request_is_answered(
     assert asked.result().value > 0
     assert isinstance(process.ask(request(world)).result().value.outcome, Plan)
     assert process.pid not in (None, before)
+
+
+@pytest.mark.parametrize("moment", [0.0, 0.02, 0.05, 0.1])
+@pytest.mark.parametrize("victim", ["the replica", "its workers"])
+def test_a_goal_is_planned_for_though_the_process_is_killed_meanwhile(
+    process: PlanningProcess, world: World, victim: str, moment: float
+) -> None:
+    process.ask(request(world)).result()
+    pid = process.pid
+    assert pid is not None
+    workers = [child.pid for child in psutil.Process(pid).children()]
+    asked = process.ask(request(world))
+    time.sleep(moment)
+    for one in [pid] if victim == "the replica" else workers:
+        os.kill(one, signal.SIGKILL)
+
+    assert isinstance(asked.result().value.outcome, Plan)
+
+
+def test_what_hangs_is_killed_when_it_is_cancelled_and_others_go_on(process: PlanningProcess, world: World) -> None:
+    hanging, other = process.ask(Hanging()), process.ask(Sleeping(3.0))
+    time.sleep(0.3)
+    assert process.pid is not None
+    before = set(psutil.Process(process.pid).children())
+    hanging.cancel()
+    other_pid = other.result().value
+
+    killed = [child.pid for child in before if not child.is_running()]
+    assert len(killed) == 1
+    assert other_pid in {child.pid for child in before} - set(killed)
+    assert isinstance(process.ask(request(world)).result().value.outcome, Plan)
+
+
+def test_a_worker_that_is_killed_leaves_no_program_running(process: PlanningProcess) -> None:
+    asked = process.ask(Programs())
+    while not (programs := _sleeping_programs()):
+        time.sleep(0.01)
+    assert process.pid is not None
+    asked.cancel()
+    _, alive = psutil.wait_procs(programs, timeout=5.0)
+
+    assert not alive
+
+
+@dataclass(frozen=True)
+class Hanging:
+    """Does not look whether it is still wanted."""
+
+    def answer(self, _state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> None:
+        time.sleep(3600.0)
+
+
+@dataclass(frozen=True)
+class Programs:
+    """Hangs with a program that it has started."""
+
+    def answer(self, _state: Index, _planners: Planners, _stopped: Callable[[], bool]) -> None:
+        subprocess.Popen(["sleep", "3601"], start_new_session=True)
+        time.sleep(3600.0)
+
+
+def _sleeping_programs() -> list[psutil.Process]:
+    return [one for one in psutil.process_iter(["cmdline"]) if one.info["cmdline"] == ["sleep", "3601"]]
+
+
+def test_what_it_has_loaded_for_one_request_is_there_for_the_next(process: PlanningProcess) -> None:
+    pids = {process.ask(Sleeping(0.0)).result().value for _ in range(5)}
+
+    assert len(pids) == 1
 
 
 def test_what_cannot_travel_is_refused_by_name(process: PlanningProcess) -> None:

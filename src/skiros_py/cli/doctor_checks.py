@@ -167,14 +167,14 @@ def _planner() -> Iterator[Finding]:
     from skiros_py.planning.planners.fast_downward import FastDownward
     from skiros_py.planning.planners.planner import Solved
 
-    with closing(FastDownward(time_limit=30.0)) as planner:
-        try:
+    try:
+        with closing(FastDownward(time_limit=30.0)) as planner:
             answer = planner.solve(_DOMAIN, _PROBLEM).result()
-        except (SkirosError, OSError) as error:
-            yield Finding(f"{error}", "pip install --force-reinstall up-fast-downward", wrong=True)
-        else:
-            solved = isinstance(answer, Solved)
-            yield Finding("Fast Downward plans" if solved else f"Fast Downward answers {answer}", wrong=not solved)
+    except (SkirosError, OSError) as error:
+        yield Finding(f"{error}", "pip install --force-reinstall up-fast-downward", wrong=True)
+    else:
+        solved = isinstance(answer, Solved)
+        yield Finding("Fast Downward plans" if solved else f"Fast Downward answers {answer}", wrong=not solved)
 
 
 @_check("plug-ins")

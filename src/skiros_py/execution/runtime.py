@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
-from skiros_py.errors import WrongState
+from skiros_py.errors import UsageError
 from skiros_py.execution.configuration import check_configuration
-from skiros_py.execution.cycle import ControlCycle
+from skiros_py.execution.cycle import ControlCycle, Task
 from skiros_py.execution.floor import FloorAreas
 from skiros_py.execution.library_monitor import LibraryMonitor
 from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
+from skiros_py.execution.running import RunningModule
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.ports.board import DeviceBoard
@@ -28,15 +29,6 @@ from skiros_py.skills.questions import Questions
 from skiros_py.skills.sensing import SignalSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
-
-
-class Work(Protocol):
-    """What runs in the control cycle and comes to an end."""
-
-    @property
-    def done(self) -> bool:
-        """True when it is over."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,13 +121,13 @@ class Runtime:
         self.watchdog = Watchdog(self.cycle, options.overrun)
         self.watchdog.on_lost(self.managers.lose)
 
-    def finish(self, work: Work, leave: Callable[[], bool] = lambda: False) -> bool:
+    def finish(self, work: Task[Any] | RunningModule, leave: Callable[[], bool] = lambda: False) -> bool:
         """Runs cycles until a task or module is done.
 
         When everything is halted meanwhile, it waits for standstill as well; nothing starts again before a reset.
 
         Args:
-            work: A module, a task of the cycle or of the task manager.
+            work: What is waited for.
             leave: Asked in each cycle whether to wait no longer.
 
         Returns:
@@ -151,10 +143,10 @@ class Runtime:
         """Requires that modules may be started.
 
         Raises:
-            WrongState: Everything was halted and has not been reset since.
+            UsageError: Everything was halted and has not been reset since.
         """
         if self.cycle.halted:
-            raise WrongState(f"nothing can start: everything was halted ({self.cycle.halted}); look, then reset()")
+            raise UsageError(f"nothing can start: everything was halted ({self.cycle.halted}); look, then reset()")
 
     def __enter__(self) -> Self:
         self.watchdog.start()

@@ -1,44 +1,39 @@
-"""Planning in a process of its own: a replica of the world that forks for each request.
+"""Planning in a process of its own, as others see it.
 
-The control thread only posts requests and looks for answers. The replica follows the world's change feed; each request
-is answered in a forked copy of it, so that a request that hangs, crashes or is killed hurts no other. A process that
-dies is started again, and what it was asked is asked once more.
+The control thread only posts requests and looks for answers. The process follows the world's change feed; each request
+is answered in a forked copy of it. A process that dies is started again, and its requests are asked once more.
 """
 
 from __future__ import annotations
 
-import os
 import pickle
-import select
 import signal
 import threading
 import time
-from collections.abc import Callable, Sequence
+import uuid
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
 from threading import Event
 from typing import Any, TypeVar
 
 from skiros_py.errors import DeviceError, PlanningError, SkirosError, WorldError
 from skiros_py.planning.planners.choosing import Planners
-from skiros_py.planning.requests import Answer, Asked, Request, answered
+from skiros_py.planning.planners.programs import kill_group, kill_marked
+from skiros_py.planning.replica import MARK, PROCESSOR_TIME
+from skiros_py.planning.requests import Answer, Asked, Request
 from skiros_py.processes import packed
-from skiros_py.world.index import Index
-from skiros_py.world.queries.replica import Replica
 from skiros_py.world.queries.replica_process import Ended, ReplicaProcess
 from skiros_py.world.world import World
 
 T = TypeVar("T")
 
-_PROGRAM = "skiros_py.planning.process:PlanningReplica"
+_PROGRAM = "skiros_py.planning.replica:PlanningReplica"
 _TRIES = 3
 """So often a request is asked where the process dies."""
-_PROCESSOR_TIME = 120.0
-"""How long planning itself may work for one answer; planners, which are programs, have limits of their own [s]."""
 _POLL = 0.05
 """Time between two looks whether an answer is no longer wanted [s]."""
-_ENDING = 0.5
-"""How long requests may take to end their planners when the process ends [s]."""
+_LEAVING = 0.2
+"""How long workers whose process died may take to end their planners [s]."""
 
 
 class PlanningProcess:
@@ -59,6 +54,7 @@ class PlanningProcess:
         self._lock = threading.Lock()
         self._replica: ReplicaProcess | None = None
         self._closed = Event()
+        self._mark = uuid.uuid4().hex
         self._threads.submit(self._start)
 
     def ask(self, request: Request[T]) -> Asked[T]:
@@ -98,7 +94,7 @@ class PlanningProcess:
                 why = str(error)
                 continue
             if ended.code == -signal.SIGVTALRM:
-                raise PlanningError(f"planning took more than {_PROCESSOR_TIME:g} s of processor time")
+                raise PlanningError(f"planning took more than {PROCESSOR_TIME:g} s of processor time")
             if ended.code == 0:
                 value = pickle.loads(ended.answer)  # noqa: S301  from our own process
                 if isinstance(value, SkirosError):
@@ -137,13 +133,20 @@ class PlanningProcess:
             raise PlanningError("planning was stopped")
         if self._replica is None or not self._replica.is_alive():
             self._drop()
-            self._replica = ReplicaProcess(*self._world.state(), _PROGRAM, self._make_planners)
+            self._replica = ReplicaProcess(*self._world.state(), _PROGRAM, self._make_planners, self._mark)
         return self._replica
 
     def _drop(self) -> None:
-        if self._replica is not None:
-            self._replica.close()
-            self._replica = None
+        """Ends the process; where it died, its workers as well."""
+        replica, self._replica = self._replica, None
+        if replica is None:
+            return
+        died = not replica.is_alive()
+        replica.close()
+        if died:
+            time.sleep(_LEAVING)
+            kill_group(replica.pid)
+            kill_marked(MARK, self._mark)
 
 
 def _packed(what: str, thing: object) -> bytes:
@@ -151,39 +154,3 @@ def _packed(what: str, thing: object) -> bytes:
         return packed(thing)
     except Exception as error:  # noqa: BLE001 - whatever cannot be pickled raises what it likes
         raise PlanningError(f"{what} cannot be sent to the planning process: {type(error).__name__}: {error}") from None
-
-
-class PlanningReplica(Replica):
-    """The process itself: the world, and how to make planners."""
-
-    def __init__(self, version: int, index: Index, make_planners: bytes) -> None:
-        self._make_planners: Callable[[], Planners] = pickle.loads(make_planners)  # noqa: S301  from our own parent
-        super().__init__(version, index)
-
-    def read(self, order: bytes) -> Request[Any]:
-        """Reads a request here, not in the copy: what it imports stays loaded."""
-        request: Request[Any] = pickle.loads(order)  # noqa: S301  from our own parent
-        return request
-
-    def limit(self, order: object) -> None:  # noqa: ARG002 - the same for all
-        """Limits the time that one request may work."""
-        signal.signal(signal.SIGVTALRM, signal.SIG_DFL)
-        signal.setitimer(signal.ITIMER_VIRTUAL, _PROCESSOR_TIME)
-
-    def end(self, children: Sequence[int]) -> None:
-        """Lets the processes of requests end by themselves, for they have planners to end; not for long."""
-        deadline, left = time.monotonic() + _ENDING, set(children)
-        while left and time.monotonic() < deadline:
-            left = {child for child in left if os.waitpid(child, os.WNOHANG)[0] == 0}
-            time.sleep(_POLL / 10)
-        super().end(list(left))
-
-    def outcome(self, order: Any, answer: int) -> object:
-        """Answers a request; stops when the other end of the answer's pipe is closed."""
-        reader = select.poll()
-        reader.register(answer, select.POLLERR)
-        try:
-            with closing(self._make_planners()) as planners:
-                return answered(order, self.index, planners, lambda: bool(reader.poll(0)))
-        except SkirosError as error:
-            return error

@@ -40,7 +40,6 @@ class DeviceBoard:
         snapshot: What the devices said.
         owner: Who is commanding now; None outside the control cycle's tasks.
         commanders: Who commanded a device last, by its id.
-        closed: Ids of devices that were closed: they take no commands and no modules.
     """
 
     def __init__(self, driver: CellDriver) -> None:
@@ -50,7 +49,6 @@ class DeviceBoard:
         self._targets: dict[str, object] = {}
         self.owner: Commander | None = None
         self.commanders: dict[str, Commander | None] = {}
-        self.closed: set[str] = set()
 
     @property
     def now(self) -> float:
@@ -124,7 +122,6 @@ class DeviceBoard:
         """
         if device not in self.devices:
             raise DeviceError(f"no device '{device}' answers; there is {', '.join(self.devices) or 'none'}")
-        self.require_open(device)
         spec, owner, rate = self.devices[device], self.owner, self.rate
         spec.check(target)
         if owner is not None and owner.devices is not None and device not in owner.devices:
@@ -135,15 +132,6 @@ class DeviceBoard:
             )
         self.commanders[device] = owner
         self._targets[device] = target if rate == 1.0 else spec.scaled(target, rate)
-
-    def require_open(self, device: str) -> None:
-        """Requires that a device may be used.
-
-        Raises:
-            DeviceError: It was closed.
-        """
-        if device in self.closed:
-            raise DeviceError(f"{device} is closed: open it first")
 
     def limited(self, devices: frozenset[str], action: Callable[[], T]) -> T:
         """Does something in which whoever commands may command these devices only."""
@@ -157,12 +145,7 @@ class DeviceBoard:
             owner.devices = before
 
     def capture(self, camera: str) -> Pending[DepthImage]:
-        """Takes a picture now.
-
-        Raises:
-            DeviceError: The camera was closed.
-        """
-        self.require_open(camera)
+        """Takes a picture now."""
         return self._driver.capture(camera)
 
 
@@ -181,7 +164,7 @@ class DeviceHandle(Generic[SpecT, StateT, TargetT]):
         spec: Its description.
 
     Raises:
-        DeviceError: There is no such device of that kind, or it was closed.
+        DeviceError: There is no such device of that kind.
     """
 
     spec_type: ClassVar[Any] = DeviceSpec
@@ -194,7 +177,6 @@ class DeviceHandle(Generic[SpecT, StateT, TargetT]):
             there = ", ".join(id_ for id_, one in board.devices.items() if isinstance(one, self.spec_type))
             kind = getattr(self.spec_type, "kind", "device")
             raise DeviceError(f"no {kind} '{device}' answers; there is {there or 'none'}")
-        board.require_open(device)
         self.spec: SpecT = cast("SpecT", spec)
 
     @property

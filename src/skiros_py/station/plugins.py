@@ -53,4 +53,11 @@ def _plugin(one: Surveyed) -> PluginInfo:
 
 
 def _fault(fault: PluginFault) -> PluginFaultInfo:
-    return PluginFaultInfo.model_validate(fault, from_attributes=True)
+    return PluginFaultInfo(
+        name=fault.name,
+        group=fault.group,
+        distribution=fault.distribution,
+        reason=fault.reason,
+        origin=fault.origin,
+        traceback=fault.traceback,
+    )

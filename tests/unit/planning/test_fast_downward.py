@@ -90,7 +90,7 @@ def endless() -> PddlTexts:
 
 
 def searching() -> list[psutil.Process]:
-    """Returns what runs below this process: driver, translator, search."""
+    """Returns what runs below this process: the translator's program, its runs, searches."""
     return [p for p in psutil.Process().children(recursive=True) if "downward" in words_of(p)]
 
 
@@ -104,8 +104,8 @@ def words_of(process: psutil.Process) -> str:
 def wait_for_search() -> list[psutil.Process]:
     deadline = time.monotonic() + 20.0
     while time.monotonic() < deadline:
-        found = searching()
-        if any(Path(words_of(p).partition(" ")[0]).name == "downward" for p in found):
+        found = [p for p in searching() if Path(words_of(p).partition(" ")[0]).name == "downward"]
+        if found:
             return found
         time.sleep(0.02)
     raise AssertionError("the search never began")

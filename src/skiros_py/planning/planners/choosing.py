@@ -60,6 +60,13 @@ class Planners:
             if planner is not None and not lacking(requirements, planner.supports):
                 yield planner
 
+    def warm_up(self) -> None:
+        """Makes the planner that is asked first, so that the first task need not wait for it."""
+        for name in self._names[:1]:
+            warm_up = getattr(self._planner(name), "warm_up", None)
+            if warm_up is not None:
+                warm_up()
+
     def why_none(self, requirements: Collection[str]) -> str:
         """Says of each planner why it does not fit a task."""
         each = "; ".join(f"{name} {self._why_not(name, requirements)}" for name in self._names)

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.planners.plan_files import last_plan_file, read_plan_file, steps_among
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
-from skiros_py.planning.planners.program_planner import DOMAIN, PROBLEM, ProgramPlanner
+from skiros_py.planning.planners.program_planner import DOMAIN, PROBLEM, CommandLinePlanner
 from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits
 
 CLASSICAL = frozenset({":strips", ":typing"})
@@ -24,7 +24,7 @@ _OWN_PLAN_FILE = "plan"
 _USUAL_PLAN_FILES = ("plan*", "sas_plan*", "*.soln", "*.plan")
 
 
-class CommandPlanner(ProgramPlanner):
+class CommandPlanner(CommandLinePlanner):
     """Runs a command line; the planner's own plan file, or what it prints, is read as the plan.
 
     >>> pyperplan = CommandPlanner("pyperplan", "pyperplan -s gbf -H hff {domain} {problem}", plan="{problem}.soln")

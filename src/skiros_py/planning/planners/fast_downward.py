@@ -1,22 +1,22 @@
 """Fast Downward as a program.
 
 The planner is GPL-licensed and comes with the ``up-fast-downward`` package; it is started, never imported. Its two
-parts, translator and search, are started one after the other, without the driver that usually does that: the driver is
-one more Python to start.
+parts, translator and search, run one after the other in one process that a resident program forks: the driver that
+usually starts them, and the translator, are Python programs whose start takes longer than most tasks.
 """
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.plan_files import read_plan_file
 from skiros_py.planning.planners.planner import Answer, Unsolvable
-from skiros_py.planning.planners.program_planner import ProgramPlanner
-from skiros_py.planning.planners.programs import Ended, Limits
+from skiros_py.planning.planners.program_planner import DOMAIN, PROBLEM, ProgramPlanner
+from skiros_py.planning.planners.programs import Ended, Limits, Running
+from skiros_py.planning.planners.resident import Resident, Run
 
 LAMA_FIRST = (
     "let(hlm, "
@@ -26,11 +26,8 @@ LAMA_FIRST = (
 )
 """What the driver calls lama-first: the first search of LAMA (Richter & Westphal 2010); it ends at the first plan."""
 
-_PARTS = (
-    '"$0" -S -m fast_downward.translate "$1" "$2" --sas-file task.sas && '
-    'exec "$3" --search "$4" --internal-plan-file plan < task.sas'
-)
-"""For the shell: Python, domain, problem, the search, what it shall search with."""
+_TRANSLATOR = "fast_downward.translate"
+_LOADED = tuple(f"{_TRANSLATOR}.{module}" for module in ("main", "options", "pddl_parser"))
 
 _PLAN_FOUND = 0
 _PROVED_UNSOLVABLE = {10, 11}
@@ -60,6 +57,9 @@ class FastDownward(ProgramPlanner):
         search: What it searches with, such as ``"astar(lmcut())"``.
         time_limit: Wall time after which a call is given up [s]; a guard, not a means of control.
         memory: Address space of each of its processes [bytes].
+
+    Raises:
+        PlanningError: The package that brings it is not installed.
     """
 
     name = "fast-downward"
@@ -80,12 +80,23 @@ class FastDownward(ProgramPlanner):
     ) -> None:
         super().__init__(Limits(time_limit, memory))
         self._search = search
+        self._programs = driver_path().parent / "builds" / "release" / "bin"
+        self._resident = Resident(self.title, self._programs, _LOADED)
 
-    def command(self, domain: str, problem: str) -> Sequence[str]:
-        """Returns the command line for two files."""
-        parts = driver_path().parent / "builds" / "release" / "bin"
-        python = ["env", f"PYTHONPATH={parts}", "sh", "-c", _PARTS, sys.executable]
-        return [*python, domain, problem, str(parts / "downward"), self._search]
+    def start(self, folder: Path, environment: Mapping[str, str]) -> Running:
+        """Starts translator and search."""
+        search = (str(self._programs / "downward"), "--search", self._search, "--internal-plan-file", "plan")
+        run = Run(_TRANSLATOR, (DOMAIN, PROBLEM, "--sas-file", "task.sas"), search, "task.sas")
+        return self._resident.start(run, folder, self.limits, environment)
+
+    def warm_up(self) -> None:
+        """Starts the resident program, so that the first task need not wait for it."""
+        self._resident.warm_up()
+
+    def close(self) -> None:
+        """Kills what still runs and waits for it; may be called twice."""
+        super().close()
+        self._resident.close()
 
     def read(self, ended: Ended, folder: Path) -> Answer:
         """Reads the answer."""

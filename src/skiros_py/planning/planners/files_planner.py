@@ -16,7 +16,7 @@ from skiros_py.errors import PlanningError
 from skiros_py.planning.planners import solving
 from skiros_py.planning.planners.plan_files import read_plan_text
 from skiros_py.planning.planners.planner import Answer, Unsolvable
-from skiros_py.planning.planners.program_planner import ProgramPlanner
+from skiros_py.planning.planners.program_planner import CommandLinePlanner
 from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits
 from skiros_py.processes import packed
 
@@ -24,7 +24,7 @@ _CALL, _REPLY = "call", "reply"
 _STAYS = {"_threads"}
 
 
-class FilesPlanner(ProgramPlanner):
+class FilesPlanner(CommandLinePlanner):
     """Base class of planners that solve PDDL files in Python; say ``name``, ``supports`` and :meth:`solve_files`.
 
     Args:

@@ -15,7 +15,7 @@ from typing import Any
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer, Solved, Unsolvable
-from skiros_py.planning.planners.program_planner import ProgramPlanner
+from skiros_py.planning.planners.program_planner import CommandLinePlanner
 from skiros_py.planning.planners.programs import Ended, Limits
 
 _SOLVED, _PROVED_UNSOLVABLE, _OUT_OF_TIME, _OUT_OF_MEMORY, _UNSUPPORTED, _NO_PLAN_FOUND = 0, 10, 11, 12, 13, 14
@@ -42,7 +42,7 @@ def program_path() -> Path:
     raise PlanningError("Kairos is not installed: pip install kairos-planner")
 
 
-class Kairos(ProgramPlanner):
+class Kairos(CommandLinePlanner):
     """Runs Kairos on one thread until the first plan, so that its answer does not depend on the clock.
 
     Args:

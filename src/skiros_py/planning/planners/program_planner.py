@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import tempfile
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from threading import Event
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.planners.planner import Answer
-from skiros_py.planning.planners.programs import USUAL_LIMITS, Ended, Limits, run_program
+from skiros_py.planning.planners.programs import USUAL_LIMITS, Child, Ended, Limits, Running, run_program
 
 DOMAIN, PROBLEM = "domain.pddl", "problem.pddl"
 """Names of the files in the folder of a call."""
@@ -75,8 +76,12 @@ class ProgramPlanner(ABC):
         self._closed = False
 
     @abstractmethod
-    def command(self, domain: str, problem: str) -> Sequence[str]:
-        """Returns the command line for two files in the folder where it will run."""
+    def start(self, folder: Path, environment: Mapping[str, str]) -> Running:
+        """Starts the program in a folder.
+
+        Raises:
+            PlanningError: It cannot be started.
+        """
 
     @abstractmethod
     def read(self, ended: Ended, folder: Path) -> Answer:
@@ -120,6 +125,18 @@ class ProgramPlanner(ABC):
         (folder / DOMAIN).write_text(domain, encoding="utf-8")
         (folder / PROBLEM).write_text(problem, encoding="utf-8")
         self.prepare(folder)
-        command = self.command(DOMAIN, PROBLEM)
-        ended = run_program(self.title, command, folder, self.limits, lambda: self._closed or stop.is_set())
+        start = partial(self.start, folder)
+        ended = run_program(self.title, start, self.limits, lambda: self._closed or stop.is_set())
         return self.read(ended, folder)
+
+
+class CommandLinePlanner(ProgramPlanner):
+    """A planner that is one command line."""
+
+    @abstractmethod
+    def command(self, domain: str, problem: str) -> Sequence[str]:
+        """Returns the command line for two files in the folder where it will run."""
+
+    def start(self, folder: Path, environment: Mapping[str, str]) -> Child:
+        """Starts the program in a folder."""
+        return Child(self.title, self.command(DOMAIN, PROBLEM), folder, self.limits, environment)

@@ -18,9 +18,10 @@ import subprocess
 import sysconfig
 import time
 import uuid
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from skiros_py.errors import PlanningError
 
@@ -81,13 +82,82 @@ class Ended:
         return f"{how}:\n{tail}" if tail else f"{how} and said nothing"
 
 
-def run_program(title: str, command: Sequence[str], folder: Path, limits: Limits, stopped: Callable[[], bool]) -> Ended:
-    """Runs a program to its end.
+class Running(Protocol):
+    """A program that runs in a process group of its own.
+
+    Attributes:
+        output: Descriptor of the pipe on which comes what it prints.
+    """
+
+    output: int
+
+    def has_ended(self) -> bool:
+        """Tells whether it has ended; its process id is still its own."""
+        ...
+
+    def kill(self) -> int:
+        """Kills its group, waits until it is gone and closes the pipe; returns its exit code."""
+        ...
+
+
+class Child:
+    """A program that this process starts.
 
     Args:
         title: What people call it.
         command: Program and arguments.
         folder: Where it runs.
+        limits: What it may take.
+        environment: Its environment.
+
+    Raises:
+        PlanningError: It cannot be started.
+    """
+
+    def __init__(
+        self, title: str, command: Sequence[str], folder: Path, limits: Limits, environment: Mapping[str, str]
+    ) -> None:
+        try:
+            self._process = subprocess.Popen(
+                command,
+                cwd=folder,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        except OSError as error:
+            raise PlanningError(f"{title} cannot be started: '{command[0]}': {error.strerror}") from error
+        assert self._process.stdout is not None
+        self.output = self._process.stdout.fileno()
+        if hasattr(resource, "prlimit"):  # only Linux has it
+            for kind, most in resource_limits(limits):
+                with contextlib.suppress(ProcessLookupError, ValueError):  # it has ended, or may take even less
+                    resource.prlimit(self._process.pid, kind, (most, most))
+
+    def has_ended(self) -> bool:
+        """Tells whether it has ended; it is not reaped, so that its number still is the group's."""
+        return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+    def kill(self) -> int:
+        """Kills its group, waits until it is gone and closes the pipe; returns its exit code."""
+        kill_group(self._process.pid)
+        self._process.wait()
+        wait_for_group(self._process.pid)
+        assert self._process.stdout is not None
+        self._process.stdout.close()
+        return self._process.returncode
+
+
+def run_program(
+    title: str, start: Callable[[Mapping[str, str]], Running], limits: Limits, stopped: Callable[[], bool]
+) -> Ended:
+    """Runs a program to its end; afterwards neither it nor what can be found of its children is there any more.
+
+    Args:
+        title: What people call it.
+        start: Starts it with an environment.
         limits: What it may take.
         stopped: Asked again and again whether it shall be killed.
 
@@ -97,36 +167,13 @@ def run_program(title: str, command: Sequence[str], folder: Path, limits: Limits
     if stopped():
         raise PlanningError(f"{title} was stopped")
     mark = uuid.uuid4().hex
-    with _started(title, command, folder, mark) as process:
-        _limit(process.pid, limits)
-        output = _attended(title, process, limits, stopped)
-    return Ended(process.returncode, output, limits.memory)
-
-
-@contextlib.contextmanager
-def _started(title: str, command: Sequence[str], folder: Path, mark: str) -> Iterator[subprocess.Popen[bytes]]:
-    """Starts a program; when the block is left, neither it nor what can be found of its children is there any more."""
+    running = start(os.environ | {_MARK: mark, "PATH": _search_path()})
     try:
-        process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=os.environ | {_MARK: mark, "PATH": _search_path()},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-    except OSError as error:
-        raise PlanningError(f"{title} cannot be started: '{command[0]}': {error.strerror}") from error
-    try:
-        yield process
+        output = _attended(title, running, limits, stopped)
     finally:
-        _kill_group(process.pid)
-        _kill_marked(mark)
-        process.wait()
-        _wait_for_group(process.pid)
-        assert process.stdout is not None
-        process.stdout.close()
+        kill_marked(_MARK, mark)
+        code = running.kill()
+    return Ended(code, output, limits.memory)
 
 
 def _search_path() -> str:
@@ -134,24 +181,18 @@ def _search_path() -> str:
     return os.pathsep.join([sysconfig.get_path("scripts"), os.environ.get("PATH", os.defpath)])
 
 
-def _limit(pid: int, limits: Limits) -> None:
-    """Limits a program from outside; processor time as well, should nobody be left who looks at the clock."""
-    if not hasattr(resource, "prlimit"):  # only Linux has it
-        return
-    processor = round(limits.time * (os.cpu_count() or 1)) + 1
+def resource_limits(limits: Limits) -> list[tuple[int, int]]:
+    """Returns limits as the system knows them; of processor time as well, in case nothing looks at the clock."""
     wanted = {
-        resource.RLIMIT_CPU: processor,
+        resource.RLIMIT_CPU: round(limits.time * (os.cpu_count() or 1)) + 1,
         resource.RLIMIT_FSIZE: limits.file,
         resource.RLIMIT_AS: limits.memory,
         resource.RLIMIT_CORE: 0,
     }
-    for kind, most in wanted.items():
-        if most is not None:
-            with contextlib.suppress(ProcessLookupError, ValueError):  # it has ended, or may take even less
-                resource.prlimit(pid, kind, (most, most))
+    return [(kind, most) for kind, most in wanted.items() if most is not None]
 
 
-def _attended(title: str, process: subprocess.Popen[bytes], limits: Limits, stopped: Callable[[], bool]) -> str:
+def _attended(title: str, running: Running, limits: Limits, stopped: Callable[[], bool]) -> str:
     """Reads what a program prints until it ends.
 
     Raises:
@@ -159,7 +200,7 @@ def _attended(title: str, process: subprocess.Popen[bytes], limits: Limits, stop
     """
     printed = _Printed()
     deadline = time.monotonic() + limits.time
-    for piece in _pieces(process):
+    for piece in _pieces(running):
         printed.add(piece)
         if stopped():
             raise PlanningError(f"{title} was stopped")
@@ -170,40 +211,34 @@ def _attended(title: str, process: subprocess.Popen[bytes], limits: Limits, stop
     return str(printed)
 
 
-def _pieces(process: subprocess.Popen[bytes]) -> Iterator[bytes]:
+def _pieces(running: Running) -> Iterator[bytes]:
     """Yields what a program prints as it comes, and nothing in between, until it ends."""
-    assert process.stdout is not None
-    pipe = process.stdout.fileno()
-    os.set_blocking(pipe, False)
+    os.set_blocking(running.output, False)
     poll = select.poll()
-    poll.register(pipe, select.POLLIN)
+    poll.register(running.output, select.POLLIN)
     wait = 0.0005
     open_ = True
-    while open_ or not _has_ended(process.pid):
+    while open_ or not running.has_ended():
         if not open_:  # it ends a moment after it has closed its output
             time.sleep(wait)
             wait = min(2.0 * wait, _GLANCE)
         elif poll.poll(1000 * _GLANCE):
-            piece = os.read(pipe, 1 << 16)
+            piece = os.read(running.output, 1 << 16)
             open_ = bool(piece)
             yield piece
             continue
-        elif _has_ended(process.pid):  # a child holds the output open
+        elif running.has_ended():  # a child holds the output open
             break
         yield b""
 
 
-def _has_ended(pid: int) -> bool:
-    """Tells whether a child has ended; it is not reaped, so that its number still is the group's."""
-    return os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
-
-
-def _kill_group(pid: int) -> None:
+def kill_group(pid: int) -> None:
+    """Kills a process group; does nothing where there is none."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(pid, signal.SIGKILL)
 
 
-def _wait_for_group(pid: int) -> None:
+def wait_for_group(pid: int) -> None:
     """Waits until what was killed is gone, and cannot write into the folder any more."""
     deadline = time.monotonic() + _DYING
     with contextlib.suppress(ProcessLookupError, PermissionError):
@@ -212,11 +247,16 @@ def _wait_for_group(pid: int) -> None:
             time.sleep(0.001)
 
 
-def _kill_marked(mark: str) -> None:
-    """Kills what has left the group, and what that starts meanwhile."""
-    word = f"{_MARK}={mark}".encode()
+def kill_marked(name: str, value: str) -> None:
+    """Kills programs by a variable in their environment, and what they start meanwhile.
+
+    Args:
+        name: The variable.
+        value: How its value begins.
+    """
+    word = f"{name}={value}".encode()
     deadline = time.monotonic() + _DYING
-    while found := [pid for pid in _all_processes() if word in _environment(pid)]:
+    while found := [pid for pid in _all_processes() if any(one.startswith(word) for one in _environment(pid))]:
         for pid in found:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.kill(pid, signal.SIGKILL)

@@ -68,8 +68,8 @@ class Simulation:
 
     # ------------------------------------------------------------------ bodies
 
-    def true_bodies(self) -> BodiesInfo:
-        """Returns where everything really is. This is the only use case that gives the truth away."""
+    def bodies(self) -> BodiesInfo:
+        """Returns where everything really is."""
         from skiros_py.station.judgement import (
             true_whereabouts,  # brings the physics along, which a pretending robot lacks
         )

@@ -1,6 +1,6 @@
-"""A process with a replica of the world, which forks for each order: a query from outside, a request to planning.
+"""A process with a replica of the world, which forks for each query from outside.
 
-A copy costs next to nothing and is a process with limits of its own: whatever an order does to it, the replica stays as
+A copy costs next to nothing and is a process with limits of its own: whatever a query does to it, the replica stays as
 it is. The replica has one thread, so that forking is safe.
 """
 
@@ -16,7 +16,6 @@ import socket
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any
 
 from loky.backend.reduction import dumps
 
@@ -46,7 +45,7 @@ def main(control: int, program: str) -> None:
 
 
 class Replica(ABC):
-    """A replica of the world, and what is done for each order.
+    """A replica of the world in a process of its own, and what it does for its parent.
 
     Attributes:
         index: The world.
@@ -54,7 +53,6 @@ class Replica(ABC):
 
     def __init__(self, version: int, index: Index) -> None:  # noqa: ARG002 - for subclasses
         self.index = index
-        self._selector = selectors.DefaultSelector()
 
     def follow(self, changes: Sequence[Change]) -> None:
         """Does what was changed."""
@@ -63,29 +61,24 @@ class Replica(ABC):
                 self.index.apply(edit)
             self.index.version = change.number
 
-    def read(self, order: bytes) -> object:
-        """Returns an order as data."""
-        return pickle.loads(order)  # noqa: S301  from our own parent
-
     @abstractmethod
-    def limit(self, order: Any) -> None:
-        """Limits what the order's process may take."""
+    def serve(self, parent: socket.socket) -> None:
+        """Answers until the parent goes."""
 
-    @abstractmethod
-    def outcome(self, order: Any, answer: int) -> object:
-        """Returns the answer, or the fault that it is; in the order's process.
 
-        Args:
-            order: The order.
-            answer: Descriptor of the pipe for the answer; nobody reads it any more where it is broken.
-        """
+class QueryReplica(Replica):
+    """Answers queries from outside."""
 
-    def end(self, children: Sequence[int]) -> None:
-        """Ends the processes of orders that are under way."""
-        for child in children:
-            os.kill(child, signal.SIGKILL)
+    def __init__(self, version: int, index: Index) -> None:
+        _warm_up()
+        self._projection = Projection(version, index)
+        self._selector = selectors.DefaultSelector()
+        super().__init__(version, index)
 
-    # ------------------------------------------------------------ the life of the process
+    def follow(self, changes: Sequence[Change]) -> None:
+        """Does what was changed, to the triples too."""
+        super().follow(changes)
+        self._projection.follow(changes)
 
     def serve(self, parent: socket.socket) -> None:
         """Answers until the parent goes."""
@@ -98,16 +91,15 @@ class Replica(ABC):
                     else:
                         self._report_end(key)
         except EOFError:
-            self.end([key.data[0] for key in self._selector.get_map().values() if key.data is not None])
+            for key in self._selector.get_map().values():
+                if key.data is not None:
+                    os.kill(key.data[0], signal.SIGKILL)
 
     def _take_order(self, parent: socket.socket) -> None:
         payload, (answer, status) = receive(parent, files=2)
         changes, packed = pickle.loads(payload)  # noqa: S301  from our own parent
         self.follow(changes)
-        try:
-            order = self.read(packed)
-        except Exception as error:  # noqa: BLE001  what it needs may not be importable here
-            order = UsageError(f"it cannot be read in another process: {type(error).__name__}: {error}")
+        order = pickle.loads(packed)  # noqa: S301  from our own parent
         child = os.fork()
         if child == 0:
             parent.close()
@@ -129,12 +121,14 @@ class Replica(ABC):
             os.write(status, f"{code}\n".encode())
         os.close(status)
 
-    def _run(self, order: object, answer: int) -> None:
+    def _run(self, order: Order, answer: int) -> None:
         """Answers one order in this process and ends it."""
         code = 1
         try:
-            self.limit(order)
-            outcome = order if isinstance(order, SkirosError) else self.outcome(order, answer)
+            limit(seconds=order.time_limit, memory=order.memory)
+            gc.disable()
+            os.nice(5)  # queries from outside come after everything else
+            outcome = self._outcome(order)
             with os.fdopen(answer, "wb") as file:
                 file.write(dumps(outcome))
             code = 0
@@ -145,29 +139,8 @@ class Replica(ABC):
         finally:
             os._exit(code)
 
-
-class QueryReplica(Replica):
-    """Answers queries from outside."""
-
-    def __init__(self, version: int, index: Index) -> None:
-        _warm_up()
-        self._projection = Projection(version, index)
-        super().__init__(version, index)
-
-    def follow(self, changes: Sequence[Change]) -> None:
-        """Does what was changed, to the triples too."""
-        super().follow(changes)
-        self._projection.follow(changes)
-
-    def limit(self, order: Any) -> None:
-        """Limits time and memory as the order says."""
-        if isinstance(order, Order):
-            limit(seconds=order.time_limit, memory=order.memory)
-            gc.disable()
-            os.nice(5)  # queries from outside come after everything else
-
-    def outcome(self, order: Any, answer: int) -> object:  # noqa: ARG002 - its limits end it
-        """Answers a query."""
+    def _outcome(self, order: Order) -> object:
+        """Returns the answer, or the fault that it is."""
         try:
             return self._result(order)
         except SkirosError as error:

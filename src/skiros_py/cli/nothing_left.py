@@ -1,4 +1,4 @@
-"""Rolls back a first start that fails: its data directory is removed."""
+"""A first start that is refused leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _OF_ACCESS = ("access.db", "access.db-wal", "access.db-shm")
 
 
 @contextmanager
-def rollback_first_start(data: Path) -> Iterator[None]:
-    """Removes the data directory if the block created it and then failed.
+def nothing_left_of(data: Path) -> Iterator[None]:
+    """Removes a data directory that the block has made, where it is refused in the end.
 
-    The world in it is discarded by its owner; files that others added meanwhile are kept.
+    The world that began in it takes itself back; what somebody else has put there meanwhile stays.
     """
     made = [folder for folder in (data, *data.parents) if not folder.exists()]
     try:

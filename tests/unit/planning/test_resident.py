@@ -1,0 +1,112 @@
+"""A resident program runs Python modules at once, ends what nobody waits for, and may be killed."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import psutil
+import pytest
+
+from skiros_py.planning.planners.programs import Ended, Limits, run_program
+from skiros_py.planning.planners.resident import Resident, ResidentRun, Run
+
+SAYS = """
+import os, sys
+import said
+print("argument", sys.argv[1], "loaded", said.BY == os.getppid(), flush=True)
+open("input", "w").write("read")
+sys.exit(int(sys.argv[2]))
+"""
+LOADED = "import os\nBY = os.getpid()\n"
+LIMITS = Limits(time=20.0)
+
+
+@pytest.fixture
+def modules(tmp_path: Path) -> Path:
+    folder = tmp_path / "modules"
+    folder.mkdir()
+    (folder / "said.py").write_text(LOADED)
+    (folder / "says.py").write_text(SAYS.replace("sys.exit(int(sys.argv[2]))", "if sys.argv[2] != '0': sys.exit(7)"))
+    (folder / "waits.py").write_text("import time\ntime.sleep(3600)\n")
+    return folder
+
+
+@pytest.fixture
+def resident(modules: Path) -> Iterator[Resident]:
+    with closing(Resident("the program", modules, ["said"])) as resident:
+        yield resident
+
+
+def ran(resident: Resident, folder: Path, run: Run, stopped: Callable[[], bool] = lambda: False) -> Ended:
+    return run_program("it", lambda environment: resident.start(run, folder, LIMITS, environment), LIMITS, stopped)
+
+
+def of(module: str, *arguments: str) -> Run:
+    return Run(module, arguments, ("/bin/cat",), "input")
+
+
+def test_a_module_runs_with_what_is_loaded_already_and_then_the_program_that_reads_what_it_wrote(
+    resident: Resident, tmp_path: Path
+) -> None:
+    ended = ran(resident, tmp_path, of("says", "one", "0"))
+
+    assert (ended.code, ended.output) == (0, "argument one loaded True\nread")
+
+
+def test_where_the_module_ends_with_a_code_that_is_the_code_and_nothing_follows(
+    resident: Resident, tmp_path: Path
+) -> None:
+    ended = ran(resident, tmp_path, of("says", "one", "1"))
+
+    assert (ended.code, ended.output) == (7, "argument one loaded True\n")
+
+
+def test_what_breaks_in_the_module_is_printed(resident: Resident, tmp_path: Path) -> None:
+    ended = ran(resident, tmp_path, of("nothing_of_that_name"))
+
+    assert ended.code == 1
+    assert "No module named nothing_of_that_name" in ended.output
+
+
+def waiting(resident: Resident, folder: Path) -> tuple[ResidentRun, psutil.Process]:
+    before = {p.pid for p in psutil.Process().children(recursive=True)}
+    run = resident.start(of("waits"), folder, LIMITS, os.environ)
+    while True:
+        for process in psutil.Process().children(recursive=True):
+            if process.pid not in before and process.ppid() != os.getpid():
+                return run, process
+        time.sleep(0.01)
+
+
+def test_a_run_is_killed_when_nobody_waits_for_it(resident: Resident, tmp_path: Path) -> None:
+    run, process = waiting(resident, tmp_path)
+    assert not run.has_ended()
+    run.kill()
+
+    process.wait(5.0)
+
+
+def test_closing_ends_what_runs(resident: Resident, tmp_path: Path) -> None:
+    _, process = waiting(resident, tmp_path)
+    resident.close()
+
+    process.wait(5.0)
+
+
+def test_where_the_resident_program_is_killed_its_run_is_over_and_the_next_run_starts_another(
+    resident: Resident, tmp_path: Path
+) -> None:
+    run, process = waiting(resident, tmp_path)
+    parent = process.parent()
+    assert parent is not None
+    parent.kill()
+    while not run.has_ended():
+        time.sleep(0.01)
+
+    assert run.kill() == -9
+    process.wait(5.0)
+    assert ran(resident, tmp_path, of("says", "two", "0")).code == 0
