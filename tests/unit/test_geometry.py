@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
-from skiros_py.geometry import Pose, Primitive, Solid, wrap_angle
+from skiros_py.geometry import Pose, Primitive, Solid, rotation_matrix, wrap_angle
 
 small = st.floats(-10.0, 10.0)
 angles = st.floats(-3.0, 3.0)
@@ -45,6 +46,21 @@ def test_a_pose_survives_the_way_through_its_matrix(pose: Pose) -> None:
 @given(poses, small, small, small)
 def test_applying_a_pose_to_a_point_is_composing_with_it(pose: Pose, x: float, y: float, z: float) -> None:
     assert np.allclose(pose.apply(np.array([x, y, z])), (pose @ Pose((x, y, z))).position, atol=1e-9)
+
+
+@settings(deadline=None)
+@given(poses, poses)
+def test_poses_turn_as_scipy_does_to_the_last_bit(a: Pose, b: Pose) -> None:
+    one, other = Rotation.from_quat(a.orientation), Rotation.from_quat(b.orientation)
+
+    assert (a @ b).orientation == tuple((one * other).as_quat())
+    assert a.inverse().orientation == tuple(one.inv().as_quat())
+    assert np.array_equal(rotation_matrix(a.orientation), one.as_matrix())
+
+
+def test_a_quaternion_of_length_zero_is_refused() -> None:
+    with pytest.raises(ValueError, match="length zero"):
+        Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)).matrix()
 
 
 @given(st.floats(-1e3, 1e3))

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array, Pose, Solid
 from skiros_py.world.element import Value
@@ -155,6 +154,8 @@ class _Reader:
 
     def _frames(self) -> tuple[Array, Array, Ints]:
         """Returns where the frames of all that were read are in their roots, level by level down the trees."""
+        from scipy.spatial.transform import Rotation  # half a second of imports that most processes never need
+
         count = len(self._poses)
         poses = [pose or _HERE for pose in self._poses]
         positions = np.array([pose.position for pose in poses]).reshape(count, 3)
