@@ -1,7 +1,10 @@
 """The watchdog: when code holds the control cycle, the robots brake, the code is named and interrupted.
 
 It looks from a thread of its own at what the cycle writes down (:class:`~skiros_py.execution.pulse.Pulse`). Python code
-gets an exception; a call into C that does not come back cannot be ended, only told.
+gets an exception; a call into C that does not come back cannot be ended, only reported.
+
+A tick is charged with wall time, less the time in which it could not run: the control thread waited for a processor, or
+the whole process (and so this thread) stood still. An overloaded machine therefore does not halt a healthy station.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from types import FrameType, TracebackType
 from typing import ParamSpec, Self
 
@@ -29,6 +33,8 @@ _LOCKSTEP_LIMIT = 5.0
 """How long they may take in lockstep, where the simulated time waits for everybody [s]."""
 _LOOKS = 10
 """How often within the limit the watchdog looks."""
+_LATE = 3
+"""A look that comes later than so many intervals after the one before shows that this thread could not run either."""
 
 
 class Watchdog:
@@ -55,8 +61,12 @@ class Watchdog:
         self._lost_listeners: list[Callable[[Watched], None]] = []
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="skiros-watchdog", daemon=True)
+        self._interval = min(self.limit, again) / _LOOKS
         self._seen = -1
-        self._since = 0.0
+        self._looked = 0.0
+        self._held = 0.0
+        self._worked = 0.0
+        self._waited: float | None = None
         self._overrun: Overrun | None = None
         self._struck = 0.0
         self._lost = False
@@ -89,26 +99,43 @@ class Watchdog:
         self.close()
 
     def _watch(self) -> None:
-        while not self._ended.wait(min(self.limit, self._again) / _LOOKS):
+        while not self._ended.wait(self._interval):
             _surely(self._look, time.monotonic())
 
     def _look(self, now: float) -> None:
         pulse = self._cycle.pulse
         limit = max(self.limit, pulse.allowed)  # first of all: see Pulse.allowing
         beat, task = pulse.beat, pulse.task
+        passed, self._looked = now - self._looked, now
+        worked = time.process_time() - self._worked
+        self._worked += worked
         if beat != self._seen or task is None or pulse.waits:
-            self._seen, self._since, self._overrun, self._lost = beat, now, None, False
-        elif self._overrun is not None and self._overrun.task is not task:  # that one ended; this one has a limit, too
-            self._since, self._overrun, self._lost = now, None, False
-        elif now - self._since > limit:
+            self._seen, self._held, self._waited, self._overrun, self._lost = beat, 0.0, None, None, False
+            return
+        self._held += self._charged(passed, worked)
+        if self._overrun is not None and self._overrun.task is not task:  # that one ended; this one has a limit, too
+            self._held, self._overrun, self._lost = 0.0, None, False
+        elif self._held > limit:
             self._act(beat, task, now, limit)
+
+    def _charged(self, passed: float, worked: float) -> float:
+        """Returns how much of the time since the last look the tick is charged with [s].
+
+        Args:
+            passed: Wall time since the last look [s].
+            worked: Processor time of this process in it [s].
+        """
+        paused = passed - self._interval - worked if passed > _LATE * self._interval else 0.0
+        before, self._waited = self._waited, _waited_for_processor(self._cycle.pulse.thread)
+        waited = self._waited - before if before is not None and self._waited is not None else 0.0
+        return max(0.0, passed - max(paused, waited, 0.0))
 
     def _act(self, beat: int, task: Watched, now: float, limit: float) -> None:
         if self._overrun is None:
-            self._overrun = self._describe(task, beat, now - self._since, limit)
+            self._overrun = self._describe(task, beat, self._held, limit)
             self._struck = now
             self._interrupt(self._overrun)
-        elif now - self._since > limit + self._patience and not self._lost:
+        elif self._held > limit + self._patience and not self._lost:
             self._lost = True
             _log.error("%s is lost: it does not come back from where it is", task.name)
             for listener in self._lost_listeners:
@@ -130,6 +157,15 @@ class Watchdog:
         frame = sys._current_frames().get(self._cycle.pulse.thread)  # noqa: SLF001 - documented, for debugging
         stack = "" if frame is None else "".join(traceback.format_stack(frame)).rstrip()
         return Overrun(task, beat, seconds, limit, _primitive_in(frame) or task.name, stack)
+
+
+def _waited_for_processor(ident: int) -> float | None:
+    """Returns for how long a thread waited for a processor so far [s]; None where the system does not say."""
+    native = next((thread.native_id for thread in threading.enumerate() if thread.ident == ident), None)
+    try:
+        return int(Path(f"/proc/self/task/{native}/schedstat").read_text(encoding="ascii").split()[1]) * 1e-9
+    except (OSError, ValueError, IndexError):
+        return None
 
 
 def _surely(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -355,6 +357,50 @@ def test_what_takes_longer_than_it_was_allowed_is_interrupted(cycle: ControlCycl
     assert isinstance(task.fault, CycleOverrun)
     assert "0.30 s are allowed" in cycle.halted
     assert cycle.pulse.allowed == 0.0
+
+
+# ------------------------------------------------------------------ a machine that is slow
+
+
+_PAUSES = """
+import os, signal, sys, time
+input()
+os.kill(os.getppid(), signal.SIGSTOP)
+time.sleep(1.0)
+os.kill(os.getppid(), signal.SIGCONT)
+"""
+
+
+def test_a_process_that_stood_still_in_a_tick_is_no_overrun(cycle: ControlCycle, watchdog: Watchdog) -> None:
+    with subprocess.Popen([sys.executable, "-c", _PAUSES], stdin=subprocess.PIPE, bufsize=0) as pauses:
+
+        def is_paused() -> None:
+            assert pauses.stdin is not None
+            pauses.stdin.write(b"\n")
+            hold_for(LIMIT / 2)
+            hold_for(LIMIT / 4)  # the watchdog looks once more
+
+        time.sleep(0.5)  # until it reads
+        task = cycle.start(after_one_tick(is_paused))
+        cycle.step()
+        started = time.monotonic()
+        cycle.step()
+
+    assert time.monotonic() - started > 0.9, "it was paused"
+    assert task.fault is None
+    assert not cycle.halted
+
+
+def test_time_for_which_the_control_thread_waits_for_a_processor_is_no_overrun(
+    cycle: ControlCycle, watchdog: Watchdog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skiros_py.execution.watchdog._waited_for_processor", lambda _thread: 0.9 * time.monotonic())
+    task = cycle.start(after_one_tick(lambda: time.sleep(5 * LIMIT)))
+    cycle.step()
+    cycle.step()
+
+    assert task.fault is None
+    assert not cycle.halted
 
 
 # ------------------------------------------------------------------ what others wrote
