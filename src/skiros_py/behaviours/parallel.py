@@ -11,7 +11,7 @@ from skiros_py.behaviours.checks import check_children, require
 from skiros_py.behaviours.in_turn import numbered
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses
-from skiros_py.skills.execution import Execution, tick
+from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.plain import Reader
 
@@ -78,27 +78,32 @@ class Parallel(Behaviour):
         """Runs the children until the policy says that it is over."""
         ended: dict[int, Outcome] = {}
         with scope.apart() as inner:
-            branches = {number: inner.run(child, str(number)) for number, child in enumerate(self.children)}
+            branches = [inner.run(child, str(number)) for number, child in enumerate(self.children)]
+            running = tuple(enumerate(branches))
             try:
-                while not _all_over(branches, ended, self.policy):
-                    yield
+                while running and not _tick_all(running, ended, self.policy):
+                    if len(ended) + len(running) > len(branches):
+                        running = tuple(one for one in running if one[0] not in ended)
+                    if running:
+                        yield
             finally:
-                for branch in branches.values():
+                for branch in branches:
                     branch.close()
             yield from inner.recover()
         return _together(ended, self.policy)
 
 
-def _all_over(branches: dict[int, Execution[Outcome]], ended: dict[int, Outcome], policy: Policy) -> bool:
-    """Ticks the branches in turn and takes out those that end; returns whether the policy is fulfilled."""
-    for number, branch in tuple(branches.items()):
-        outcome = tick(branch)
-        if outcome is not None:
+def _tick_all(running: tuple[tuple[int, Execution[Outcome]], ...], ended: dict[int, Outcome], policy: Policy) -> bool:
+    """Ticks the branches in turn; returns whether the outcome of one of them ends all."""
+    for number, branch in running:
+        try:
+            next(branch)
+        except StopIteration as end:
+            outcome: Outcome = end.value
             ended[number] = outcome
-            del branches[number]
             if _decided(outcome, policy):
                 return True
-    return not branches
+    return False
 
 
 def _decided(outcome: Outcome, policy: Policy) -> bool:

@@ -1,13 +1,14 @@
-"""Who may use which device: a module takes all of its devices at once or none, in the order of asking.
+"""Claims: a module takes all of its devices at once or none, in the order of asking.
 
-Modules in modules are levels: a skill's claim is the parent of the claims of what it is composed of. Those share out
-among each other what the skill has, and nothing else.
+A device is claimed exclusively, or shared with other claims that share it. Modules in modules are levels: the claim of
+a skill is the parent of the claims of its parts, which divide among each other what the skill has, and nothing else.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable
+from itertools import takewhile
 from types import TracebackType
 from typing import Self
 
@@ -15,19 +16,23 @@ from skiros_py.errors import DescriptionError, UsageError
 
 
 class Claim:
-    """A module's wish for devices. Release it on every end, or use it in a ``with``.
+    """The devices that a run of a module asks for. Release it on every end, or use it in a ``with``.
 
     Attributes:
-        owner: Who wants them, for messages.
+        owner: The module, for messages.
         devices: Their ids.
+        shared: Those of them that may be commanded by other runs at the same time.
         parent: The claim it is a part of; None for that of a module that stands alone.
         granted: True when it has them all.
         released: True when it was given back.
     """
 
-    def __init__(self, owner: str, devices: frozenset[str], parent: Claim | None, level: _Level) -> None:
+    def __init__(
+        self, owner: str, devices: frozenset[str], shared: frozenset[str], parent: Claim | None, level: _Level
+    ) -> None:
         self.owner = owner
         self.devices = devices
+        self.shared = shared
         self.parent = parent
         self.granted = False
         self.released = False
@@ -47,8 +52,8 @@ class Claim:
         """Returns why it is not granted yet: "arm_1 (pick)" for each device that is in use or wanted before."""
         if self.granted or self.released:
             return ()
-        firsts = ((device, self._level.first(device)) for device in sorted(self.devices))
-        return tuple(f"{device} ({first.owner})" for device, first in firsts if first is not self)
+        before = ((device, self._level.before(device, self)) for device in sorted(self.devices))
+        return tuple(f"{device} ({other.owner})" for device, other in before if other is not None)
 
     def __enter__(self) -> Self:
         return self
@@ -65,23 +70,28 @@ class Claims:
     def __init__(self) -> None:
         self._level = _Level()
 
-    def request(self, owner: str, devices: Iterable[str], *, within: Claim | None = None) -> Claim:
+    def request(
+        self, owner: str, devices: Iterable[str], *, shared: Iterable[str] = (), within: Claim | None = None
+    ) -> Claim:
         """Asks for devices: all or none.
 
-        It is granted, at once or later, when all of them are free and nobody who asked before waits for one of them.
+        It is granted, at once or later, when no earlier claim excludes it from one of them. A shared device is open to
+        all that share it; a claim that wants it exclusively waits until they are released, and later ones wait for it.
 
         Args:
-            owner: Who wants them, for messages.
+            owner: The module, for messages.
             devices: Their ids.
+            shared: Those of them that others may command at the same time.
             within: The claim of the module that the owner is a part of.
 
         Raises:
-            DescriptionError: The module that the owner is a part of has not declared one of the devices.
+            DescriptionError: The module that the owner is a part of has not declared one of the devices, or shares one
+                that the owner wants exclusively.
             UsageError: That module has not got its own devices, or has given them back.
         """
-        wanted = frozenset(devices)
+        wanted, open_ = frozenset(devices), frozenset(shared)
         if within is None:
-            return Claim(owner, wanted, None, self._level)
+            return Claim(owner, wanted, open_, None, self._level)
         if not within.granted:
             raise UsageError(f"{owner}: {within.owner} itself has {_state(within)}")
         missing = sorted(wanted - within.devices)
@@ -91,13 +101,17 @@ class Claims:
                 f"{owner} needs {', '.join(missing)}, but {within.owner} has {has}: declare what is missing as a "
                 f"hardware parameter of {within.owner}"
             )
-        return Claim(owner, wanted, within, within.within)
+        alone = sorted((wanted - open_) & within.shared)
+        if alone:
+            raise DescriptionError(f"{owner} takes {', '.join(alone)} exclusively, but {within.owner} shares it")
+        return Claim(owner, wanted, open_, within, within.within)
 
 
 class _Level:
-    """Claims that exclude each other: for each device a queue, in the order of asking.
+    """Claims that may exclude each other: for each device a queue, in the order of asking.
 
-    Who is first in all its queues has its devices. The oldest is first in all of its own, so somebody always has.
+    A claim is granted when no earlier claim in its queues excludes it. The oldest claim is never excluded, so nothing
+    can deadlock.
     """
 
     def __init__(self) -> None:
@@ -117,17 +131,24 @@ class _Level:
             if not self._queues[device]:
                 del self._queues[device]
         for device in sorted(claim.devices & self._queues.keys()):
-            self._grant(self._queues[device][0])
+            for other in self._queues[device]:
+                if not other.granted:
+                    self._grant(other)
+                if device not in other.shared:
+                    break
 
-    def first(self, device: str) -> Claim:
-        return self._queues[device][0]
+    def before(self, device: str, claim: Claim) -> Claim | None:
+        """Returns the first earlier claim that keeps another one from a device; None where none does."""
+        alone = device not in claim.shared
+        earlier = takewhile(lambda other: other is not claim, self._queues[device])
+        return next((other for other in earlier if alone or device not in other.shared), None)
 
     def release_all(self) -> None:
         for claim in reversed(tuple(self._claims)):  # the youngest first: nobody is granted anything on the way
             claim.release()
 
     def _grant(self, claim: Claim) -> None:
-        claim.granted = all(self._queues[device][0] is claim for device in claim.devices)
+        claim.granted = all(self.before(device, claim) is None for device in claim.devices)
 
 
 def _state(claim: Claim) -> str:

@@ -2,8 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 _RAMP = 0.3
 """Time in which a clock slows down to standing still, and takes up speed again [s]."""
+
+
+class Run(Protocol):
+    """What gives the time of the run."""
+
+    @property
+    def now(self) -> float:
+        """Time since the start of the run [s]."""
+        ...
 
 
 class RunClock:
@@ -12,23 +23,28 @@ class RunClock:
     A motion that is sampled at :attr:`now` therefore brakes along its own path and takes it up again where it left it.
 
     Args:
-        time: Time of the run now [s].
+        run: Gives the time of the run.
 
     Attributes:
-        now: The task's own time [s]; the same as the run's for a task that never was paused.
         rate: How fast it goes: 1 with the run, 0 standing still.
         lag: How far it is behind the run [s].
-        steady: True while it goes with the run and nothing else is wanted of it.
+        steady: True while it goes with the run; then it needs no :meth:`advance`.
     """
 
-    __slots__ = ("_wanted", "lag", "now", "rate", "steady")
+    __slots__ = ("_now", "_run", "_wanted", "lag", "rate", "steady")
 
-    def __init__(self, time: float = 0.0) -> None:
-        self.now = time
+    def __init__(self, run: Run) -> None:
+        self._run = run
+        self._now = 0.0
         self.rate = 1.0
         self.lag = 0.0
         self.steady = True
         self._wanted = 1.0
+
+    @property
+    def now(self) -> float:
+        """The task's own time [s]; the same as the run's for a task that never was paused."""
+        return self._run.now - self.lag if self.steady else self._now
 
     @property
     def stands(self) -> bool:
@@ -42,6 +58,7 @@ class RunClock:
 
     def slow_down(self) -> None:
         """Lets it come to a standstill."""
+        self._now = self.now
         self._wanted = 0.0
         self.steady = False
 
@@ -50,25 +67,17 @@ class RunClock:
         self._wanted = 1.0
         self.steady = self.rate == 1.0
 
-    def advance(self, time: float) -> None:
-        """Moves on to a time of the run, each cycle.
-
-        Args:
-            time: Time of the run [s].
-        """
-        if self.steady:
-            self.now = time - self.lag
-            return
-        self._ramp(time - self.lag - self.now)
-        self.lag = time - self.now
+    def advance(self) -> None:
+        """Moves on to the time of the run, in each cycle in which it is not steady."""
+        time = self._run.now
+        elapsed = time - self.lag - self._now
+        before, step = self.rate, elapsed / _RAMP
+        self.rate = min(1.0, before + step) if self._wanted else max(0.0, before - step)
+        self._now += elapsed * (before + self.rate) / 2.0
+        self.lag = time - self._now
         self.steady = self.rate == self._wanted == 1.0
 
     def jump(self, seconds: float) -> None:
         """Moves on by so much while it stands: one step of a paused task."""
-        self.now += seconds
+        self._now += seconds
         self.lag -= seconds
-
-    def _ramp(self, elapsed: float) -> None:
-        before, step = self.rate, elapsed / _RAMP
-        self.rate = min(1.0, before + step) if self._wanted else max(0.0, before - step)
-        self.now += elapsed * (before + self.rate) / 2.0

@@ -1,4 +1,4 @@
-"""One control cycle: exchange with the robots, compute signals, then tick everything that runs, in a fixed order.
+"""One control cycle: exchange with the devices, compute signals, tick all tasks in a fixed order, mix their commands.
 
 All tasks of a cycle see the same snapshot. Time is the cell's; the pace says how it relates to the wall clock.
 """
@@ -10,11 +10,11 @@ import math
 import time
 from collections.abc import Callable, Generator
 from functools import partial
-from itertools import islice
 from typing import Any, TypeVar
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.clock import RunClock
+from skiros_py.execution.mix import Mix
 from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import Task
@@ -51,7 +51,10 @@ class ControlCycle:
         self.pulse = Pulse()
         self.halted = ""
         self.signals: Signals | None = None
+        self._mix = Mix(board, self.pulse)
         self._tasks: list[Task[Any]] = []
+        self._later: list[Task[Any]] = []
+        self._places = math.inf
         self._stopping: list[Task[Any]] = []
         self._exchanging = Chore("the exchange with the devices")
         self._telling = Chore("a listener of faults")
@@ -72,10 +75,11 @@ class ControlCycle:
         Raises:
             UsageError: Everything was halted, and nobody has called :meth:`reset` since.
         """
-        task = Task(generator, name, clock=clock, board=self.board, pulse=self.pulse)
+        task = Task(generator, self.board, self.pulse, name, clock)
         if self.halted:
             raise UsageError(f"{task.name} cannot start: everything was halted ({self.halted}); reset the robots first")
-        self._tasks.append(task)
+        self._places -= 1
+        (self._tasks if self._places >= 0 else self._later).append(task)
         return task
 
     def observe(self, observer: Callable[[], None]) -> Callable[[], None]:
@@ -91,11 +95,13 @@ class ControlCycle:
     def step(self) -> None:
         """Runs one cycle."""
         self._obey_halt()
+        if self.board.shared:
+            self._mix.merge()
         self._do(self._exchanging, self.board.exchange)
         if self.signals is not None:
             self.signals.update()
         self._settle()
-        self._tick_all(self.board.snapshot.time)
+        self._tick_all()
         self._obey_halt()
         self._sort_out()
         for chore, observer in tuple(self._observers):
@@ -162,6 +168,7 @@ class ControlCycle:
         self.board.release()
         if self.signals is not None:
             self.signals.restart()
+        self.board.unmixed.clear()
         self.halted = ""
 
     def _obey_halt(self) -> None:
@@ -197,32 +204,36 @@ class ControlCycle:
         finally:
             self.pulse.leave(outer)
 
-    def _tick_all(self, now: float) -> None:
+    def _tick_all(self) -> None:
         """Ticks every task once, and those that they start.
 
         An interruption that comes late, between two ticks, changes nothing.
         """
         board, pulse = self.board, self.pulse
         pulse.begin_cycle()
-        coming = islice(self._tasks, len(self._tasks) + _SUCCESSORS)  # those that are added meanwhile, too
+        self._places = _SUCCESSORS
+        coming = iter(self._tasks)  # also those that are added meanwhile
         while True:
             try:
                 for task in coming:
                     pulse.task = board.owner = task
-                    if pulse.overrun is not None:
-                        pulse.settle()
-                    if self.halted:
+                    if self.halted:  # also after each overrun
+                        if pulse.overrun is not None:
+                            pulse.settle()
                         break
                     if not task.done:
-                        task.tick(now)
+                        task.tick()
                 pulse.task = board.owner = None
                 if pulse.overrun is not None:
                     pulse.settle()
-                return
+                break
             except CycleOverrun:
                 continue
             finally:
-                pulse.task = board.owner = None
+                pulse.task = board.owner = board.share = None
+        self._places = math.inf
+        self._tasks += self._later
+        self._later.clear()
 
     def _sort_out(self) -> None:
         """Parts with what is done, and tells of faults."""

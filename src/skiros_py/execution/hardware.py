@@ -1,25 +1,35 @@
-"""Which devices a module takes, and which one is meant where nobody says."""
+"""Which devices a module takes, and which device is meant where none is named."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from skiros_py.execution.claims import Claim
 from skiros_py.ports.board import DeviceBoard
-from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters import Access, Kind, Param
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import owner
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import DEVICE, HAS_A, LOCATION
 
 
-def devices_of(view: WorldView, params: Iterable[Param], takes: Sequence[str], values: Mapping[str, Any]) -> set[str]:
-    """Returns what a call takes: its hardware, and of what it takes as a whole all devices, and any place itself."""
-    devices = {values[p.key] for p in params if p.kind is Kind.HARDWARE and isinstance(values.get(p.key), str)}
+def devices_of(
+    view: WorldView, params: Iterable[Param], takes: Sequence[str], values: Mapping[str, Any]
+) -> dict[str, Access]:
+    """Returns what a call takes: its hardware, and of what it takes as a whole all devices, and any place itself.
+
+    Devices that it only reads are left out. A device that is named twice is taken exclusively if one of the two asks
+    for that.
+    """
+    named = [p for p in params if p.kind is Kind.HARDWARE and isinstance(values.get(p.key), str)]
+    devices = {values[p.key]: Access.SHARED for p in named if p.access is Access.SHARED}
+    devices |= {values[p.key]: Access.EXCLUSIVE for p in named if p.access is Access.EXCLUSIVE}
     for key in takes:
         if isinstance(values.get(key), str):
-            devices |= {e for e in pieces(view, values[key]) if view.ontology.is_a(view.element(e).type, DEVICE)}
-            devices |= {values[key]} if view.ontology.is_a(view.element(values[key]).type, LOCATION) else set()
+            whole = [e for e in pieces(view, values[key]) if view.ontology.is_a(view.element(e).type, DEVICE)]
+            whole += [values[key]] if view.ontology.is_a(view.element(values[key]).type, LOCATION) else []
+            devices |= dict.fromkeys(whole, Access.EXCLUSIVE)
     return devices
 
 
@@ -44,9 +54,9 @@ def pieces(view: WorldView, whole: str) -> Iterator[str]:
         yield from pieces(view, piece)
 
 
-def standstill(board: DeviceBoard, devices: Iterable[str]) -> Execution[None]:
-    """Waits until devices stand that nobody commands any more, for the braking time at most."""
-    end = board.now + board.braking_time
+def standstill(board: DeviceBoard, claim: Claim) -> Execution[None]:
+    """Waits until the devices of an ended run stand, for the braking time at most; shared ones may go on moving."""
+    end, devices = board.now + board.braking_time, claim.devices - claim.shared
     while board.now < end and not board.stand(devices):
         yield
 

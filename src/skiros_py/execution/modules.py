@@ -6,19 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from skiros_py.errors import UnknownName
+from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.execution.behaviour_run import BehaviourRun, RunnableDocument
 from skiros_py.execution.claims import Claim, Claims
 from skiros_py.execution.directory import Directory
 from skiros_py.execution.loader import Loader
 from skiros_py.execution.primitive_run import run_primitive
-from skiros_py.execution.scope import Scope
+from skiros_py.execution.scope import Scope, failed
 from skiros_py.execution.skill_run import SkillRun
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.skills.behaviour import calls_of
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome
-from skiros_py.skills.parameters import Kind, Param, params_of
+from skiros_py.skills.parameters import Access, Kind, Param, params_of
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 
@@ -154,7 +154,7 @@ class Modules:
             return self.skill_run(module, arguments, scope, run).execute()
         loaded = self._loader.get(module, scope.context)
         if isinstance(loaded, Failure):
-            return _failed(loaded)
+            return failed(loaded)
         return run_primitive(loaded, arguments, scope, self.take, run)
 
     def prepare(self, module: str, context: RunContext) -> None:
@@ -168,9 +168,18 @@ class Modules:
         """Makes a run of a skill."""
         return SkillRun(self.skills[skill], arguments, scope, self.take, run)
 
-    def take(self, owner: str, devices: set[str], within: Claim | None) -> Claim:
-        """Asks for devices, out of those of the module around it."""
-        claim = self._claims.request(owner, devices, within=within)
+    def take(self, owner: str, devices: Mapping[str, Access], within: Claim | None) -> Claim:
+        """Asks for devices, out of those of the module around it.
+
+        Raises:
+            DescriptionError: A device is to be shared whose kind has no mix rule, or the module around has not declared
+                a device.
+        """
+        shared = [device for device, access in devices.items() if access is Access.SHARED]
+        for spec in (self._board.devices[device] for device in shared if device in self._board.devices):
+            if not spec.mixes():
+                raise DescriptionError(f"{owner} shares {spec.id}, but kind '{spec.kind}' has no mix rule")
+        claim = self._claims.request(owner, devices, shared=shared, within=within)
         task = self._board.owner
         if within is None and task is not None:
             task.devices = claim.devices
@@ -199,8 +208,3 @@ class Modules:
         for nodes in bodies:
             for call in calls_of(*nodes):
                 able._prepare(call.module, call.arguments, context, seen)  # noqa: SLF001 - one of the same class
-
-
-def _failed(failure: Failure) -> Execution[Outcome]:
-    yield from ()
-    return failure

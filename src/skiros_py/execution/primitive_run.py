@@ -14,15 +14,15 @@ from skiros_py.execution.hardware import complete, devices_of, standstill
 from skiros_py.execution.loader import Loaded
 from skiros_py.execution.monitor import Status
 from skiros_py.execution.pulse import CycleOverrun
-from skiros_py.execution.scope import Scope, Unfinished, run_recovery
+from skiros_py.execution.scope import Scope, Unfinished, failed, run_recovery
 from skiros_py.execution.telling import Tell, teller, to_its_end
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.outcome import Failure, Outcome, Success
-from skiros_py.skills.parameters import missing, params_of, read_arguments
+from skiros_py.skills.parameters import Access, missing, params_of, read_arguments
 from skiros_py.skills.primitive import Execution, Primitive
 
-Take = Callable[[str, set[str], Claim | None], Claim]
-"""Asks for devices: who asks, which, and out of whose."""
+Take = Callable[[str, Mapping[str, Access], Claim | None], Claim]
+"""Asks for devices: for which module, which devices in which way, and out of which claim."""
 
 
 def run_primitive(
@@ -61,7 +61,7 @@ def _specify(loaded: Loaded, given: Mapping[str, Any], scope: Scope, take: Take)
     open_ = missing(params, values)
     if open_:
         raise UsageError(f"{', '.join(open_)}: not specified")
-    devices = set() if cls.watches else devices_of(world, params, cls.takes, values)  # who only looks on takes nothing
+    devices = {} if cls.watches else devices_of(world, params, cls.takes, values)  # a watching primitive takes nothing
     return values, take(cls.name, devices, scope.claim)
 
 
@@ -89,8 +89,8 @@ class _Run:
         self._made: Primitive[Any] | None = None
         self.started = False
         self._broken = False
-        self._code = self._life()
-        self._next = self._code.__next__
+        self._code: Execution[Outcome] | None = None
+        self._next: Callable[[], object] = self._begin
 
     def run(self) -> Execution[Outcome]:
         """Waits for its devices, then runs it."""
@@ -102,13 +102,14 @@ class _Run:
             outcome = self._tick()
             if outcome is not None:
                 break
-            self._recover_calls()
+            if self._calls.unfinished or self._recovering is not None:
+                self._recover_calls()
             yield
         self._end_calls()
         while self._recover_calls():
             yield
         if self._broken:
-            yield from standstill(self._board, self._claim.devices)
+            yield from standstill(self._board, self._claim)
         return outcome
 
     def leave(self) -> bool:
@@ -134,8 +135,10 @@ class _Run:
 
         Meanwhile no other devices obey than those it has taken.
         """
+        board = self._board
+        outer, board.share = board.share, self._claim
         try:
-            yielded: object = self._board.limited(self._claim.devices, self._next)
+            yielded: object = self._next()
         except StopIteration as end:
             ended: object = end.value
             if isinstance(ended, Success | Failure):
@@ -145,23 +148,24 @@ class _Run:
             raise
         except BaseException as error:  # noqa: BLE001 - an author's mistake ends this primitive, not the platform
             return self._broke(error)
+        finally:
+            board.share = outer
         if yielded is None:
             return None
         return self._broke(TypeError(f"it yielded {yielded!r}: yield nothing, and call others with 'yield from'"))
 
-    def _life(self) -> Execution[Outcome]:
-        """Its author's code, from its making to its end."""
+    def _begin(self) -> object:
+        """Makes the primitive, starts it, and runs it up to its first ``yield``."""
         cls = self._loaded.cls
         made = self._made = cls(self._own_context(), cls.Params(**self._values), self._loaded.resource)
         refusal = made.start()
-        if isinstance(refusal, Failure):
-            return refusal
-        if refusal is not None:
+        if refusal is not None and not isinstance(refusal, Failure):
             raise TypeError(f"start() returned {refusal!r}: None lets it run, a Failure refuses")
-        execution = made.execute()
-        if not isinstance(execution, Generator):
-            raise TypeError(f"execute() returned {execution!r} instead of running: it has no 'yield'")
-        return (yield from execution)
+        self._code = made.execute() if refusal is None else failed(refusal)
+        if not isinstance(self._code, Generator):
+            raise TypeError(f"execute() returned {self._code!r} instead of running: it has no 'yield'")
+        self._next = self._code.__next__
+        return self._next()
 
     def _own_context(self) -> RunContext:
         """Returns its own context: it reports in its own name, and shares its devices with what it calls."""
@@ -218,13 +222,14 @@ class _Run:
 
     def _close(self) -> None:
         """Ends its author's code and what that has called."""
-        self._tidy("when it was ended", self._code.close)
+        if isinstance(self._code, Generator):
+            self._tidy("when it was ended", self._code.close)
         self._end_calls()
 
     def _tidy(self, when: str, action: Callable[[], object]) -> None:
         """Calls what its author wrote for its end; neither what that raises nor what it commands counts."""
-        contained(f"{self._loaded.cls.name}, {when},", lambda: self._board.limited(self._claim.devices, action))
-        self._board.clear(self._claim.devices)
+        contained(f"{self._loaded.cls.name}, {when},", lambda: self._board.limited(self._claim, action))
+        self._board.clear(self._claim)
 
 
 _ENDED = object()

@@ -110,10 +110,10 @@ class Scope:
         """Returns the run of a module; values of its outcome are written when it has succeeded."""
         values = self._inputs(call)
         if isinstance(values, Failure):
-            return _failed(values)
+            return failed(values)
         run = contained(call.module, lambda: self.modules.run(call.module, values, self))
         if isinstance(run, Failure):
-            return _failed(run)
+            return failed(run)
         return _with_outputs(run, call, self) if call.outputs else run
 
     def write(self, name: str, value: Any) -> None:
@@ -208,7 +208,8 @@ def _hold(scope: Scope) -> Execution[None]:
             yield
 
 
-def _failed(failure: Failure) -> Execution[Outcome]:
+def failed(failure: Failure) -> Execution[Outcome]:
+    """Returns the run of what has failed already."""
     yield from ()
     return failure
 
@@ -232,7 +233,7 @@ def run_recovery(scope: Scope) -> Execution[None]:
         entry = scope.unfinished.pop(0)
         try:
             yield from _recovery(entry, context, deadline)
-            yield from standstill(context.board, entry.claim.devices)
+            yield from standstill(context.board, entry.claim)
         except GeneratorExit:
             scope.unfinished.insert(0, entry)  # cancelled itself: it keeps its devices, and begins again if it may
             raise
@@ -241,10 +242,10 @@ def run_recovery(scope: Scope) -> Execution[None]:
 
 def _recovery(entry: Unfinished, context: RunContext, deadline: float) -> Execution[None]:
     what = f"{entry.name}, while it recovered,"
-    recovery, devices = _begun(entry), entry.claim.devices
+    recovery, claim = _begun(entry), entry.claim
     try:
         while context.now <= deadline:
-            ended = contained(what, lambda: context.board.limited(devices, lambda: next(recovery, _ENDED)))
+            ended = contained(what, lambda: context.board.limited(claim, lambda: next(recovery, _ENDED)))
             if ended is _ENDED:
                 return
             if isinstance(ended, Failure):
@@ -254,7 +255,7 @@ def _recovery(entry: Unfinished, context: RunContext, deadline: float) -> Execut
             _log.warning("%s did not recover within %g s", entry.name, _RECOVERY_LIMIT)
     finally:
         contained(what, recovery.close)
-    context.board.clear(devices)
+    context.board.clear(claim)
 
 
 def _begun(entry: Unfinished) -> Execution[None]:

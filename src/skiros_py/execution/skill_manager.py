@@ -275,7 +275,7 @@ class SkillManager:
             raise UsageError(f"{module} of {self.agent} is running already: wait for its end, or stop it")
         kind = self._modules.kind(module)
         self._modules.prepare(module, self._context)
-        clock, run_id = RunClock(self._cycle.board.snapshot.time), self._monitor.new_id()
+        clock, run_id = RunClock(self._cycle.board), self._monitor.new_id()
         scope = replace(
             self._scope(module),
             context=replace(self._context, clock=clock),

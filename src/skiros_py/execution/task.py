@@ -23,10 +23,10 @@ class Task(Generic[T]):
 
     Args:
         generator: What is ticked.
-        name: For messages; the generator's own name where left out.
-        clock: Its clock, where others read it too; one that starts with the run's time where left out.
-        board: The devices that it may command; None where it has to do with none.
+        board: The devices.
         pulse: What the watchdog looks at.
+        name: For messages; the generator's own name where left out.
+        clock: Its clock, where others read it too; one of its own where left out.
 
     Attributes:
         name: For messages.
@@ -35,7 +35,7 @@ class Task(Generic[T]):
         fault: What its code raised, with the traceback; None in good times.
         reason: Why it was stopped; empty where nobody said so.
         devices: The devices that it may command; None for all.
-        interruptible: The watchdog may break it off anywhere.
+        interruptible: The watchdog may interrupt it anywhere.
     """
 
     interruptible = True
@@ -43,21 +43,20 @@ class Task(Generic[T]):
     def __init__(
         self,
         generator: Generator[None, None, T],
+        board: DeviceBoard,
+        pulse: Pulse,
         name: str = "",
-        *,
         clock: RunClock | None = None,
-        board: DeviceBoard | None = None,
-        pulse: Pulse | None = None,
     ) -> None:
         self.name = name or getattr(generator, "__qualname__", type(generator).__name__)
-        self.clock = clock or RunClock(board.snapshot.time if board else 0.0)
+        self.clock = clock or RunClock(board)
         self.done = False
         self.fault: BaseException | None = None
         self.reason = ""
         self.devices: frozenset[str] | None = None
         self._generator = generator
         self._board = board
-        self._pulse = pulse or Pulse()
+        self._pulse = pulse
         self._result: T | None = None
         self._broken_off = False
         self._deadline: float | None = None
@@ -67,18 +66,10 @@ class Task(Generic[T]):
 
     # ------------------------------------------------------------------ running
 
-    def tick(self, time: float | None = None) -> None:
-        """Runs it up to its next ``yield``, unless it is paused.
-
-        Args:
-            time: Time of the run [s]; None leaves its clock alone.
-        """
-        if time is not None:
-            clock = self.clock
-            if clock.steady:
-                clock.now = time - clock.lag
-            elif not self._turn(time):
-                return
+    def tick(self) -> None:
+        """Runs it up to its next ``yield``, unless it is paused."""
+        if not (self.clock.steady or self._has_turn()):
+            return
         try:
             next(self._generator)
         except StopIteration as end:
@@ -121,14 +112,14 @@ class Task(Generic[T]):
         """How fast its time goes: 1 with the run and in a single step, 0 standing still."""
         return 1.0 if self._stepping else self.clock.rate
 
-    def _turn(self, time: float) -> bool:
+    def _has_turn(self) -> bool:
         """Moves an unsteady clock on; returns whether this cycle has a tick."""
-        self.clock.advance(time)
+        self.clock.advance()
         self._stepping = self.clock.stands and self._steps > 0
         if not self._stepping:
             return not self.clock.stands
         self._steps -= 1
-        self.clock.jump(self._board.period if self._board else 0.0)
+        self.clock.jump(self._board.period)
         return True
 
     # ------------------------------------------------------------------ ending
@@ -158,7 +149,7 @@ class Task(Generic[T]):
     def settle(self) -> None:
         """Looks whether what it commanded stands by now; each cycle after it was broken off."""
         board = self._board
-        if self._deadline is None or board is None:
+        if self._deadline is None:
             return
         if board.standing(self):
             self._deadline = None
@@ -201,16 +192,13 @@ class Task(Generic[T]):
 
     def _close(self) -> None:
         board = self._board
-        owner = board.owner if board else None
+        owner, board.owner = board.owner, self
         try:
-            if board:
-                board.owner = self
             self._close_watched()
         except CycleOverrun:  # it came late, when the generator was closed already
             pass
         finally:
-            if board:
-                board.owner = owner
+            board.owner = owner
         self._cease()
 
     def _close_watched(self) -> None:
@@ -235,8 +223,6 @@ class Task(Generic[T]):
     def _cease(self) -> None:
         """Takes back what it has commanded for the coming cycle, and waits for standstill."""
         board = self._board
-        if board is None:
-            return
         board.withdraw(self)
         if not board.standing(self):
             self._deadline = board.snapshot.time + board.braking_time

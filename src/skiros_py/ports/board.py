@@ -1,12 +1,13 @@
-"""The devices in one control cycle: what they said, what they are told, and the handles by which primitives do both."""
+"""The devices in one control cycle: their states, the commands for the next cycle, and the handles of primitives."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, cast
 
 from skiros_py.errors import DeviceError
-from skiros_py.ports.device import DeviceSpec
+from skiros_py.ports.device import Contribution, DeviceSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import DepthImage, Snapshot
@@ -18,7 +19,7 @@ TargetT = TypeVar("TargetT")
 
 
 class Commander(Protocol):
-    """Whoever commands devices: a task of the control cycle.
+    """A task of the control cycle, which commands devices.
 
     Attributes:
         devices: The devices that it may command; None for all.
@@ -32,14 +33,34 @@ class Commander(Protocol):
         ...
 
 
+class Share(Protocol):
+    """The devices of one run of a module.
+
+    Attributes:
+        owner: Name of the module, for messages.
+        devices: All devices that the run may command.
+        shared: Those of them that other runs may command in the same cycle.
+    """
+
+    owner: str
+    devices: frozenset[str]
+    shared: frozenset[str]
+
+
 class DeviceBoard:
     """The snapshot of the present cycle and the commands collected for the next one.
+
+    Commands for a device with one owner go straight to the driver. Commands for a shared device are collected by run;
+    :class:`~skiros_py.execution.mix.Mix` merges them into one target before the exchange.
 
     Attributes:
         devices: The devices, by id.
         snapshot: What the devices said.
-        owner: Who is commanding now; None outside the control cycle's tasks.
-        commanders: Who commanded a device last, by its id.
+        owner: The task that is commanding now; None outside the control cycle's tasks.
+        share: The devices of the run whose code is executing; None outside a primitive.
+        commanders: The task that commanded a device last, by the device's id.
+        shared: What runs want of shared devices in the coming cycle, by device and run; mostly empty.
+        unmixed: Why a kind's mix rule was switched off, by kind.
     """
 
     def __init__(self, driver: CellDriver) -> None:
@@ -48,7 +69,10 @@ class DeviceBoard:
         self.devices = driver.devices
         self._targets: dict[str, object] = {}
         self.owner: Commander | None = None
+        self.share: Share | None = None
         self.commanders: dict[str, Commander | None] = {}
+        self.shared: dict[str, dict[Share, tuple[Commander | None, Contribution[Any]]]] = {}
+        self.unmixed: dict[str, str] = {}
 
     @property
     def now(self) -> float:
@@ -93,13 +117,25 @@ class DeviceBoard:
         return [one for one in devices if one in states and not self.devices[one].still(states[one])]
 
     def withdraw(self, commander: Commander) -> None:
-        """Takes back what a commander has commanded for the coming cycle: its devices brake."""
-        self.clear(device for device, other in self.commanders.items() if other is commander)
+        """Takes back what a task has commanded for the coming cycle: devices that no other run commands brake."""
+        for device, other in self.commanders.items():
+            if other is commander:
+                self._targets.pop(device, None)
+        for runs in self.shared.values():
+            for run in [run for run, (task, _) in runs.items() if task is commander]:
+                del runs[run]
 
-    def clear(self, devices: Iterable[str]) -> None:
-        """Takes back the commands for some devices for the coming cycle: they brake."""
-        for device in devices:
-            self._targets.pop(device, None)
+    def clear(self, share: Share) -> None:
+        """Takes back what a run has commanded for the coming cycle: devices that no other run commands brake."""
+        for device in share.devices:
+            if device in share.shared:
+                self.shared.get(device, {}).pop(share, None)
+            else:
+                self._targets.pop(device, None)
+
+    def set_target(self, device: str, target: object) -> None:
+        """Sets the target to which the commands for a shared device were merged."""
+        self._targets[device] = target
 
     def halt(self) -> None:
         """Brakes everything until :meth:`release`; for any thread."""
@@ -111,38 +147,51 @@ class DeviceBoard:
 
     @property
     def rate(self) -> float:
-        """How fast the time of whoever commands now goes."""
+        """Rate of the clock of the task that commands now."""
         return 1.0 if self.owner is None else self.owner.rate
 
-    def send(self, device: str, target: object) -> None:
+    def send(self, device: str, target: object, weight: float = 1.0) -> None:
         """Takes a target of a device for the coming cycle; a speed slows down while the run is being paused.
 
+        Args:
+            device: Id of the device.
+            target: The target.
+            weight: Its weight among the runs that share the device; without effect where the device has one owner.
+
         Raises:
-            DeviceError: It is no target of that device, or whoever commands has not taken the device.
+            DeviceError: It is no target of that device, the run has not taken the device, or the mix rule of a shared
+                device was switched off.
         """
         if device not in self.devices:
             raise DeviceError(f"no device '{device}' answers; there is {', '.join(self.devices) or 'none'}")
-        spec, owner, rate = self.devices[device], self.owner, self.rate
+        spec, owner, share, rate = self.devices[device], self.owner, self.share, self.rate
         spec.check(target)
-        if owner is not None and owner.devices is not None and device not in owner.devices:
-            has = ", ".join(sorted(owner.devices)) or "none"
+        allowed = None if owner is None else owner.devices if share is None else share.devices
+        if allowed is not None and device not in allowed:
+            has = ", ".join(sorted(allowed)) or "none"
             raise DeviceError(
                 f"{device} is not among the devices that were taken ({has}): name it in a parameter of kind HARDWARE, "
                 "or take what has it (takes)"
             )
+        if rate != 1.0:
+            target = spec.scaled(target, rate)
+        if share is None or device not in share.shared:
+            self._targets[device] = target
+        else:
+            if spec.kind in self.unmixed:
+                raise DeviceError(f"{device} cannot be shared: {self.unmixed[spec.kind]}")
+            if not 0.0 < weight < math.inf:
+                raise DeviceError(f"{device}: the weight of a command is a positive number, not {weight!r}")
+            self.shared.setdefault(device, {})[share] = owner, Contribution(share.owner, target, weight)
         self.commanders[device] = owner
-        self._targets[device] = target if rate == 1.0 else spec.scaled(target, rate)
 
-    def limited(self, devices: frozenset[str], action: Callable[[], T]) -> T:
-        """Does something in which whoever commands may command these devices only."""
-        owner = self.owner
-        if owner is None:
-            return action()
-        before, owner.devices = owner.devices, devices
+    def limited(self, share: Share, action: Callable[[], T]) -> T:
+        """Does something in which only the devices of a run may be commanded, in the name of that run."""
+        outer, self.share = self.share, share
         try:
             return action()
         finally:
-            owner.devices = before
+            self.share = outer
 
     def capture(self, camera: str) -> Pending[DepthImage]:
         """Takes a picture now."""
@@ -191,10 +240,14 @@ class DeviceHandle(Generic[SpecT, StateT, TargetT]):
             raise DeviceError(f"{self.id} says nothing in each cycle")
         return cast("StateT", snapshot.devices[self.id])
 
-    def command(self, target: TargetT) -> None:
+    def command(self, target: TargetT, weight: float = 1.0) -> None:
         """Sets its target for the coming cycle.
 
+        Args:
+            target: The target.
+            weight: Its weight among the runs that share the device.
+
         Raises:
-            DeviceError: It is no such target, or whoever commands has not taken the device.
+            DeviceError: It is no such target, the run has not taken the device, or it can no longer be shared.
         """
-        self._board.send(self.id, target)
+        self._board.send(self.id, target, weight)

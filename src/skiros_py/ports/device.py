@@ -83,10 +83,10 @@ class DeviceSignal(Generic[StateT]):
 
 @dataclass(frozen=True)
 class Contribution(Generic[TargetT]):
-    """What one of several commanders wants of a device that they share.
+    """What one of several runs wants of a device that they share.
 
     Attributes:
-        source: Its name, for messages.
+        source: Name of the run's module, for messages.
         target: The target.
         weight: Its weight among the others.
     """
@@ -195,13 +195,18 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         return target
 
     def mixed(self, contributions: Sequence[Contribution[TargetT]]) -> TargetT:
-        """Merges what several commanders want of it in one cycle.
+        """Merges what several runs want of it in one cycle: the mix rule of the kind. It runs in the control thread.
 
         Raises:
             DeviceError: Devices of this kind cannot be shared.
         """
         sources = " and ".join(one.source for one in contributions)
         raise DeviceError(f"{self.id}: {sources} command it in one cycle, and devices of kind '{self.kind}' cannot mix")
+
+    @classmethod
+    def mixes(cls) -> bool:
+        """Returns True when the kind has a mix rule, so that runs may share its devices."""
+        return cls.mixed is not DeviceSpec.mixed
 
     # ------------------------------------------------------------------ what it offers
 

@@ -1,4 +1,4 @@
-"""However modules ask for devices and give them back: no device has two owners, nobody starves, nothing stays taken."""
+"""In whatever order devices are claimed: only sharing claims overlap, none starves, none stays taken."""
 
 from __future__ import annotations
 
@@ -107,6 +107,38 @@ def test_what_ends_takes_its_parts_with_it() -> None:
     assert (move.granted, wave.granted) == (False, False)
 
 
+def test_claims_that_share_a_device_have_it_at_the_same_time_and_an_exclusive_one_waits_for_both() -> None:
+    claims = Claims()
+    push, turn = (claims.request(name, ["base"], shared=["base"]) for name in ("push", "turn"))
+    drive = claims.request("drive", ["base"])
+    nudge = claims.request("nudge", ["base"], shared=["base"])
+
+    assert (push.granted, turn.granted, drive.granted, nudge.granted) == (True, True, False, False)
+    assert drive.waits_for() == ("base (push)",)
+    assert nudge.waits_for() == ("base (drive)",)
+    push.release()
+    turn.release()
+    assert (drive.granted, nudge.granted) == (True, False)
+    drive.release()
+    assert nudge.granted
+
+
+def test_parts_may_share_what_their_skill_has_alone_but_not_take_alone_what_it_shares() -> None:
+    claims = Claims()
+    dance = claims.request("dance", ["base"])
+    parts = [claims.request(name, ["base"], shared=["base"], within=dance) for name in ("push", "turn")]
+    assert [part.granted for part in parts] == [True, True]
+    dance.release()
+
+    sway = claims.request("sway", ["base"], shared=["base"])
+    with pytest.raises(DescriptionError, match="drive takes base exclusively, but sway shares it"):
+        claims.request("drive", ["base"], within=sway)
+
+
+def excludes(one: Claim, other: Claim) -> bool:
+    return not one.devices.isdisjoint(other.devices - (one.shared & other.shared))
+
+
 class ClaimsMachine(RuleBasedStateMachine):
     """Modules of modules ask and end in any order."""
 
@@ -116,16 +148,18 @@ class ClaimsMachine(RuleBasedStateMachine):
         self.alive: list[Claim] = []  # by age
         self.names = iter(range(10**6))
 
-    @rule(devices=st.sets(st.sampled_from(DEVICES)))
-    def request(self, devices: set[str]) -> None:
-        self.alive.append(self.claims.request(f"module {next(self.names)}", devices))
+    @rule(devices=st.dictionaries(st.sampled_from(DEVICES), st.booleans()))
+    def request(self, devices: dict[str, bool]) -> None:
+        shared = [device for device, open_ in devices.items() if open_]
+        self.alive.append(self.claims.request(f"module {next(self.names)}", devices, shared=shared))
 
     @precondition(lambda self: any(claim.granted for claim in self.alive))
     @rule(data=st.data())
     def request_within(self, data: st.DataObject) -> None:
         parent = data.draw(st.sampled_from([claim for claim in self.alive if claim.granted]))
         devices = {device for device in sorted(parent.devices) if data.draw(st.booleans())}
-        self.alive.append(self.claims.request(f"part {next(self.names)}", devices, within=parent))
+        shared = {device for device in sorted(devices) if device in parent.shared or data.draw(st.booleans())}
+        self.alive.append(self.claims.request(f"part {next(self.names)}", devices, shared=shared, within=parent))
 
     @precondition(lambda self: self.alive)
     @rule(data=st.data())
@@ -138,16 +172,16 @@ class ClaimsMachine(RuleBasedStateMachine):
         return [[claim for claim in self.alive if claim.parent is parent] for parent in parents.values()]
 
     @invariant()
-    def no_device_has_two_owners_at_one_level(self) -> None:
+    def no_device_has_two_owners_at_one_level_unless_they_share_it(self) -> None:
         for level in self.levels():
-            taken = [device for claim in level if claim.granted for device in claim.devices]
-            assert len(taken) == len(set(taken))
+            granted = [claim for claim in level if claim.granted]
+            assert not any(excludes(one, other) for one in granted for other in granted if one is not other)
 
     @invariant()
-    def a_claim_is_granted_exactly_when_no_older_one_of_its_level_wants_one_of_its_devices(self) -> None:
+    def a_claim_is_granted_exactly_when_no_older_one_of_its_level_excludes_it(self) -> None:
         for level in self.levels():
             for age, claim in enumerate(level):
-                assert claim.granted == all(claim.devices.isdisjoint(older.devices) for older in level[:age])
+                assert claim.granted == (not any(excludes(claim, older) for older in level[:age]))
                 assert claim.granted != bool(claim.waits_for())
 
     @invariant()
@@ -161,6 +195,7 @@ class ClaimsMachine(RuleBasedStateMachine):
             if claim.parent is not None:
                 assert claim.parent.granted
                 assert claim.devices <= claim.parent.devices
+                assert claim.devices & claim.parent.shared <= claim.shared
 
     def teardown(self) -> None:
         for claim in self.alive:

@@ -123,9 +123,10 @@ def test_stopping_a_task_closes_its_generator_at_once() -> None:
 
 
 def test_a_task_that_was_stopped_or_still_runs_has_no_result() -> None:
-    running, stopped = Task(for_cycles(9, [], "a")), Task(for_cycles(9, [], "b"))
-    running.tick()
+    cycle = new_cycle()
+    running, stopped = cycle.start(for_cycles(9, [], "a")), cycle.start(for_cycles(9, [], "b"))
     stopped.stop()
+    cycle.step()
 
     for task in (running, stopped):
         with pytest.raises(RuntimeError, match="only after it ended by itself"):

@@ -10,7 +10,7 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Behaviour, Check, Do, Fallback, Guard, P, Sequence
 from skiros_py.devices.gripper import Gripper, GripperState, GripperTarget
 from skiros_py.execution.monitor import Status
-from skiros_py.skills.conditions import Computed, ConditionType, Related, Role, Sensor, Verdict
+from skiros_py.skills.conditions import Computed, ConditionType, Expression, Related, Role, Verdict
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
@@ -267,7 +267,7 @@ def test_what_waits_for_its_devices_is_broken_off_at_once() -> None:
 # ------------------------------------------------------------------ hold conditions
 
 
-OPEN = ConditionType("Open", (Role("gripper", "sk:Gripper"),), Sensor("gripper", "gap", ">", 0.03), "Its gap is wide.")
+OPEN = ConditionType("Open", (Role("gripper", "sk:Gripper"),), Expression("gripper.gap > 0.03"), "Its gap is wide.")
 
 
 def with_gripper(**more: Any) -> SkillDescription:

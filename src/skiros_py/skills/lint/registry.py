@@ -10,7 +10,7 @@ from skiros_py.skills.lint.finding import Severity
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.rules.calls import MISSING_ARGUMENT, MISSING_PARAMETER, UNKNOWN_MODULE
 from skiros_py.skills.lint.rules.code import BLOCKING_CALL, MOTION_IN_FINALLY, YIELD_NEVER
-from skiros_py.skills.lint.rules.devices import SAME_DEVICE
+from skiros_py.skills.lint.rules.devices import NO_MIX_RULE, SAME_DEVICE
 from skiros_py.skills.lint.rules.documented import MISSING_HELP, MISSING_UNIT
 from skiros_py.skills.lint.rules.imports import PRIVATE_IMPORT
 from skiros_py.skills.lint.rules.places import MOVES_BY_STRUCTURE, UNPLACED
@@ -38,6 +38,7 @@ _ALL = (
     UNREACHABLE_PRECONDITION,
     RECURSIVE_SKILL,
     SAME_DEVICE,
+    NO_MIX_RULE,
     PRETENDS,
     MOVES_BY_STRUCTURE,
     MISSING_HELP,

@@ -3,11 +3,12 @@
 from skiros_py.skills.parameters.arguments import Arguments, missing, read_arguments
 from skiros_py.skills.parameters.checks import check_params
 from skiros_py.skills.parameters.fields import param, params_of
-from skiros_py.skills.parameters.param import IT, Cost, Kind, Param
+from skiros_py.skills.parameters.param import IT, Access, Cost, Kind, Param
 from skiros_py.skills.parameters.values import as_json, as_shown, as_text, read_value, schema
 
 __all__ = [
     "IT",
+    "Access",
     "Arguments",
     "Cost",
     "Kind",

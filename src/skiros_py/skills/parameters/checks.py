@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.parameters.param import IT, Kind, Param
+from skiros_py.skills.parameters.param import IT, Access, Kind, Param
 from skiros_py.skills.parameters.value_types import VALUE_TYPES
 from skiros_py.skills.variables import variables
 
@@ -37,6 +37,8 @@ def check_params(params: Sequence[Param], where: str) -> None:
 def _faults(param: Param) -> Iterator[str]:
     if not param.key or param.key == IT or "=" in param.key or param.key.strip() != param.key:
         yield f"its key must be a name, without '=' and blanks, and not '{IT}'"
+    if param.access is not Access.EXCLUSIVE and param.kind is not Kind.HARDWARE:
+        yield f"access is about devices, and it is {param.kind.name}"
     yield from _element_faults(param) if param.is_element else _value_faults(param)
     yield from _default_faults(param)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from skiros_py.errors import DescriptionError
 from skiros_py.skills.parameters.checks import check_params
-from skiros_py.skills.parameters.param import Kind, Param, ValueClass
+from skiros_py.skills.parameters.param import Access, Kind, Param, ValueClass
 
 
 def param(
@@ -18,6 +18,7 @@ def param(
     default: Any = dataclasses.MISSING,
     unit: str = "",
     length: int = 1,
+    access: Access = Access.EXCLUSIVE,
 ) -> Any:
     """Declares one field of a primitive's ``Params`` dataclass; see :class:`Param`.
 
@@ -25,7 +26,7 @@ def param(
     """
     if kind is None:
         kind = Kind.ONLINE if default is dataclasses.MISSING else Kind.OFFLINE
-    metadata = {"type": type_, "help": help_, "kind": kind, "unit": unit, "length": length}
+    metadata = {"type": type_, "help": help_, "kind": kind, "unit": unit, "length": length, "access": access}
     return dataclasses.field(default=default, metadata=metadata)
 
 

@@ -47,6 +47,17 @@ class Kind(enum.Enum):
         return self in (Kind.OFFLINE, Kind.CONFIG)
 
 
+class Access(enum.Enum):
+    """What a module does with a device that a parameter of kind HARDWARE names."""
+
+    EXCLUSIVE = "exclusive"
+    """It is the only one that commands the device."""
+    SHARED = "shared"
+    """Other runs may command the device in the same cycle: the mix rule of its kind merges the commands."""
+    READ = "read"
+    """It only reads the device, which is not taken."""
+
+
 @dataclass(frozen=True, slots=True)
 class Param:
     """One parameter.
@@ -65,6 +76,7 @@ class Param:
         prefer: What a candidate should be where several will do, over the same variables, best first.
         cost: What a candidate costs; the cheapest is taken of those that are preferred alike.
         unique: True when it is an error that several candidates will do.
+        access: What a device is taken for.
     """
 
     key: str
@@ -78,6 +90,7 @@ class Param:
     prefer: Patterns = ()
     cost: Cost | None = None
     unique: bool = False
+    access: Access = Access.EXCLUSIVE
 
     @property
     def is_element(self) -> bool:

@@ -1,4 +1,4 @@
-"""What runs at the same time needs devices of its own."""
+"""Branches that run at the same time need devices of their own, or devices that can be shared."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.patterns import Classes, classes_of, walk_scoped
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.rules.ranges import overlap
+from skiros_py.skills.lint.rules.words import own_params
 from skiros_py.skills.lint.subject import Known, Subject
-from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.parameters import Access, Kind, Param
 from skiros_py.skills.skill import Skill, SkillDescription
 
 
@@ -24,16 +26,18 @@ class _Device:
     Attributes:
         class_: Its class.
         name: What the body says for it; empty where it is left out, so that it is the robot's.
+        shared: True when others may command it at the same time.
     """
 
     class_: str
     name: str = ""
+    shared: bool = False
 
     def __str__(self) -> str:
         return self.name or f"the robot's {self.class_}"
 
 
-def _shared(subject: Subject, known: Known) -> Iterator[Problem]:
+def _taken_twice(subject: Subject, known: Known) -> Iterator[Problem]:
     if not isinstance(subject, Skill):
         return
     own = classes_of(subject.description)
@@ -42,8 +46,12 @@ def _shared(subject: Subject, known: Known) -> Iterator[Problem]:
             children = node.named_children().values()
             branches = [_devices(child, classes, subject.description, known) for child in children]
             for (i, one), (j, other) in combinations(enumerate(branches, start=1), 2):
-                for device in sorted({str(a if a.name else b) for a in one for b in other if _may_be_one(a, b, known)}):
-                    yield Problem(f"parallel branches {i} and {j} both take {device}: one waits for the other")
+                both = ((a, b) for a in one for b in other if not (a.shared and b.shared) and _may_be_one(a, b, known))
+                for device in sorted({str(a if a.name else b) for a, b in both}):
+                    yield Problem(
+                        f"parallel branches {i} and {j} both take {device} exclusively: one would wait for the other; "
+                        "run them in sequence, or let both share it (access=Access.SHARED)"
+                    )
 
 
 def _may_be_one(one: _Device, other: _Device, known: Known) -> bool:
@@ -61,10 +69,12 @@ def _devices(node: Behaviour, classes: Classes, description: SkillDescription, k
 
 def _taken(call: Call, classes: Classes, description: SkillDescription, known: Known) -> Iterator[_Device]:
     if call.module in known.primitives and known.primitives[call.module].watches:
-        return  # who only looks on takes nothing
+        return  # a watching primitive takes nothing
     taken = known.takes(call.module)
     for param in known.params(call.module) or ():
         if not param.is_element or not (param.key in taken or param.kind is Kind.HARDWARE):
+            continue
+        if param.access is Access.READ:
             continue
         if param.key in call.arguments:
             yield _given(call.arguments[param.key], param, classes)
@@ -74,14 +84,28 @@ def _taken(call: Call, classes: Classes, description: SkillDescription, known: K
 
 def _given(value: Any, param: Param, classes: Classes) -> _Device:
     if isinstance(value, P):
-        return _Device(classes.get(value.key, param.element_class), value.key)
-    return _Device(param.element_class, str(value))
+        return _Device(classes.get(value.key, param.element_class), value.key, param.access is Access.SHARED)
+    return _Device(param.element_class, str(value), param.access is Access.SHARED)
 
 
 def _left_out(param: Param, description: SkillDescription, known: Known) -> _Device:
     """Returns what a run fills in: the subsystem itself where it is of that class, for nothing is nearer."""
     is_agent = overlap(known.ontology, description.agent_class, param.element_class)
-    return _Device(param.element_class, description.agent if is_agent else "")
+    return _Device(param.element_class, description.agent if is_agent else "", param.access is Access.SHARED)
 
 
-SAME_DEVICE = Rule("same-device", Severity.WARNING, "Two parallel branches take one device.", _shared)
+def _unmixed(subject: Subject, known: Known) -> Iterator[Problem]:
+    """Yields parameters by which devices are shared that cannot be: no kind of their class has a mix rule."""
+    kinds = load_device_kinds()[0].by_name.values()
+    for param in own_params(subject):
+        if param.access is Access.SHARED and param.is_element:
+            fitting = [kind for kind in kinds if overlap(known.ontology, param.element_class, kind.device_class)]
+            if fitting and not any(kind.mixes() for kind in fitting):
+                names = " and ".join(f"'{kind.kind}'" for kind in fitting)
+                yield Problem(f"parameter {param.key} shares a device, but kind {names} has no mix rule")
+
+
+SAME_DEVICE = Rule("same-device", Severity.ERROR, "Two parallel branches take one device exclusively.", _taken_twice)
+NO_MIX_RULE = Rule(
+    "no-mix-rule", Severity.ERROR, "A device is shared whose kind cannot merge commands.", _unmixed, disables=True
+)
