@@ -17,7 +17,7 @@ from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.skills.cell_reader import read_cell
-from skiros_py.skills.conditions import Sensor
+from skiros_py.skills.conditions import Expression
 from skiros_py.skills.surroundings import map_pose
 from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, world_of
 from skiros_py.world.world import World
@@ -387,7 +387,7 @@ def test_foreign_devices_are_faulted_like_any_other(world: World) -> None:
 
 def test_conditions_and_people_see_what_foreign_devices_offer(world: World) -> None:
     with Bench(world, robots=["robot_1"]) as bench:
-        verdict = Sensor("device", "pull", "<", 1.0).evaluate(bench.world, {"device": "wrench_1"})
+        verdict = Expression("device.pull < 1.0").evaluate(bench.world, {"device": "wrench_1"})
         offered = [signal.name for signal in bench.context.board.devices["wrench_1"].signals]
 
     assert verdict

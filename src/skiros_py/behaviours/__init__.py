@@ -14,6 +14,7 @@ from skiros_py.behaviours.retry import Retry
 from skiros_py.behaviours.sequence import Sequence
 from skiros_py.behaviours.timeout import Timeout
 from skiros_py.behaviours.wait import Wait
+from skiros_py.behaviours.wait_until import WaitUntil
 from skiros_py.skills.behaviour import Behaviour, Call, Edge, Out, P, Scope, Uses, lines, walk
 
 __all__ = [
@@ -41,6 +42,7 @@ __all__ = [
     "Timeout",
     "Uses",
     "Wait",
+    "WaitUntil",
     "lines",
     "walk",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_conditions
+from skiros_py.behaviours.checks import read_conditions
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.execution import Execution
@@ -22,12 +22,12 @@ class Check(Behaviour):
     conditions: tuple[Condition, ...]
 
     def __post_init__(self) -> None:
-        check_conditions("check", self.conditions)
+        object.__setattr__(self, "conditions", read_conditions("check", self.conditions))
 
     @classmethod
-    def of(cls, *conditions: Condition) -> Check:
-        """Makes one."""
-        return cls(conditions)
+    def of(cls, *conditions: Condition | str) -> Check:
+        """Makes one: ``Check.of("Gripper.gap > 0.01")``."""
+        return cls(conditions)  # type: ignore[arg-type]  # texts are read
 
     @property
     def title(self) -> str:

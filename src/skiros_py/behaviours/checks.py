@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from skiros_py.skills.behaviour import Behaviour, check_behaviour, check_texts, require
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Condition, holds
 
-__all__ = ["check_children", "check_conditions", "check_seconds", "check_texts", "check_times", "require"]
+__all__ = ["check_children", "check_seconds", "check_texts", "check_times", "read_conditions", "require"]
 
 
 def check_children(what: str, children: tuple[Behaviour, ...]) -> None:
@@ -30,9 +30,15 @@ def check_seconds(what: str, seconds: object) -> None:
     require(good, what, "a number of seconds from 0", seconds)
 
 
-def check_conditions(what: str, conditions: object) -> None:
-    """Refuses what is not a tuple of one or more conditions over parameters."""
-    right = "one or more conditions over parameters, such as PARKED('Robot', 'Place')"
+def read_conditions(what: str, conditions: object) -> tuple[Condition, ...]:
+    """Returns one or more conditions; expressions may be given as text.
+
+    Raises:
+        DescriptionError: Something is neither a condition nor an expression.
+    """
+    right = "one or more conditions over parameters, such as PARKED('Robot', 'Place'), or texts such as 'Arm.still'"
     require(isinstance(conditions, tuple) and conditions != (), what, right, conditions)
-    for condition in conditions if isinstance(conditions, tuple) else ():
-        require(isinstance(condition, Condition), what, right, condition)
+    read = [holds(one) if isinstance(one, str) else one for one in conditions]  # type: ignore[attr-defined]
+    for one in read:
+        require(isinstance(one, Condition), what, right, one)
+    return tuple(read)

@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_conditions
+from skiros_py.behaviours.checks import read_conditions
 from skiros_py.behaviours.in_turn import numbered
 from skiros_py.behaviours.until import lost, run_until
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour
@@ -22,7 +22,8 @@ class Guard(Behaviour):
 
     Attributes:
         child: What is guarded.
-        conditions: Over the skill's parameters, like those of its description; sensor conditions are read each cycle.
+        conditions: Over the skill's parameters, like those of its description; expressions over signals, also as texts,
+            are evaluated in each cycle.
     """
 
     kind: ClassVar[str] = "guard"
@@ -32,12 +33,12 @@ class Guard(Behaviour):
 
     def __post_init__(self) -> None:
         check_behaviour("guard", self.child)
-        check_conditions("guard", self.conditions)
+        object.__setattr__(self, "conditions", read_conditions("guard", self.conditions))
 
     @classmethod
-    def of(cls, child: Behaviour, *conditions: Condition) -> Guard:
-        """Makes one."""
-        return cls(child, conditions)
+    def of(cls, child: Behaviour, *conditions: Condition | str) -> Guard:
+        """Makes one: ``Guard.of(Do.of("press"), "Gripper.force < limit")``."""
+        return cls(child, conditions)  # type: ignore[arg-type]  # texts are read
 
     @property
     def title(self) -> str:

@@ -116,6 +116,6 @@ def primitive_panel(params: Sequence[Param], given: Mapping[str, Any], view: Wor
 def _row(kind: str, condition: Condition, values: Mapping[str, Any], view: WorldView) -> ConditionRow:
     if any(values.get(argument) is None for argument in condition.arguments):
         return ConditionRow(kind, str(condition), None)
-    found = contained("it", lambda: condition.evaluate(view, {a: values[a] for a in condition.arguments}))
+    found = contained("it", lambda: condition.evaluate(view, values))
     verdict = Verdict(False, str(condition), (Verdict(False, found.reason),)) if isinstance(found, Failure) else found
     return ConditionRow(kind, str(condition), verdict)

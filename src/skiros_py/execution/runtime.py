@@ -26,7 +26,6 @@ from skiros_py.ports.signals import SignalProvider
 from skiros_py.skills.context import Libraries, RunContext
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.questions import Questions
-from skiros_py.skills.sensing import SignalSensors
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
 
@@ -98,7 +97,7 @@ class Runtime:
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
         self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.pulse)
-        world.sensors = SignalSensors(self.signals)
+        world.sensors = self.signals
         self.context = RunContext(
             world=world,
             board=board,

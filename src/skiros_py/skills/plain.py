@@ -15,12 +15,14 @@ from skiros_py.skills.behaviour import Behaviour, Out, P
 from skiros_py.skills.conditions import (
     Condition,
     ConditionType,
+    ExpressionCondition,
     Junction,
     Quantified,
     all_of,
     any_of,
     exists,
     for_all,
+    holds,
 )
 
 B = TypeVar("B")
@@ -28,8 +30,8 @@ B = TypeVar("B")
 _PATTERNS: Mapping[str, type[Any]] = {
     name: getattr(patterns, name)
     for name in (
-        "AllOf", "AnyOf", "ClassRelated", "Compare", "Computed", "Exists", "Has", "IsA", "Not", "Nothing", "Related",
-        "Sensor",
+        "AllOf", "AnyOf", "ClassRelated", "Compare", "Computed", "Exists", "Expression", "Has", "IsA", "Not", "Nothing",
+        "Related",
     )
 }  # fmt: skip
 
@@ -88,6 +90,8 @@ def _condition(condition: Condition) -> dict[str, Any]:
     match condition:
         case Junction():
             return {**said, condition.word: [as_data(part) for part in condition.parts]}
+        case ExpressionCondition():
+            return {**said, "expression": str(condition)}
         case Quantified():
             ranges = {"variable": condition.variable, "class": condition.class_}
             return {**said, condition.quantifier: as_data(condition.part), **ranges}
@@ -184,7 +188,7 @@ class Reader:
                 if name not in _PATTERNS:
                     raise UnknownName("pattern", name, _PATTERNS)
                 return self.dataclass(_PATTERNS[name], data)
-            case {"condition": _} | {"and": _} | {"or": _} | {"for all": _} | {"exists": _}:
+            case {"condition": _} | {"expression": _} | {"and": _} | {"or": _} | {"for all": _} | {"exists": _}:
                 return self._read_condition(data)
             case _:
                 return MappingProxyType({key: self.field(key, value) for key, value in data.items()})
@@ -211,6 +215,8 @@ class Reader:
                 if word not in self.words:
                     raise UnknownName("condition", word, self.words)
                 return self.words[word](*arguments)
+            case {"expression": str(text)}:
+                return holds(text)
             case {"and": parts}:
                 return all_of(*self.field("and", parts))
             case {"or": parts}:

@@ -11,22 +11,22 @@ if TYPE_CHECKING:
     from skiros_py.world.ontology import Ontology
     from skiros_py.world.reasoners.registry import Reasoners
 
-Reading = float | bool
-"""What a sensor says."""
+Reading = float | bool | tuple[float, ...]
+"""The value of a signal."""
 
 
 class Sensors(Protocol):
-    """Reads devices by the ids of their individuals."""
+    """Reads the signals of the present cycle."""
 
-    def read(self, device: str, quantity: str) -> Reading | None:
-        """Returns what a device says of a quantity ("gap", "force", "still", "x") in this cycle, or None if nothing."""
+    def value(self, name: str) -> Reading | None:
+        """Returns the value of a signal ("gripper_1.force"); None where there is none."""
         ...
 
 
 class NoSensors:
     """Where nothing can be sensed: snapshots and suppositions, worlds without a robot."""
 
-    def read(self, device: str, quantity: str) -> Reading | None:  # noqa: ARG002 - the port's signature
+    def value(self, name: str) -> Reading | None:  # noqa: ARG002 - the port's signature
         """Returns None."""
         return None
 

@@ -25,12 +25,14 @@ from skiros_py.behaviours import (
     Sequence,
     Timeout,
     Wait,
+    WaitUntil,
     lines,
     walk,
 )
 from skiros_py.devices.arm import Arm
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.monitor import Status
+from skiros_py.ports.signals import Input, Signal
 from skiros_py.skills.conditions import Related
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -225,6 +227,29 @@ def test_a_guard_ends_its_child_when_a_condition_holds_no_longer() -> None:
     assert isinstance(outcome, Failure)
     assert "no longer" in outcome.reason
     assert "box_b" in outcome.reason
+    assert texts()[-3:] == ["a stops", "a recovers", "a recovers"]
+
+
+def test_expressions_over_signals_are_waited_for_guarded_and_checked() -> None:
+    skill = Skill(
+        AFTER,
+        Sequence.of(ARRIVE, WaitUntil.of("level > 0.5"), Guard.of(step("a", cycles=999), "level < 2"), step("b")),
+        driver="fake",
+    )
+    level = Input(Signal("level"), 0.0)
+    with Bench(tiny_world(), (skill,), (Step, Hold, Arrive), signals=lambda _cell: [level]) as bench:
+        running = bench.start("drive", **TO_A)
+        bench.advance(0.1)
+        assert texts() == []
+
+        bench.signals.set("level", 1.0)
+        bench.advance(0.1)
+        assert set(texts()) == {"a"}
+
+        bench.signals.set("level", 3.0)
+        bench.advance(0.1)
+
+    assert running.result == Failure("no longer level < 2: level is 3, not level < 2")
     assert texts()[-3:] == ["a stops", "a recovers", "a recovers"]
 
 

@@ -26,11 +26,23 @@ from skiros_py.behaviours import (
     Sequence,
     Timeout,
     Wait,
+    WaitUntil,
 )
 from skiros_py.catalogue import load_catalogue
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions import AllOf, Compare, Computed, Exists, IsA, Not, Nothing, all_of, any_of, exists
-from skiros_py.skills.conditions.sensor import Sensor
+from skiros_py.skills.conditions import (
+    AllOf,
+    Compare,
+    Computed,
+    Exists,
+    Expression,
+    IsA,
+    Not,
+    Nothing,
+    all_of,
+    any_of,
+    exists,
+)
 from skiros_py.skills.plain import Reader
 from skiros_py.testing.tiny_skills import AT_LOCATION, CONDITIONS, FREE, SKILLS
 
@@ -54,6 +66,7 @@ NODES: Mapping[str, Behaviour] = {
     "for_each": ForEach("box", "tiny:Box", DO, PATTERN),
     "check": Check.of(all_of(THERE, ~FREE("Slot")), ~exists("r", "sk:Robot", AT_LOCATION("r", "Location"))),
     "wait": Wait(2.0),
+    "wait_until": WaitUntil.of("Gripper.force > 2", THERE),
     "assert_effects": AssertEffects(0.5, ("held",)),
 }
 
@@ -107,7 +120,7 @@ def test_what_cannot_be_written_down_is_refused() -> None:
         ForEach("box", "tiny:Box", DO, pattern).to_data()
 
 
-def test_a_sensor_pattern_is_data() -> None:
-    node = ForEach("box", "tiny:Box", DO, Sensor("Gripper", "gap", "<", 0.02))
+def test_an_expression_is_data() -> None:
+    node = ForEach("box", "tiny:Box", DO, Expression("Gripper.gap < 0.02"))
 
     assert READER.behaviour(through_json(node)).to_data() == node.to_data()

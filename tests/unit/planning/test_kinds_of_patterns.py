@@ -19,6 +19,7 @@ from skiros_py.skills.conditions import (
     Computed,
     ConditionType,
     Exists,
+    Expression,
     Has,
     IsA,
     Not,
@@ -26,7 +27,6 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
     Role,
-    Sensor,
     Verdict,
 )
 from skiros_py.skills.parameters import Param
@@ -41,14 +41,14 @@ EXAMPLES: dict[type, Pattern] = {
     Compare: Compare("tiny:scanned", "=", "ball", True),
     Computed: Computed("tiny:fitsIn", "ball", "box", lambda *_: Verdict(True, "")),
     Exists: Exists("other", "tiny:Ball", Related("sk:in", "other", "box")),
+    Expression: Expression("ball.still"),
     Has: Has("tiny:scanned", "ball"),
     IsA: IsA("ball", "tiny:RedBall"),
     Not: Not(_IN),
     Nothing: Nothing("sk:in", "box"),
     Related: _IN,
-    Sensor: Sensor("ball", "still", "=", True),
 }
-REFUSED = {Sensor: "the still of ball can only be sensed"}
+REFUSED = {Expression: "'ball.still' can only be sensed"}
 KINDS = [kind for kind in vars(conditions).values() if isinstance(kind, type) and hasattr(kind, "rename")]
 _kinds = pytest.mark.parametrize("kind", sorted(set(KINDS) - {Pattern}, key=lambda k: k.__name__))
 

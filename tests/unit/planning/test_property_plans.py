@@ -30,12 +30,12 @@ from skiros_py.skills.conditions import (
     Compare,
     Condition,
     ConditionType,
+    Expression,
     Has,
     IsA,
     Not,
     Related,
     Role,
-    Sensor,
 )
 from skiros_py.skills.parameters import Param
 from skiros_py.skills.skill import SkillDescription
@@ -251,11 +251,11 @@ def test_not_any_and_not_all_are_pushed_inwards() -> None:
     assert len(two) == 2
 
 
-GENTLE = ConditionType("Gentle", (Role("gripper", "sk:Gripper"),), Sensor("gripper", "force", "<", 5.0), "-")
+GENTLE = ConditionType("Gentle", (Role("gripper", "sk:Gripper"),), Expression("gripper.force < 5.0"), "-")
 
 
 def test_what_can_only_be_sensed_is_refused_as_a_precondition_and_as_a_goal() -> None:
-    words = r"the force of \w+ can only be sensed"
+    words = r"'\w+.force < 5.0' can only be sensed"
     with pytest.raises(PlanningError, match=rf"skill 'pick', precondition Gentle\(Gripper\): {words}"):
         actions_of(replace(PICK, pre=(GENTLE("Gripper"),)), tiny_ontology())
     with pytest.raises(PlanningError, match=rf"skill 'pick', precondition not Gentle\(Gripper\): {words}"):

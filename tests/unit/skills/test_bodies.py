@@ -45,7 +45,7 @@ no_node = st.one_of(
 )
 no_count = st.one_of(st.integers(max_value=0), st.floats(), st.text(), st.booleans(), st.just((3,)))
 no_time = st.one_of(st.sampled_from([nan, inf, -1.0, -0.001]), st.text(), st.booleans(), st.none())
-no_conditions = st.sampled_from([(), ("x",), (AT_LOCATION,), (THERE, None), (Related("sk:at", "a", "b"),)])
+no_conditions = st.sampled_from([(), (3,), (AT_LOCATION,), (THERE, None), (Related("sk:at", "a", "b"),)])
 
 
 @given(

@@ -17,13 +17,13 @@ from skiros_py.skills.conditions import (
     Condition,
     ConditionType,
     Exists,
+    Expression,
     Has,
     IsA,
     Not,
     Pattern,
     Related,
     Role,
-    Sensor,
     Verdict,
     Watches,
     any_of,
@@ -132,19 +132,19 @@ def test_what_is_taught_of_a_class_is_heard_of() -> None:
 
 
 class _Said:
-    """Sensors that say what they were told to say."""
+    """Signals that a test sets."""
 
     def __init__(self) -> None:
         self.gap = 0.04
 
-    def read(self, device: str, quantity: str) -> float | None:
-        return self.gap if (device, quantity) == ("gripper_1", "gap") else None
+    def value(self, name: str) -> float | None:
+        return self.gap if name == "gripper_1.gap" else None
 
 
 def test_sensors_are_asked_each_time_and_nothing_else_is(monkeypatch: pytest.MonkeyPatch) -> None:
     world, said = tiny_world(), _Said()
     world.sensors = said
-    wide = word(Sensor("a", "gap", ">", 0.03), "gripper_1")
+    wide = word(Expression("a.gap > 0.03"), "gripper_1")
     watch = Watches(world).add([wide, FREE("slot_1")])
     assert watch.broken() is None
 
@@ -153,7 +153,7 @@ def test_sensors_are_asked_each_time_and_nothing_else_is(monkeypatch: pytest.Mon
         broken = watch.broken()
 
     assert broken is not None
-    assert broken.lines()[-1].strip() == "the gap of gripper_1 is 0.01, not more than 0.03"
+    assert broken.lines()[-1].strip() == "gripper_1.gap is 0.01, not gripper_1.gap > 0.03"
     assert evaluated == ["Word(gripper_1)"]
 
 

@@ -12,13 +12,13 @@ from skiros_py.skills.conditions import (
     Compare,
     Computed,
     Exists,
+    Expression,
     Has,
     IsA,
     Not,
     Nothing,
     Pattern,
     Related,
-    Sensor,
 )
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.terms import Family
@@ -85,9 +85,9 @@ def _denied(pattern: Pattern, where: str, ontology: Ontology) -> Pattern:
 
 
 def _refused(pattern: Pattern, where: str) -> PlanningError:
-    if isinstance(pattern, Sensor):
+    if isinstance(pattern, Expression):
         advice = "a hold condition or a guard may ask for it, a plan cannot"
-        return PlanningError(f"{where}: the {pattern.quantity} of {pattern.device} can only be sensed; {advice}")
+        return PlanningError(f"{where}: '{pattern.text}' can only be sensed; {advice}")
     kind = type(pattern).__name__
     return PlanningError(f"{where}: a pattern of kind {kind} cannot be planned with; use the kinds that there are")
 

@@ -12,6 +12,7 @@ from skiros_py.skills.conditions.effects import (
     suppose_effects,
     write_effects,
 )
+from skiros_py.skills.conditions.expression import Expression, ExpressionCondition, holds, is_sensed
 from skiros_py.skills.conditions.judging import judge
 from skiros_py.skills.conditions.kinds import ClassRelated, IsA
 from skiros_py.skills.conditions.pattern import (
@@ -26,7 +27,6 @@ from skiros_py.skills.conditions.pattern import (
     Pattern,
     Related,
 )
-from skiros_py.skills.conditions.sensor import Sensor, is_sensed
 from skiros_py.skills.conditions.verdict import Verdict
 from skiros_py.skills.conditions.watch import Watch, Watches
 
@@ -42,6 +42,8 @@ __all__ = [
     "ConditionType",
     "Effect",
     "Exists",
+    "Expression",
+    "ExpressionCondition",
     "Has",
     "IsA",
     "Junction",
@@ -52,7 +54,6 @@ __all__ = [
     "Relate",
     "Related",
     "Role",
-    "Sensor",
     "Unrelate",
     "Verdict",
     "Watch",
@@ -62,6 +63,7 @@ __all__ = [
     "effects_of",
     "exists",
     "for_all",
+    "holds",
     "is_sensed",
     "judge",
     "suppose_effects",

@@ -62,7 +62,12 @@ def infer(
 
 def applying(conditions: Iterable[Condition], values: Mapping[str, Any]) -> tuple[Condition, ...]:
     """Returns the conditions that speak of specified parameters only: others are about what the call does without."""
-    return tuple(c for c in conditions if all(values.get(argument) is not None for argument in c.arguments))
+
+    def specified(condition: Condition) -> bool:
+        given = all(values.get(argument) is not None for argument in condition.arguments)
+        return given and all(values.get(name, name) is not None for name in condition.names)
+
+    return tuple(filter(specified, conditions))
 
 
 @dataclass(frozen=True, slots=True)

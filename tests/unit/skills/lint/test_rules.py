@@ -32,6 +32,7 @@ from skiros_py.skills.conditions import (
     Condition,
     ConditionType,
     Exists,
+    Expression,
     Has,
     IsA,
     Not,
@@ -39,12 +40,11 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
     Role,
-    Sensor,
     any_of,
 )
 from skiros_py.skills.lint import RULES, Finding, Known, Source, Subject, check, problems_of
 from skiros_py.skills.outcome import Outcome, Success
-from skiros_py.skills.parameters import Kind, Param, param
+from skiros_py.skills.parameters import Access, Kind, Param, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing import CONDITIONS, SKILLS, tiny_ontology, tiny_world
@@ -124,7 +124,7 @@ def test_the_tiny_words_keep_all_rules(type_: ConditionType) -> None:
         (Compare("sk:misssing", "=", "b", True), "the property sk:misssing; did you mean sk:missing?"),
         (IsA("b", "tiny:Boxx"), "the class tiny:Boxx; did you mean tiny:Box?"),
         (Exists("x", "tiny:Boxx", Related("sk:at", "a", "x")), "the class tiny:Boxx"),
-        (Sensor("a", "colour", "=", 1), "no device says its colour; there is angular, "),
+        (Expression("a.colour = 1"), "no device has a signal 'colour'; there is angular, "),
     ],
     ids=lambda value: type(value).__name__ if not isinstance(value, str) else "",
 )
@@ -404,7 +404,34 @@ def test_parallel_branches_may_take_different_devices() -> None:
 def test_devices_that_are_left_out_are_the_robots_own(branches: tuple[Behaviour, ...], said: str) -> None:
     texts = [f.text for f in findings(pretend(replace(DRIVE, name="roam"), Parallel.of(*branches)))]
 
-    assert [f"both take {said}:" in text for text in texts] == [True] * bool(said)
+    assert [f"both take {said} exclusively:" in text for text in texts] == [True] * bool(said)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "refused"),
+    [
+        (Access.SHARED, Access.SHARED, False),
+        (Access.SHARED, Access.EXCLUSIVE, True),
+        (Access.READ, Access.EXCLUSIVE, False),
+    ],
+)
+def test_parallel_branches_may_take_one_device_where_both_share_it_or_one_only_reads(
+    one: Access, other: Access, refused: bool
+) -> None:
+    def waving(access: Access) -> type[Wave]:
+        class Other(Wave):
+            """Waves."""
+
+            @dataclass(frozen=True, slots=True)
+            class Params:
+                arm: str = param("sk:Arm", "The arm.", kind=Kind.HARDWARE, access=access)
+
+        return Other
+
+    there = Known(tiny_ontology(), {"a": waving(one), "b": waving(other)}, SKILLS, REASONERS)
+    roam = pretend(replace(DRIVE, name="roam"), Parallel.of(Do.of("a"), Do.of("b")))
+
+    assert [f.rule for f in check(roam, there, rules=[RULES["same-device"]])] == ["same-device"] * refused
 
 
 def test_who_only_looks_on_takes_nothing() -> None:

@@ -14,15 +14,15 @@ from skiros_py.skills.conditions import (
     Computed,
     ConditionType,
     Exists,
+    Expression,
     Has,
     IsA,
     Nothing,
     Pattern,
     Related,
-    Sensor,
 )
 from skiros_py.skills.lint.finding import Problem, Severity
-from skiros_py.skills.lint.patterns import leaves, uses_of
+from skiros_py.skills.lint.patterns import Classes, leaves, uses_of
 from skiros_py.skills.lint.rule import Rule
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.parameters import Param, params_of
@@ -38,8 +38,8 @@ def _undeclared(subject: Subject, known: Known) -> Iterator[Problem]:
     for where, class_ in _named_classes(subject):
         yield from (Problem(f"{where}: {text}") for text in _missing("class", class_, ontology.classes))
     for use in uses_of(subject):
-        for leaf, _ in leaves(use.pattern):
-            yield from (Problem(f"{use.where}: {text}") for text in _in_leaf(leaf, ontology))
+        for leaf, classes in leaves(use.pattern, use.classes):
+            yield from (Problem(f"{use.where}: {text}") for text in _in_leaf(leaf, classes, ontology))
 
 
 def _named_classes(subject: Subject) -> Iterator[tuple[str, str]]:
@@ -70,7 +70,7 @@ def own_params(subject: Subject) -> tuple[Param, ...]:
                 return ()  # another rule says so
 
 
-def _in_leaf(leaf: Pattern, ontology: Ontology) -> Iterator[str]:
+def _in_leaf(leaf: Pattern, classes: Classes, ontology: Ontology) -> Iterator[str]:
     match leaf:
         case Related(relation) | Nothing(relation) | Computed(relation) | ClassRelated(relation):
             yield from _missing("relation", relation, ontology.relations)
@@ -78,10 +78,11 @@ def _in_leaf(leaf: Pattern, ontology: Ontology) -> Iterator[str]:
             yield from _missing("property", property_, ontology.properties)
         case Exists(_, class_) | IsA(_, class_):
             yield from _missing("class", class_, ontology.classes)
-        case Sensor(_, quantity):
+        case Expression():
             known = load_device_kinds()[0].signal_names()
-            if quantity not in known:
-                yield f"no device says its {quantity}; there is {', '.join(sorted(known))}"
+            for quantity in (quantity for device, quantity in leaf.quantities if device in classes):
+                if quantity not in known:
+                    yield f"no device has a signal '{quantity}'; there is {', '.join(sorted(known))}"
         case _:
             yield f"its pattern {type(leaf).__name__} is not known"
 

@@ -1,0 +1,339 @@
+"""Expressions over signals and parameters: ``Gripper.force > 2.0 and not Arm.still``, the one grammar for them.
+
+A name is a parameter or value of the run (``limit``), a signal of a device that a parameter names (``Gripper.force``),
+or a signal of the cell (``wrist_1.force``). A name in backquotes is always a signal of the cell.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NoReturn
+
+from lark import Lark, Token, Transformer
+from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken, VisitError
+
+from skiros_py.errors import DescriptionError, UnknownName
+from skiros_py.skills.conditions.condition import Condition, ConditionType
+from skiros_py.skills.conditions.pattern import AllOf, AnyOf, Binding, Exists, Not, Pattern
+from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.world.literals import shown
+from skiros_py.world.view import NO_SENSORS, WorldView
+
+Lookup = Callable[[str], Any]
+"""Gives the value of a name; raises :class:`_Unknown` where there is none."""
+Term = Callable[[Lookup], Any]
+
+
+class _Unknown(Exception):
+    """An expression has no value; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """A pattern that compares signals of this cycle and parameters: for hold conditions, guards and checks.
+
+    Plans cannot use it, because they know no signals.
+
+    Attributes:
+        text: The expression.
+
+    Raises:
+        DescriptionError: The text is no expression; the message names the column and what would be right.
+    """
+
+    text: str
+
+    def __post_init__(self) -> None:
+        _parsed(self.text)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names in it that may be parameters, each once: of ``Gripper.force`` the part before the dot."""
+        return tuple(dict.fromkeys(str(token).partition(".")[0] for token in _parsed(self.text).names))
+
+    @property
+    def quantities(self) -> tuple[tuple[str, str], ...]:
+        """The names with a dot, split at the first one: ("Gripper", "force")."""
+        parts = (str(token).partition(".") for token in _parsed(self.text).names)
+        return tuple((head, rest) for head, _, rest in parts if rest)
+
+    def evaluate(self, view: WorldView, binding: Binding) -> Verdict:
+        """Computes it. What has no value now does not hold."""
+        said: dict[str, str] = {}
+        try:
+            holds = _parsed(self.text).term(lambda name: _value_of(name, view, binding, said))
+            if not isinstance(holds, bool):
+                raise _Unknown(f"'{self.text}' is {_said(holds)}, not true or false")
+        except _Unknown as error:
+            return Verdict(False, str(error))
+        except ZeroDivisionError:
+            return Verdict(False, f"'{self.text}' divides by zero")
+        values = ", ".join(f"{name} is {value}" for name, value in said.items())
+        return Verdict(holds, f"{values or self.text}{'' if holds else f', not {self.text}'}")
+
+    def rename(self, names: Mapping[str, str]) -> Expression:
+        """Returns the same expression with other names of parameters."""
+        text = self.text
+        for token in reversed(_parsed(self.text).names):
+            head, dot, rest = str(token).partition(".")
+            begin = token.start_pos or 0
+            text = f"{text[:begin]}{names.get(head, head)}{dot}{rest}{text[begin + len(token) :]}"
+        return self if text == self.text else Expression(text)
+
+
+@dataclass(frozen=True, slots=True)
+class ExpressionCondition(Condition):
+    """An expression as a condition; made by :func:`holds`."""
+
+    def __invert__(self) -> Condition:
+        return holds(f"not ({self.type.name})")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names in it that may be parameters."""
+        pattern = self.type.pattern
+        assert isinstance(pattern, Expression)
+        return pattern.names
+
+    def told(self, naming: Callable[[str], str]) -> str:  # noqa: ARG002 - it is written as its author did
+        """Returns its text."""
+        return self.type.name
+
+    def evaluate(self, view: WorldView, binding: Binding | None = None) -> Verdict:
+        """Computes it, with the values of parameters as they are bound."""
+        inner = self.type.pattern.evaluate(view, binding or {})
+        return Verdict(inner.holds, self.type.name, (inner,))
+
+
+def holds(text: str) -> Condition:
+    """Makes a condition of an expression over signals and parameters: ``holds("Gripper.force < limit")``.
+
+    Raises:
+        DescriptionError: The text is no expression; the message names the column and what would be right.
+    """
+    return ExpressionCondition(ConditionType(text, (), Expression(text), "An expression over signals."), ())
+
+
+def is_sensed(pattern: Pattern) -> bool:
+    """Tells whether a pattern reads signals anywhere: such a one means something in the live world only."""
+    match pattern:
+        case Expression():
+            return True
+        case AllOf(patterns) | AnyOf(patterns):
+            return any(is_sensed(part) for part in patterns)
+        case Exists(_, _, inner) | Not(inner):
+            return is_sensed(inner)
+        case _:
+            return False
+
+
+# ---------------------------------------------------------------------- values
+
+
+def _value_of(name: str, view: WorldView, binding: Mapping[str, Any], said: dict[str, str]) -> Any:
+    """Returns the value of a name and notes it for the reason."""
+    head, dot, rest = name.partition(".")
+    if name.startswith("`"):
+        name = name.strip("`")
+    elif head in binding and binding[head] is None:
+        raise _Unknown(f"{head} is not specified")
+    elif name in binding:
+        said[name] = _said(binding[name])
+        return binding[name]
+    elif dot and head in binding:
+        name = f"{binding[head]}.{rest}"
+    value = view.sensors.value(name)
+    if value is None:
+        raise _Unknown("no sensors here" if view.sensors is NO_SENSORS else f"there is no value of '{name}'")
+    said[name] = _said(value)
+    return value
+
+
+def _said(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else shown(value)
+
+
+def _kind(value: Any) -> str:
+    if isinstance(value, bool):
+        return "truth value"
+    if isinstance(value, int | float):
+        return "number"
+    return "text" if isinstance(value, str) else "vector" if isinstance(value, tuple) else type(value).__name__
+
+
+def _needs(kind: str, what: str, *values: Any) -> None:
+    for value in values:
+        if _kind(value) != kind:
+            raise _Unknown(f"{what} takes a {kind}, and {_said(value)} is a {_kind(value)}")
+
+
+def _norm(vector: Any) -> float:
+    _needs("vector", "norm", vector)
+    return math.hypot(*vector)
+
+
+def _numeric(name: str, function: Callable[..., float]) -> Callable[..., float]:
+    def apply(*values: Any) -> float:
+        _needs("number", name, *values)
+        return function(*values)
+
+    return apply
+
+
+_FUNCTIONS: Mapping[str, Callable[..., float]] = MappingProxyType(
+    {
+        "abs": _numeric("abs", abs),
+        "max": _numeric("max", lambda *values: max(values)),
+        "min": _numeric("min", lambda *values: min(values)),
+        "norm": _norm,
+    }
+)
+_COMPARE: Mapping[str, Callable[[Any, Any], bool]] = MappingProxyType(
+    {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+)
+
+
+# ---------------------------------------------------------------------- grammar
+
+
+@dataclass(frozen=True, slots=True)
+class _Parsed:
+    term: Term
+    names: tuple[Token, ...] = field(default=())
+
+
+class _Terms(Transformer[Token, Term]):
+    """Makes functions of a parse tree, from the inside out; collects the names of parameters and devices."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[Token] = []
+
+    def start(self, parts: Sequence[Term]) -> Term:
+        return parts[0]
+
+    def disjunction(self, parts: Sequence[Term]) -> Term:
+        return lambda look_up: any(_truth("or", part(look_up)) for part in parts)
+
+    def conjunction(self, parts: Sequence[Term]) -> Term:
+        return lambda look_up: all(_truth("and", part(look_up)) for part in parts)
+
+    def negation(self, parts: Sequence[Term]) -> Term:
+        return lambda look_up: not _truth("not", parts[0](look_up))
+
+    def comparison(self, parts: Sequence[Any]) -> Term:
+        left, sign, right = parts
+        return lambda look_up: _compare(left(look_up), str(sign), right(look_up))
+
+    def sum(self, parts: Sequence[Term]) -> Term:
+        return _operation("+", operator.add, parts)
+
+    def difference(self, parts: Sequence[Term]) -> Term:
+        return _operation("-", operator.sub, parts)
+
+    def product(self, parts: Sequence[Term]) -> Term:
+        return _operation("*", operator.mul, parts)
+
+    def quotient(self, parts: Sequence[Term]) -> Term:
+        return _operation("/", operator.truediv, parts)
+
+    def negative(self, parts: Sequence[Term]) -> Term:
+        return _operation("-", operator.neg, parts)
+
+    def call(self, parts: Sequence[Any]) -> Term:
+        name, *arguments = parts
+        if name not in _FUNCTIONS:
+            raise UnknownName("function", str(name), _FUNCTIONS)
+        return lambda look_up: _FUNCTIONS[name](*(argument(look_up) for argument in arguments))
+
+    def item(self, parts: Sequence[Any]) -> Term:
+        vector, number = parts[0], int(parts[1])
+
+        def item(look_up: Lookup) -> Any:
+            value = vector(look_up)
+            _needs("vector", f"[{number}]", value)
+            if number >= len(value):
+                raise _Unknown(f"there is no [{number}] in {len(value)} values")
+            return value[number]
+
+        return item
+
+    def name(self, parts: Sequence[Token]) -> Term:
+        self.found.append(parts[0])
+        name = str(parts[0])
+        return lambda look_up: look_up(name)
+
+    def signal(self, parts: Sequence[Token]) -> Term:
+        name = str(parts[0])
+        return lambda look_up: look_up(name)
+
+    def number(self, parts: Sequence[Token]) -> Term:
+        value = float(parts[0])
+        return lambda _look_up: value
+
+    def text(self, parts: Sequence[Token]) -> Term:
+        value = str(parts[0])[1:-1].replace('\\"', '"')
+        return lambda _look_up: value
+
+    def true(self, _parts: Sequence[Token]) -> Term:
+        return lambda _look_up: True
+
+    def false(self, _parts: Sequence[Token]) -> Term:
+        return lambda _look_up: False
+
+
+def _truth(word: str, value: Any) -> bool:
+    _needs("truth value", f"'{word}'", value)
+    return bool(value)
+
+
+def _compare(left: Any, sign: str, right: Any) -> bool:
+    if sign in _COMPARE:
+        _needs("number", f"'{sign}'", left, right)
+        return _COMPARE[sign](left, right)
+    if _kind(left) != _kind(right):
+        raise _Unknown(f"{_said(left)} ({_kind(left)}) cannot be compared with {_said(right)} ({_kind(right)})")
+    return bool(left != right if sign == "!=" else left == right)
+
+
+def _operation(sign: str, function: Callable[..., float], parts: Sequence[Term]) -> Term:
+    apply = _numeric(f"'{sign}'", function)
+    return lambda look_up: apply(*(part(look_up) for part in parts))
+
+
+@cache
+def _grammar() -> Lark:
+    return Lark((Path(__file__).parent / "expression.lark").read_text(encoding="utf-8"), parser="lalr")
+
+
+@lru_cache(maxsize=1024)
+def _parsed(text: str) -> _Parsed:
+    terms = _Terms()
+    try:
+        return _Parsed(terms.transform(_grammar().parse(text)), tuple(terms.found))
+    except UnexpectedInput as error:
+        _refuse(text, error)
+    except VisitError as error:
+        raise DescriptionError(f"expression '{text}': {error.orig_exc}") from error
+
+
+def _refuse(text: str, error: UnexpectedInput) -> NoReturn:
+    at_end = isinstance(error, UnexpectedToken) and error.token.type == "$END"
+    column = len(text.rstrip()) + 1 if at_end else (error.pos_in_stream or 0) + 1
+    wanted: set[str] = set()
+    if isinstance(error, UnexpectedToken):
+        wanted = set(error.accepts or error.expected)
+    elif isinstance(error, UnexpectedCharacters):
+        wanted = set(error.allowed or ())
+    right = "an operator such as 'and', '<' or '+', or the end"
+    if "NAME" in wanted:
+        right = "a value: a name such as Gripper.force, a number, true, false, a text or '('"
+    raise DescriptionError(f"expression '{text}', column {column}: expected {right}")
