@@ -17,9 +17,9 @@ import pytest
 from support.server_process import ServerProcess
 
 from skiros_py.api.jobs import JobOrder
+from skiros_py.cli.first_start import rollback_first_start
 from skiros_py.cli.job_files import JobFiles
 from skiros_py.cli.main import main
-from skiros_py.cli.nothing_left import nothing_left_of
 from skiros_py.errors import UsageError
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.roles import Role
@@ -181,7 +181,7 @@ def test_a_key_that_was_made_meanwhile_outlives_a_refused_first_start(tmp_path: 
 
 
 def _refused_after_a_key(data: Path) -> None:
-    with nothing_left_of(data):
+    with rollback_first_start(data):
         data.mkdir()
         with closing(KeyStore(data)) as keys:
             keys.create("anna", Role.ADMIN, None)

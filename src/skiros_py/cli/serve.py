@@ -16,7 +16,7 @@ import click
 
 from skiros_py.cli.ending import end_now, end_unless
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.nothing_left import nothing_left_of
+from skiros_py.cli.first_start import rollback_first_start
 from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, JSON, SKILLS, data_option, pace_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS
@@ -196,7 +196,7 @@ def _serve(
     lives = _lives(data)
     click.echo(f"opening {data if lives else scene} …", err=True)
     with ExitStack() as stack:
-        with nothing_left_of(data):
+        with rollback_first_start(data):
             services = stack.enter_context(Services(lambda: Session(scene, options), data, settings))
         if scene and lives:
             _say_what_lives(services, scene, data)

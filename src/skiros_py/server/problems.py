@@ -20,9 +20,11 @@ from skiros_py.errors import (
     Busy,
     FileError,
     GoalSyntaxError,
+    KeyReused,
     Locked,
     NotFound,
     Refused,
+    Removed,
     SkirosError,
     StaleVersion,
     UnknownName,
@@ -86,28 +88,44 @@ _KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
     (Busy, 503, "Busy"),
     (SkirosError, 500, "Fault"),
 )
-"""Which status a fault of the platform has; the first that fits counts."""
+"""Status and code of each fault of the platform; the first match counts."""
+_JOB_KINDS: tuple[tuple[type[SkirosError], int, str], ...] = (
+    (KeyReused, 422, "IdempotencyKeyReused"),
+    (Removed, 410, "JobOrderRemoved"),
+    (WrongState, 409, "InvalidJobOrderStatus"),
+    (Busy, 503, "UnableToAcceptJobOrder"),
+    *_KINDS,
+)
+"""The same for orders and jobs, with the codes of the standard (OPC 10031-4 v2.00, annex B.2)."""
+_JOB_TOPICS = ("jobs", "goals", "goal-templates", "previews")
+"""First part of the address of what has to do with orders and jobs."""
 
 
 def _answer_fault(request: Request, error: Exception) -> Response:
     assert isinstance(error, SkirosError)
-    problem = _of(error)
+    problem = _of(error, _JOB_KINDS if _is_about_jobs(request) else _KINDS)
     if problem.status == 500 or isinstance(error, FileError):
         _log.error("request %s: %s", getattr(request.state, "id", ""), error, exc_info=error)
     return problem_response(request, problem)
 
 
-def _of(error: SkirosError) -> Problem:
+def _is_about_jobs(request: Request) -> bool:
+    return request.url.path.removeprefix("/api/v1/").partition("/")[0] in _JOB_TOPICS
+
+
+def _of(error: SkirosError, kinds: Sequence[tuple[type[SkirosError], int, str]]) -> Problem:
     if isinstance(error, FileError):
         return _of_file(error)
     if isinstance(error, Refused):
         refused = Problem(_REFUSED.get(error.code, 409), _NAMES.get(error.code, error.code), str(error))
         refused.extra.update(error.data)
         return refused
-    status, code = next((status, code) for kind, status, code in _KINDS if isinstance(error, kind))
+    status, code = next((status, code) for kind, status, code in kinds if isinstance(error, kind))
     extra: dict[str, Any] = {}
     if isinstance(error, NotFound):
         code = error.code
+    elif isinstance(error, UnknownName) and error.kind == "job" and kinds is _JOB_KINDS:
+        status, code = 404, "UnknownJobOrderID"
     if isinstance(error, UnknownName):
         extra = {"known": list(error.known[:20]), "nearest": error.nearest}
     if isinstance(error, GoalSyntaxError):
@@ -154,13 +172,19 @@ def problem_response(request: Request, problem: Problem) -> Response:
     return Response(content, problem.status, problem.headers, media_type="application/problem+json")
 
 
-_BITS = {"UnknownJobOrderID": 1, "InvalidJobOrderStatus": 3, "WrongState": 3, "UnableToAcceptJobOrder": 4, "Busy": 4}
+_BITS = {
+    "UnknownJobOrderID": 1,
+    "InvalidJobOrderStatus": 3,
+    "UnableToAcceptJobOrder": 4,
+    "JobOrderRemoved": 4,
+    "Busy": 4,
+}
 _INVALID_REQUEST = 32
 
 
 def _return_status(request: Request, problem: Problem) -> int | None:
     """Returns the ISA-95 return status of what has to do with jobs (OPC 10031-4 v2.00, annex B.2); None elsewhere."""
-    if "/jobs" not in request.url.path or (problem.status >= 500 and problem.code != "Busy"):
+    if not _is_about_jobs(request) or (problem.status >= 500 and problem.code not in _BITS):
         return None
     return 1 << _BITS.get(problem.code, _INVALID_REQUEST)
 

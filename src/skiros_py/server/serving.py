@@ -137,7 +137,6 @@ class _Server(uvicorn.Server):
 
 def _halt(services: Services) -> None:
     """Brakes everything before the connections are waited for; running jobs wait for a person then."""
-    services.station.ending = True
     services.streams.end()
     if not services.station.control.alive:
         return

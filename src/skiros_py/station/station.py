@@ -94,19 +94,17 @@ class Station:
         query_worker: Answers SPARQL queries in processes that may be killed.
         bodies: Keeps simulated bodies in line with what people write.
         waiter: Waits for jobs.
-        ending: True when the station is about to end: streams end by themselves.
     """
 
     def __init__(self, opening: OpenSession, data: Path, limits: StationLimits = StationLimits()) -> None:
         self.data = data
-        self.ending = False
         self.control = ControlThread(opening)
         self.events = EventLog(limits.events)
         self.alarm_book = Alarms(self.events)
         self.stops = Stops(self.control, self.events, HaltMark(data / "halted.json"))
         self.looks = Looks()
         self.motions = Motions()
-        self.live = LiveState(self.looks, self.motions, lambda: self.ending)
+        self.live = LiveState(self.looks, self.motions)
         self.module_runs = ModuleRuns(self.events.epoch)
         self.task_book = TaskBook()
         self.documents: DocumentStore
@@ -212,7 +210,6 @@ class Station:
 
     def close(self) -> None:
         """Stops everything and ends all that was started; may be called twice."""
-        self.ending = True
         self._stack.close()
 
     def __enter__(self) -> Self:

@@ -15,6 +15,7 @@ from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller
 from skiros_py.server.events.choice import Choice
 from skiros_py.server.events.positions import Reset, find_position, missed, position_text
+from skiros_py.station.events.live import LiveState
 from skiros_py.station.events.log import EventLog
 
 _GATHER = 0.01
@@ -120,6 +121,27 @@ class Streams:
                     awake.clear()
                 else:
                     await asyncio.sleep(0)  # who has much to catch up with lets the others have their turn
+
+    async def follow_state(self, live: LiveState, rate: float, caller: Caller) -> AsyncIterator[bytes]:
+        """Yields the present state of the robots as server-sent events; what a client is too slow for is left out.
+
+        Args:
+            live: The state.
+            rate: How often at most [Hz].
+            caller: Who listens.
+        """
+        due = sent = time.monotonic()
+        while not self.ending and self.allowed(caller):
+            now = time.monotonic()
+            text = live.text(now)
+            if text:
+                yield format_sse_event(data_str=text, event="state")
+                sent = now
+            elif now - sent > _QUIET:  # no session is open
+                yield format_sse_event(comment="still here")
+                sent = now
+            due = max(due + 1.0 / rate, time.monotonic())
+            await asyncio.sleep(due - time.monotonic())
 
     def _next(self, number: int, choice: Choice) -> tuple[int, bytes]:
         """Returns what comes after a place: the place behind it, and its text, which may be empty.

@@ -14,7 +14,6 @@ from skiros_py.api.documents import (
 )
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["documents"])
@@ -69,8 +68,7 @@ def put_document(
 
     It is checked first: a fault is answered with its place. Its next run is of this revision; what runs goes on.
     """
-    with job_faults():
-        document, new = station.behaviours.put(kind, id, content.data, seen)
+    document, new = station.behaviours.put(kind, id, content.data, seen)
     response.status_code = 201 if new else 200
     return _tagged(document, response)
 
@@ -84,8 +82,7 @@ def put_document(
 )
 def remove_document(kind: KindName, id: Id, station: StationDep, seen: SeenDep) -> None:  # noqa: A002
     """Removes a document; `If-Match` names the revision that was seen. What runs of it goes on."""
-    with job_faults():
-        station.behaviours.remove(kind, id, seen)
+    station.behaviours.remove(kind, id, seen)
 
 
 def _tagged(document: DocumentInfo, response: Response) -> DocumentInfo:

@@ -14,7 +14,6 @@ from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.events.choice import EVERYTHING, Choice
 from skiros_py.server.events.positions import Reset, find_position, missed, position_text
 from skiros_py.server.events.sse import EventStream
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep
 from skiros_py.station.events.event import Event, Kind
@@ -124,8 +123,7 @@ def stream_job_events(
     last_event_id: LastSeen = None,
 ) -> EventStream:
     """Streams what happens for one job: first all that is kept of it, or what came after the event seen last."""
-    with job_faults():
-        services.station.jobs.get(job)
+    services.station.jobs.get(job)
     return _stream(services, caller, Choice(job=job), _first_given(last_event_id, after) or "")
 
 
@@ -145,7 +143,7 @@ async def stream_state(
     rate: Annotated[float, Query(ge=0.1, le=20.0, description="How often at most [Hz].", examples=[10])] = 10.0,
 ) -> EventStream:
     """Streams the present state of all robots. Only the latest counts: what a client is too slow for is left out."""
-    frames = services.station.live.follow(rate, lambda: services.streams.allowed(caller))
+    frames = services.streams.follow_state(services.station.live, rate, caller)
     return EventStream(frames, services.streams.listening(caller))
 
 

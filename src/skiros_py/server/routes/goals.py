@@ -9,7 +9,6 @@ from fastapi import APIRouter, Query, Response
 from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalOrder, GoalTexts, SceneGoals
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.services import StationDep
 from skiros_py.station.jobs.goals import goals_version
 
@@ -19,8 +18,7 @@ router = APIRouter(tags=["goals"])
 @router.post("/goals/check", summary="Check a goal", dependencies=[needs(Role.VIEWER, mes=True)])
 def check_goal(order: GoalOrder, station: StationDep) -> CheckedGoal:
     """Says how a goal is understood, and whether each condition holds now, and why not; nothing is ordered."""
-    with job_faults():
-        return station.goals.check(order)
+    return station.goals.check(order)
 
 
 @router.get("/goals", summary="The goals of the scene", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
@@ -37,8 +35,7 @@ def get_goals(station: StationDep, response: Response) -> SceneGoals:
 )
 def put_goals(body: GoalTexts, station: StationDep, caller: CallerDep, seen: SeenDep, response: Response) -> SceneGoals:
     """Replaces the goals that go with the scene; `If-Match` names the version that was seen."""
-    with job_faults():
-        goals = station.goals.put(body, seen, caller.author)
+    goals = station.goals.put(body, seen, caller.author)
     return _tagged(goals, response)
 
 

@@ -1,8 +1,8 @@
-"""Routes: commands to jobs. Each may be sent again: where it has had its effect, nothing happens."""
+"""Routes: commands to jobs. Each may be repeated: one that has already had its effect changes nothing."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, TypedDict
 
 from fastapi import APIRouter, Body, Depends, Query, Request, Response
 
@@ -10,9 +10,9 @@ from skiros_py.api.jobs import AcceptedJob, JobAnswer, JobComment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import tagged
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.routes.job_access import ExpectedDep, JobId, accepted
 from skiros_py.server.services import StationDep
+from skiros_py.station.requests import Author
 
 router = APIRouter(responses=tagged())
 
@@ -20,136 +20,74 @@ _NEEDS = [needs(Role.OPERATOR, mes=True)]
 _NO_COMMENT = JobComment()
 
 
-def _comment(
+class _Wish(TypedDict):
+    comment: str
+    expects: int | None
+    author: Author
+
+
+def _wish(
     id: JobId,  # noqa: A002 - the name in the address
     request: Request,
+    caller: CallerDep,
+    expected: ExpectedDep,
     body: Annotated[JobComment, Body(description="Why; may be left out.")] = _NO_COMMENT,
-) -> str:
-    """Takes what somebody says about a command, for the audit log too: with a removed job goes its record."""
+) -> _Wish:
+    """Reads who commands a job and why, and notes it for the audit log: a removed job takes its record along."""
     note(request, job=id, comment=body.comment)
-    return body.comment
+    return {"comment": body.comment, "expects": expected, "author": caller.author}
 
 
-CommentDep = Annotated[str, Depends(_comment)]
-"""For routes: why."""
+WishDep = Annotated[_Wish, Depends(_wish)]
+"""For routes: who commands, why, and which version of the job they have seen."""
 
 
 @router.post("/jobs/{id}/start", summary="Give a job leave to start", dependencies=_NEEDS)
-def start_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    caller: CallerDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def start_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Lets a job start by itself when its turn comes."""
-    with job_faults():
-        job = station.jobs.command(id, "start", comment=comment, expects=expected, author=caller.author)
-        return accepted(job, response)
+    return accepted(station.jobs.command(id, "start", **wish), response)
 
 
 @router.post("/jobs/{id}/revoke-start", summary="Take back the leave to start", dependencies=_NEEDS)
-def revoke_start_of_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    caller: CallerDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def revoke_start_of_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Keeps a job that has not begun until somebody gives leave to start again."""
-    with job_faults():
-        job = station.jobs.command(id, "revoke_start", comment=comment, expects=expected, author=caller.author)
-        return accepted(job, response)
+    return accepted(station.jobs.command(id, "revoke_start", **wish), response)
 
 
 @router.post("/jobs/{id}/pause", summary="Let a job stand for a while", dependencies=_NEEDS)
-def pause_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    caller: CallerDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def pause_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Lets a job come to a standstill where it is."""
-    with job_faults():
-        job = station.jobs.command(id, "pause", comment=comment, expects=expected, author=caller.author)
-        return accepted(job, response)
+    return accepted(station.jobs.command(id, "pause", **wish), response)
 
 
 @router.post("/jobs/{id}/resume", summary="Go on with a job that stands", dependencies=_NEEDS)
-def resume_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    caller: CallerDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def resume_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Goes on with a job that stands; what waits for an answer goes on with that."""
-    with job_faults():
-        job = station.jobs.command(id, "resume", comment=comment, expects=expected, author=caller.author)
-        return accepted(job, response)
+    return accepted(station.jobs.command(id, "resume", **wish), response)
 
 
 @router.post("/jobs/{id}/stop", summary="End a job in good order", dependencies=_NEEDS)
-def stop_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    caller: CallerDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def stop_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Ends a job that is under way; it is over when everything that it moved stands."""
-    with job_faults():
-        job = station.jobs.command(id, "stop", comment=comment, expects=expected, author=caller.author)
-        return accepted(job, response)
+    return accepted(station.jobs.command(id, "stop", **wish), response)
 
 
 @router.post("/jobs/{id}/abort", summary="Give a job up", dependencies=_NEEDS)
-def abort_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    caller: CallerDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def abort_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Gives a job up, begun or not; it is over when everything that it moved stands."""
-    with job_faults():
-        job = station.jobs.command(id, "abort", comment=comment, expects=expected, author=caller.author)
-        return accepted(job, response)
+    return accepted(station.jobs.command(id, "abort", **wish), response)
 
 
 @router.post("/jobs/{id}/cancel", summary="Remove a job that has not begun", dependencies=_NEEDS)
-def cancel_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def cancel_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Removes a job that has not begun, and answers with what it was."""
-    del comment  # the audit log has it
-    with job_faults():
-        return accepted(station.jobs.command(id, "cancel", expects=expected), response)
+    return accepted(station.jobs.command(id, "cancel", **wish), response)
 
 
 @router.post("/jobs/{id}/clear", summary="Remove a job that is over", dependencies=_NEEDS)
-def clear_job(
-    id: JobId,  # noqa: A002 - the name in the address
-    station: StationDep,
-    expected: ExpectedDep,
-    response: Response,
-    comment: CommentDep,
-) -> AcceptedJob:
+def clear_job(id: JobId, station: StationDep, wish: WishDep, response: Response) -> AcceptedJob:  # noqa: A002
     """Says that its result was fetched: removes a job that is over with all that is known of it."""
-    del comment  # the audit log has it
-    with job_faults():
-        return accepted(station.jobs.command(id, "clear", expects=expected), response)
+    return accepted(station.jobs.command(id, "clear", **wish), response)
 
 
 @router.delete("/jobs/{id}", summary="Remove a job", dependencies=_NEEDS)
@@ -163,8 +101,7 @@ def remove_job(
 ) -> AcceptedJob:
     """Removes a job that has not begun, or is over: cancel or clear, whichever fits."""
     note(request, job=id, comment=comment)
-    with job_faults():
-        return accepted(station.jobs.command(id, "remove", expects=expected), response)
+    return accepted(station.jobs.command(id, "remove", expects=expected), response)
 
 
 @router.post("/jobs/{id}/answer", summary="Answer what a job waits for", dependencies=_NEEDS)
@@ -179,5 +116,4 @@ def answer_job(
 ) -> AcceptedJob:
     """Answers what a job waits for: with one of its `choices`."""
     note(request, job=id, comment=body.answer)
-    with job_faults():
-        return accepted(station.jobs.answer(id, body, expects=expected, author=caller.author), response)
+    return accepted(station.jobs.answer(id, body, expects=expected, author=caller.author), response)

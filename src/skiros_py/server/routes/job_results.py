@@ -12,7 +12,6 @@ from fastapi.responses import FileResponse
 from skiros_py.api.jobs import JobExplanation, JobPlan, JobReport, JobResponse, JobTrace, JobTransitions
 from skiros_py.api.replays import Replay
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.routes.job_access import JobId
 from skiros_py.server.services import StationDep
 
@@ -26,15 +25,13 @@ _LEVEL = 5
 @router.get("/jobs/{id}/response", summary="What a job has come to (ISA-95 job response)", dependencies=_NEEDS)
 def get_job_response(id: JobId, station: StationDep) -> JobResponse:  # noqa: A002 - the name in the address
     """Says what was done to which part, by which skills, in which states, and why not where it was not."""
-    with job_faults():
-        return station.jobs.response(id)
+    return station.jobs.response(id)
 
 
 @router.get("/jobs/{id}/plan", summary="The last plan of a job", dependencies=_NEEDS)
 def get_job_plan(id: JobId, station: StationDep) -> JobPlan:  # noqa: A002 - the name in the address
     """Shows the steps of the last plan, with what each waits for; empty where there is none (yet)."""
-    with job_faults():
-        return station.jobs.plan(id)
+    return station.jobs.plan(id)
 
 
 @router.get("/jobs/{id}/trace", summary="What happened for a job", dependencies=_NEEDS)
@@ -45,29 +42,25 @@ def get_job_trace(
     cursor: Annotated[str, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")] = "0",
 ) -> JobTrace:
     """Lists what happened, in sentences and as data; of what runs, the last second may be missing."""
-    with job_faults():
-        return station.jobs.trace(id, int(cursor), limit)
+    return station.jobs.trace(id, int(cursor), limit)
 
 
 @router.get("/jobs/{id}/report", summary="The report of a job", dependencies=_NEEDS)
 def get_job_report(id: JobId, station: StationDep) -> JobReport:  # noqa: A002 - the name in the address
     """Reports what came of each condition and of each step, as `skiros run` does."""
-    with job_faults():
-        return station.jobs.report(id)
+    return station.jobs.report(id)
 
 
 @router.get("/jobs/{id}/transitions", summary="The changes of state of a job", dependencies=_NEEDS)
 def get_job_transitions(id: JobId, station: StationDep) -> JobTransitions:  # noqa: A002 - the name in the address
     """Lists the states that a job went through: when, and who wanted it and why."""
-    with job_faults():
-        return station.jobs.transitions(id)
+    return station.jobs.transitions(id)
 
 
 @router.get("/jobs/{id}/explanation", summary="Why there is no plan", dependencies=_NEEDS)
 def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # noqa: A002 - the name in the address
     """Says why there is no plan for a job, and what would help; empty where there is one, or nobody has looked yet."""
-    with job_faults():
-        return station.jobs.explanation(id)
+    return station.jobs.explanation(id)
 
 
 @router.get(
@@ -86,8 +79,7 @@ def get_job_replay(
 
     Of a job that runs, the last seconds may be missing. Replays are kept for the last 200 jobs, and go with the job.
     """
-    with job_faults():
-        text = station.recordings.replay(id)
+    text = station.recordings.replay(id)
     headers = {"Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if _GZIP.search(accept_encoding):
         text = gzip.compress(text, _LEVEL)
@@ -110,6 +102,5 @@ def get_job_recording(
 
     Of a job that runs, the last second may be missing, and the file has no index yet. It is deleted with the job.
     """
-    with job_faults():
-        path = station.recordings.path(id)
+    path = station.recordings.path(id)
     return FileResponse(path, media_type="application/octet-stream", filename=path.name)

@@ -13,7 +13,6 @@ from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import tagged
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.problems import Problem
 from skiros_py.server.routes import job_commands, job_lists, job_results
 from skiros_py.server.routes.job_access import (
@@ -78,8 +77,7 @@ def order_job(
     Without an id the server makes one; an `Idempotency-Key` makes that repeatable for at least 24 h.
     """
     key, holder = _key_of(idempotency_key), caller.key or caller.name
-    with job_faults():
-        result = station.jobs.order(order, start=start, again=again, key=key, author=caller.author, holder=holder)
+    result = station.jobs.order(order, start=start, again=again, key=key, author=caller.author, holder=holder)
     if result.repeated:
         response.headers["Idempotency-Replayed"] = "true"
         response.status_code = 200
@@ -114,16 +112,15 @@ def put_job(
     Another order under the same id is refused (409), unless the job has not begun and `If-Match` names its version:
     then it is ordered instead.
     """
-    with job_faults():
-        result = station.jobs.put(
-            id,
-            order,
-            start=start,
-            again=again,
-            replaces=if_match is not None,
-            expects=expected,
-            author=caller.author,
-        )
+    result = station.jobs.put(
+        id,
+        order,
+        start=start,
+        again=again,
+        replaces=if_match is not None,
+        expects=expected,
+        author=caller.author,
+    )
     if not result.repeated:
         return _taken(station, result.job, response, prefer)
     response.status_code = 200
@@ -146,8 +143,7 @@ def list_jobs(
 @router.get("/jobs/{id}", summary="Look at a job", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_job(id: JobId, station: StationDep, response: Response) -> Job:  # noqa: A002 - the name in the address
     """Shows a job as it is now."""
-    with job_faults():
-        return shown(station.jobs.get(id), response)
+    return shown(station.jobs.get(id), response)
 
 
 router.include_router(job_commands.router)

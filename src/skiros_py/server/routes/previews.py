@@ -10,7 +10,6 @@ from fastapi import APIRouter, Path, Query, Response
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["previews"])
@@ -22,8 +21,7 @@ PreviewId = Annotated[str, Path(min_length=1, max_length=20, description="Id of 
 @router.post("/previews", summary="Plan without doing", status_code=202, dependencies=_NEEDS)
 def ask_preview(order: GoalOrder, station: StationDep, response: Response) -> Preview:
     """Begins to plan for a goal from what is believed now; nothing is done. At most two are planned at a time."""
-    with job_faults():
-        preview = station.previews.ask(order)
+    preview = station.previews.ask(order)
     response.headers["Location"] = f"/api/v1/previews/{quote(preview.id, safe='')}"
     response.headers["Retry-After"] = "1"
     return preview

@@ -9,7 +9,6 @@ from fastapi import APIRouter, Path, Response
 from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
-from skiros_py.server.job_faults import job_faults
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["goal templates"])
@@ -55,8 +54,7 @@ def put_goal_template(
 
     Jobs that were ordered with it stay as they are.
     """
-    with job_faults():
-        template, new = station.templates.put(name, content, seen)
+    template, new = station.templates.put(name, content, seen)
     response.status_code = 201 if new else 200
     return _shown(template, response)
 
@@ -70,8 +68,7 @@ def put_goal_template(
 )
 def remove_goal_template(name: TemplateName, station: StationDep, seen: SeenDep) -> None:
     """Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay."""
-    with job_faults():
-        station.templates.remove(name, seen)
+    station.templates.remove(name, seen)
 
 
 def _shown(template: GoalTemplate, response: Response) -> GoalTemplate:

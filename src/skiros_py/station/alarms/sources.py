@@ -150,7 +150,7 @@ class AlarmSources:
             self._waiting[job.id] = job
             self._alarms.raise_(
                 AlarmKind.JOB,
-                f"job {job.id} is {job.detail}" if job.detail.startswith("held") else f"job {job.id}: {job.detail}",
+                f"job {job.id}: {job.detail}" if job.question is None else f"job {job.id} is {job.detail}",
                 job.id,
                 severity=Severity.HIGH,
                 choices=job.choices,

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
-from fastapi.sse import format_sse_event
-
 _ID = b"\nid: "
 """What stands behind the text in a server-sent event; text in one line has no such thing in it."""
 _LONGEST = 64_000
@@ -118,7 +116,7 @@ def written(
     if len(said) > _LONGEST:
         said = as_text({"left_out": f"{len(said)} characters are too many for an event: read it where it is kept"})
     text = f'{as_text(head)[:-1]},"data":{said}}}'
-    frame = format_sse_event(data_str=text, event=kind.value, id=head["id"])
+    frame = f"event: {kind.value}\ndata: {text}\nid: {head['id']}\n\n".encode()
     return Event(number, wall, time, kind, type_, subject, job, elements, frame)
 
 

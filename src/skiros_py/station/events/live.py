@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
-import time
-from collections.abc import AsyncIterator, Callable
 from typing import Any
-
-from fastapi.sse import format_sse_event
 
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.base import BaseState
@@ -23,8 +18,6 @@ from skiros_py.world.vocabulary import HELD_BY
 
 _RATE = 20.0
 """How often the state is built at most [Hz]."""
-_QUIET = 10.0
-"""After so long without a station a stream says that it is still there [s]."""
 
 
 class LiveState:
@@ -33,13 +26,11 @@ class LiveState:
     Args:
         looks: What the cameras saw.
         motions: What the robots are about to do.
-        ended: Tells whether streams have to end.
     """
 
-    def __init__(self, looks: Looks, motions: Motions, ended: Callable[[], bool] = lambda: False) -> None:
+    def __init__(self, looks: Looks, motions: Motions) -> None:
         self._looks = looks
         self._motions = motions
-        self._ended = ended
         self._session: Session | None = None
         self._tick = -1
         self._text = ""
@@ -72,26 +63,6 @@ class LiveState:
             self._tick, self._text = tick, as_text(self.state(session))
             self.built += 1
         return self._text
-
-    async def follow(self, rate: float, allowed: Callable[[], bool]) -> AsyncIterator[bytes]:
-        """Yields the state as server-sent events, at most so often; what a client is too slow for is left out.
-
-        Args:
-            rate: How often [Hz].
-            allowed: Tells whether the client may go on.
-        """
-        due = sent = time.monotonic()
-        while not self._ended() and allowed():
-            now = time.monotonic()
-            text = self.text(now)
-            if text:
-                yield format_sse_event(data_str=text, event="state")
-                sent = now
-            elif now - sent > _QUIET:
-                yield format_sse_event(comment="still here")
-                sent = now
-            due = max(due + 1.0 / rate, time.monotonic())
-            await asyncio.sleep(due - time.monotonic())
 
 
 def _live_state(session: Session) -> dict[str, Any]:

@@ -155,9 +155,11 @@ def _faults(data: Any, path: str, names: Sequence[str], fields: Sequence[str], d
         return [f"{path[:200]}: nested deeper than {_DEEPEST} levels"]
     match data:
         case {"parameter": key} if len(data) == 1:
-            return [] if key in names else [f"{path}: {_unknown('parameter', key, names)}"]
+            return [] if key in names else [f"{path}: {UnknownName('parameter', str(key), names)}"]
         case {"material": field} if len(data) == 1:
-            return [] if field in fields else [f"{path}: {_unknown('field of a material', field, fields)}"]
+            where = "" if fields else "(materials are for per_material only)"
+            unknown = UnknownName("field of a material", str(field), fields, where=where)
+            return [] if field in fields else [f"{path}: {unknown}"]
         case dict():
             each = [_faults(value, f"{path}.{key}", names, fields, depth + 1) for key, value in data.items()]
         case list():
@@ -165,8 +167,3 @@ def _faults(data: Any, path: str, names: Sequence[str], fields: Sequence[str], d
         case _:
             return []
     return [fault for found in each for fault in found]
-
-
-def _unknown(kind: str, name: object, known: Sequence[str]) -> str:
-    where = "" if known else "(materials are for per_material only)" if kind.startswith("field") else ""
-    return str(UnknownName(kind, str(name), known, where=where))

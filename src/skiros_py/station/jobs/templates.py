@@ -10,7 +10,7 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.station.documents import TEMPLATE, Document, DocumentStore
 from skiros_py.station.jobs.filling import faults_of, filled
-from skiros_py.station.jobs.texts import data_as_text
+from skiros_py.station.jobs.texts import check_structure, goal_texts
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology
 
@@ -74,7 +74,7 @@ class TemplateStore:
             UsageError: A parameter is missing, or the material does not fit.
         """
         content = self.find(name).content
-        return tuple(data_as_text(one) for one in filled(name, content, parameters, materials))
+        return goal_texts(filled(name, content, parameters, materials))
 
 
 def check_template(content: GoalTemplateContent, ontology: Ontology, conditions: Mapping[str, ConditionType]) -> None:
@@ -107,9 +107,9 @@ def _word_faults(content: GoalTemplateContent, conditions: Mapping[str, Conditio
     paths = [*(f"goal[{index}]" for index in range(len(content.goal))), "per_material"]
     for path, goal in zip(paths, goals, strict=False):
         try:
-            data_as_text(goal)
+            check_structure(goal, path)
         except UsageError as error:
-            yield f"{path}: {str(error).replace('goal', '', 1) if str(error).startswith('goal.') else error}"
+            yield str(error)
             continue
         yield from _unknown_words(goal, path, conditions)
 

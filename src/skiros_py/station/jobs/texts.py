@@ -26,20 +26,28 @@ def goal_texts(goal: object) -> tuple[str, ...]:
         UsageError: The structure is wrong; the text gives the path to what is.
     """
     several = goal if isinstance(goal, list | tuple) else [goal]
-    structured = iter(_said([one for one in several if not isinstance(one, str)], alone=several is not goal))
+    structured = iter(_said([one for one in several if not isinstance(one, str)], "goal", alone=several is not goal))
     return tuple(one if isinstance(one, str) else _text(next(structured), frozenset(), 0) for one in several)
 
 
-def data_as_text(data: dict[str, Any]) -> str:
-    """Returns a structured condition as text.
+def check_structure(data: dict[str, Any], where: str) -> None:
+    """Requires that a structured condition can be written as text.
+
+    Args:
+        data: The condition.
+        where: Path to it.
 
     Raises:
-        UsageError: The structure is wrong.
+        UsageError: It cannot; the text gives the path to the fault.
     """
-    return goal_texts(data)[0]
+    (said,) = _said([data], where, alone=True)
+    try:
+        _text(said, frozenset(), 0)
+    except UsageError as error:
+        raise UsageError(f"{where}: {error}") from None
 
 
-def _said(data: Sequence[object], *, alone: bool) -> list[Said]:
+def _said(data: Sequence[object], where: str, *, alone: bool) -> list[Said]:
     from pydantic import ValidationError
 
     from skiros_py.tasks.goals.fields import GOALS
@@ -47,7 +55,7 @@ def _said(data: Sequence[object], *, alone: bool) -> list[Said]:
     try:
         fields = GOALS.validate_python(list(data))
     except ValidationError as error:
-        problems = (f"goal{_path(one['loc'][alone:])}: {fault_words(one)}" for one in error.errors()[:20])
+        problems = (f"{where}{_path(one['loc'][alone:])}: {fault_words(one)}" for one in error.errors()[:20])
         raise UsageError("; ".join(problems)) from None
     return [one.said() for one in fields]
 

@@ -133,7 +133,7 @@ def _substates(job: Known, now: float) -> tuple[str, ...]:
         case State.RUNNING:
             return (_ACTIVITIES.get(job.detail, "Executing"),)
         case State.INTERRUPTED:
-            return ("Held",) if job.choices or job.detail.startswith("held") else ("Suspended",)
+            return ("Held",) if job.choices or job.question is not None else ("Suspended",)
         case State.ENDED:
             return ("Completed", "Closed")
         case State.ABORTED:

@@ -1,4 +1,4 @@
-"""A first start that is refused leaves nothing behind."""
+"""Rolls back a first start that fails: its data directory is removed."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _OF_ACCESS = ("access.db", "access.db-wal", "access.db-shm")
 
 
 @contextmanager
-def nothing_left_of(data: Path) -> Iterator[None]:
-    """Removes a data directory that the block has made, where it is refused in the end.
+def rollback_first_start(data: Path) -> Iterator[None]:
+    """Removes the data directory if the block created it and then failed.
 
-    The world that began in it takes itself back; what somebody else has put there meanwhile stays.
+    The world in it is discarded by its owner; files that others added meanwhile are kept.
     """
     made = [folder for folder in (data, *data.parents) if not folder.exists()]
     try:
