@@ -144,6 +144,8 @@ _TABLE = {
         /simulation/reset POST
         /simulation/pace PUT
         /managers/{agent} PUT DELETE
+        /devices/{id}/open POST
+        /devices/{id}/close POST
         /modules/{agent}/{module}/panel POST
         /modules/{agent}/{module}/runs POST
         /modules/{agent}/{module}/reset POST

@@ -83,7 +83,7 @@ def test_the_second_robot_of_the_manual_comes_into_the_small_scene(tmp_path, cap
 
 
 def test_the_world_commands_of_the_manual_work(tmp_path, monkeypatch, capsys):
-    from skiros_py.station.session import open_data
+    from skiros_py.station.worlds import open_data
     from skiros_py.world.change import Writer
     from skiros_py.world.drafts import learn
 

@@ -9,7 +9,7 @@ import pytest
 
 from skiros_py.catalogue import load_catalogue
 from skiros_py.config import ontology_paths
-from skiros_py.station.session import open_world
+from skiros_py.station.worlds import open_world
 from skiros_py.world.ontology import load_installed
 
 Install = Callable[..., None]

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from skiros_py.cli.main import cli
 from skiros_py.config import find_scene, named_scene, scene_names
 from skiros_py.errors import FileError, UnknownName, UsageError
-from skiros_py.station.session import open_world
+from skiros_py.station.worlds import open_world
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 
 ROBOT = """

@@ -24,7 +24,7 @@ def test_a_robot_that_pretends_goes_on_with_what_it_holds(tmp_path: Path) -> Non
 
 
 def test_a_simulation_starts_with_the_part_where_it_was_taken_and_the_robot_anywhere(tmp_path: Path) -> None:
-    from skiros_py.station.session import open_data
+    from skiros_py.station.worlds import open_data
 
     leave_a_part_in_the_gripper(tmp_path / "data")
     with open_data(tmp_path / "data", create=False) as directory:
@@ -61,7 +61,7 @@ def test_opening_a_world_again_writes_down_nothing_that_is_known(tmp_path: Path)
 
 
 def test_a_part_that_nobody_knows_the_place_of_is_missing_when_a_simulation_starts(tmp_path: Path) -> None:
-    from skiros_py.station.session import open_data
+    from skiros_py.station.worlds import open_data
 
     with open_data(tmp_path / "data", "kitting") as directory:
         world = directory.world
@@ -74,7 +74,7 @@ def test_a_part_that_nobody_knows_the_place_of_is_missing_when_a_simulation_star
 
 def test_where_a_restart_would_fail_nothing_is_believed_otherwise(tmp_path: Path) -> None:
     from skiros_py.errors import DescriptionError
-    from skiros_py.station.session import open_data
+    from skiros_py.station.worlds import open_data
 
     def refuse(_view: object) -> None:
         raise DescriptionError("no room")

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from skiros_py.station.session import open_data
+from skiros_py.station.worlds import open_data
 
 SKIROS = Path(sys.executable).parent / "skiros"
 HEADER = """@prefix scene: <https://w3id.org/skiros-py/scene#> .

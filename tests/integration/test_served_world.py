@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from support.server_process import ServerProcess
 
 from skiros_py.cli.main import cli, main
-from skiros_py.station.session import open_data
+from skiros_py.station.worlds import open_data
 from skiros_py.world.change import Writer
 from skiros_py.world.drafts import learn
 

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from skiros_py.cli.main import main
-from skiros_py.station.session import open_data
+from skiros_py.station.worlds import open_data
 
 SKIROS = Path(sys.executable).parent / "skiros"
 PARTS = "SELECT ?part { ?part sk:in $place } ORDER BY ?part"

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.skills.conditions import Verdict
-from skiros_py.station.session import open_world
+from skiros_py.station.worlds import open_world
 from skiros_py.testing import tiny_world
 from skiros_py.world.world import World
 from skiros_skills import conditions

@@ -7,7 +7,7 @@ import pytest
 from skiros_primitives import part_models as models
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError
-from skiros_py.station.session import open_world
+from skiros_py.station.worlds import open_world
 from skiros_py.testing import tiny_world
 from skiros_py.world.ontology import Ontology
 from skiros_py.world.world import World

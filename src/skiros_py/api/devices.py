@@ -31,6 +31,7 @@ class DeviceInfo(Answer):
         description="What is known of it, by the names that its kind uses.", examples=[{"max_gap": 0.08}]
     )
     signals: tuple[SignalInfo, ...] = Field(description="The values that it offers.")
+    open: bool = Field(description="Whether it may be used; false after it was closed.", examples=[True])
     commanded: bool = Field(description="Whether it takes commands; false for a sensor.", examples=[True])
     jog: str = Field(description="Module that moves it by a little; empty for none.", examples=["gripper_control"])
     teach: str = Field(description="Module that teaches a pose with it; empty for none.", examples=[""])

@@ -14,7 +14,8 @@ from skiros_py.skills.lint import EFFECT_MISSING, Spot
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.skill import Skill
 from skiros_py.station.judgement import judge
-from skiros_py.station.session import Options, Session, open_world
+from skiros_py.station.session import Options, Session
+from skiros_py.station.worlds import open_world
 
 _DRIVER = "pybullet"
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
+from skiros_py.cli.job_text import state_line
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import answer
-from skiros_py.cli.reaching import reach, server_options
+from skiros_py.cli.output import tell
+from skiros_py.cli.reaching import with_client
 
 if TYPE_CHECKING:
     from skiros_py.api.jobs import Job
+    from skiros_py.client import Client
 
 _REMOVE = ("cancel", "clear")
 
@@ -30,12 +30,13 @@ def _command(name: str, method: str, text: str) -> click.Command:
     @click.command(name, help=text, epilog=f"Example: skiros job {name} kit-17 --data cell")
     @click.argument("job")
     @click.option("--comment", default="", metavar="TEXT", help="Why, for the record.")
-    @server_options
+    @with_client()
     @JSON
-    def run(job: str, comment: str, data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
-        with reach(data, url, key_file) as client:
-            found: Job = getattr(client.jobs, method)(job, comment)
-        return _show(job, None if name in _REMOVE else found, as_json=as_json)
+    def run(job: str, comment: str, client: Client, as_json: bool) -> int:
+        found: Job = getattr(client.jobs, method)(job, comment)
+        if name in _REMOVE:
+            return tell({"id": job, "removed": True}, [f"{job}: removed"], as_json=as_json)
+        return tell(found, [state_line(found)], as_json=as_json)
 
     return run
 
@@ -53,21 +54,9 @@ clear = _command("clear", "clear", "Removes JOB, which is over, with all that is
 @click.command("answer", epilog="Example: skiros job answer kit-17 retry --data cell")
 @click.argument("job")
 @click.argument("choice")
-@server_options
+@with_client()
 @JSON
-def reply(job: str, choice: str, data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
+def reply(job: str, choice: str, client: Client, as_json: bool) -> int:
     """Answers what JOB waits for with one of its CHOICEs; 'skiros job show JOB' lists them."""
-    with reach(data, url, key_file) as client:
-        found = client.jobs.answer(job, choice)
-    return _show(job, found, as_json=as_json)
-
-
-def _show(name: str, job: Job | None, *, as_json: bool) -> int:
-    """Shows what has become of a job; None where it was removed."""
-    from skiros_py.cli.job_text import say, state_line
-
-    if as_json:
-        answer({"id": name, "removed": True} if job is None else job.model_dump(mode="json", by_alias=True))
-    else:
-        say([f"{name}: removed" if job is None else state_line(job)])
-    return REACHED
+    found = client.jobs.answer(job, choice)
+    return tell(found, [state_line(found)], as_json=as_json)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from datetime import datetime
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from pydantic import ValidationError
@@ -13,12 +12,15 @@ from pydantic import ValidationError
 from skiros_py.api.jobs import JobOrder, order_from
 from skiros_py.api.previews import Preview, PreviewState
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED
-from skiros_py.cli.job_text import say, state_line
+from skiros_py.cli.job_text import state_line
 from skiros_py.cli.job_watch import follow_job
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import answer
-from skiros_py.cli.reaching import reach, server_options
+from skiros_py.cli.output import tell
+from skiros_py.cli.reaching import with_client
 from skiros_py.errors import UsageError
+
+if TYPE_CHECKING:
+    from skiros_py.client import Client
 
 _LOOK = 10.0
 """For how long one request waits for a plan [s]."""
@@ -57,7 +59,7 @@ Examples:
     "--material", "materials", multiple=True, metavar="[N*]CLASS[=ID][@PLACE]", help="Material that it is about."
 )
 @click.option("--watch", is_flag=True, help="Follow it until it is over, as 'skiros job watch' does.")
-@server_options
+@with_client()
 @JSON
 def submit(
     goals: tuple[str, ...],
@@ -66,9 +68,7 @@ def submit(
     materials: tuple[str, ...],
     hold: bool,
     watch: bool,
-    data: Path | None,
-    url: str | None,
-    key_file: Path | None,
+    client: Client,
     as_json: bool,
     id_: str | None,
     **fields: Any,
@@ -78,35 +78,25 @@ def submit(
     It is kept when this returns. Exit status: 0 taken; with --watch that of 'skiros job watch'.
     """
     order = _order(goals, template, params, materials, id=id_, **fields)
-    with reach(data, url, key_file) as client:
-        job = client.jobs.order(order, start=not hold)
-        if watch:
-            return follow_job(client, job.id, as_json=as_json)
-    if as_json:
-        answer(job.model_dump(mode="json", by_alias=True))
-    else:
-        say([state_line(job)])
-    return REACHED
+    job = client.jobs.order(order, start=not hold)
+    if watch:
+        return follow_job(client, job.id, as_json=as_json)
+    return tell(job, [state_line(job)], as_json=as_json)
 
 
 @click.command("preview", epilog="Example: skiros job preview 'InKit(Starter, kit_1)' --data cell")
 @click.argument("goals", nargs=-1, required=True, metavar="GOAL...")
-@server_options
+@with_client()
 @JSON
-def preview(goals: tuple[str, ...], data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
+def preview(goals: tuple[str, ...], client: Client, as_json: bool) -> int:
     """Shows what would be done for GOALs from what is believed now, or why there is no plan; nothing moves.
 
     Exit status: 0 there is a plan or nothing to be done, 1 planning failed, 3 there is no plan.
     """
-    order = _order(goals, "", (), ())
-    with reach(data, url, key_file) as client:
-        found = client.previews.ask(order)
-        while found.state is PreviewState.PLANNING:
-            found = client.previews.get(found.id, wait=_LOOK)
-    if as_json:
-        answer(found.model_dump(mode="json"))
-    else:
-        say(_preview_lines(found))
+    found = client.previews.ask(_order(goals, "", (), ()))
+    while found.state is PreviewState.PLANNING:
+        found = client.previews.get(found.id, wait=_LOOK)
+    tell(found, _preview_lines(found), as_json=as_json)
     return {PreviewState.PLANNED: REACHED, PreviewState.NO_PLAN: NO_PLAN}.get(found.state, NOT_REACHED)
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
-
-import click
 
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.text import escaped
@@ -26,12 +24,6 @@ _STATUS = {
 def status_of(job: Job) -> int:
     """Returns the exit status that tells what came of a job: the same as that of ``skiros run``."""
     return _STATUS.get(job.outcome or "", NOT_REACHED)
-
-
-def say(lines: Iterable[str]) -> None:
-    """Prints lines, whatever somebody has written into them."""
-    for line in lines:
-        click.echo(escaped(line))
 
 
 def state_line(job: Job) -> str:

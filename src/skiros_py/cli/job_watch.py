@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import sys
 from contextlib import nullcontext
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.job_text import job_lines, say, state_line, status_of
+from skiros_py.cli.job_text import job_lines, state_line, status_of
 from skiros_py.cli.options import JSON
-from skiros_py.cli.output import answer
-from skiros_py.cli.reaching import reach, server_options
+from skiros_py.cli.output import tell
+from skiros_py.cli.reaching import with_client
 from skiros_py.cli.text import escaped
 
 if TYPE_CHECKING:
@@ -25,15 +24,14 @@ if TYPE_CHECKING:
 
 @click.command("watch", epilog="Example: skiros job watch kit-17 --data cell")
 @click.argument("job")
-@server_options
+@with_client()
 @JSON
-def watch(job: str, data: Path | None, url: str | None, key_file: Path | None, as_json: bool) -> int:
+def watch(job: str, client: Client, as_json: bool) -> int:
     """Follows JOB until it is over, over broken connections and restarts of the server. Ctrl-C ends only the watching.
 
     Exit status as that of 'skiros run': 0 reached, 1 not reached, 3 no plan, 130 stopped or aborted.
     """
-    with reach(data, url, key_file) as client:
-        return follow_job(client, job, as_json=as_json)
+    return follow_job(client, job, as_json=as_json)
 
 
 def follow_job(client: Client, name: str, *, as_json: bool) -> int:
@@ -49,10 +47,7 @@ def follow_job(client: Client, name: str, *, as_json: bool) -> int:
     """
     with _live(to_stderr=as_json) as live:
         job = _follow(client, name, live, to_stderr=as_json)
-    if as_json:
-        answer(job.model_dump(mode="json", by_alias=True))
-    else:
-        say(job_lines(job))
+    tell(job, job_lines(job), as_json=as_json)
     return status_of(job)
 
 

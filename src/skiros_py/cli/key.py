@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import DATA, JSON
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import tell
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
 from skiros_py.system import require_extra
@@ -68,12 +67,9 @@ def create(name: str, role: str, expires: float | None, data: Path, new: bool, a
     _check_folder(data, new=new)
     with _keys(data, make=True) as keys:
         key, text = keys.create(name, Role(role), None if expires is None else time.time() + expires)
-    if as_json:
-        answer({"key": shown(key).model_dump(mode="json"), "secret": text})
-        return REACHED
-    click.echo(f"{role} key for {escaped(name)}; it is shown this once:", err=True)
-    click.echo(text)
-    return REACHED
+    if not as_json:
+        click.echo(f"{role} key for {escaped(name)}; it is shown this once:", err=True)
+    return tell({"key": shown(key), "secret": text}, [text], as_json=as_json)
 
 
 @command.command("list", epilog="Example: skiros key list --data plant")
@@ -85,12 +81,8 @@ def list_keys(data: Path, as_json: bool) -> int:
 
     with _keys(data) as keys:
         found = [shown(key) for key in keys.all()]
-    if as_json:
-        answer({"keys": [key.model_dump(mode="json") for key in found]})
-        return REACHED
-    for key in found:
-        click.echo(f"{key.id}  {key.role:<8}  {key.shown}  {escaped(key.name)}: {_state(key)}")
-    return REACHED
+    lines = (f"{key.id}  {key.role:<8}  {key.shown}  {key.name}: {_state(key)}" for key in found)
+    return tell({"keys": found}, lines, as_json=as_json)
 
 
 @command.command("revoke", epilog="Example: skiros key revoke 1f0c55a2 --data plant")
@@ -103,11 +95,7 @@ def revoke(key: str, data: Path, as_json: bool) -> int:
 
     with _keys(data) as keys:
         revoked = shown(keys.revoke(key))
-    if as_json:
-        answer(revoked.model_dump(mode="json"))
-    else:
-        click.echo(f"{revoked.shown} of {escaped(revoked.name)} is revoked")
-    return REACHED
+    return tell(revoked, [f"{revoked.shown} of {revoked.name} is revoked"], as_json=as_json)
 
 
 def _check_folder(data: Path, *, new: bool) -> None:

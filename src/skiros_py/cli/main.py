@@ -6,63 +6,48 @@ import os
 import sys
 import traceback
 from contextlib import AbstractContextManager, nullcontext
-from importlib import import_module
 
 import click
 
 from skiros_py.cli.ending import leave
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED, USAGE
+from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.output import answer, answers_alone, silence
 from skiros_py.cli.stops import ignore_stops, unwind_on_stops
 from skiros_py.cli.text import brief
 from skiros_py.cli.warnings import warnings_on_stderr
-from skiros_py.errors import DeviceError, PlanningError, SkirosError, UnknownName
+from skiros_py.errors import DeviceError, PlanningError, SkirosError
 from skiros_py.interruptions import by_user
 
 _COMMANDS = {
-    "run": ("skiros_py.cli.run", "Plan and do the goal of a scene."),
-    "serve": ("skiros_py.cli.serve", "Serve a scene or data directory to factory systems, clients and people."),
-    "job": ("skiros_py.cli.job", "Order jobs of a server, follow and command them."),
-    "stop": ("skiros_py.cli.stop", "Halt all robots of a server at once."),
-    "reset": ("skiros_py.cli.reset", "Let them start again after that."),
-    "manager": ("skiros_py.cli.manager", "Open and close the skill managers of a server while it runs."),
-    "report": ("skiros_py.cli.report", "Make a page about a run: timeline, pictures, what happened and why."),
-    "plan": ("skiros_py.cli.plan", "Show domain, problem and plan without doing anything."),
-    "skills": ("skiros_py.cli.skills", "List the skills, primitives and conditions that were found."),
-    "plugins": ("skiros_py.cli.plugins", "List the plug-ins that are installed, and say what is wrong with them."),
-    "check-plugin": ("skiros_py.cli.check_plugin", "Ask the rules about plug-ins, and try their skills."),
-    "key": ("skiros_py.cli.key", "Make keys for a server, list and revoke them."),
-    "doctor": ("skiros_py.cli.doctor", "Explain this environment: what is there, what is missing, what to do."),
-    "module": ("skiros_py.cli.module", "Run skills and primitives on their own; see what holds, and why not."),
+    "run": ("run", "Plan and do the goal of a scene."),
+    "serve": ("serve", "Serve a scene or data directory to factory systems, clients and people."),
+    "job": ("job", "Order jobs of a server, follow and command them."),
+    "stop": ("stop:stop", "Halt all robots of a server at once."),
+    "reset": ("stop:reset", "Let them start again after that."),
+    "manager": ("manager", "Open and close the skill managers of a server while it runs."),
+    "device": ("device", "List, open and close the devices of a server while it runs."),
+    "report": ("report", "Make a page about a run: timeline, pictures, what happened and why."),
+    "plan": ("plan", "Show domain, problem and plan without doing anything."),
+    "skills": ("skills", "List the skills, primitives and conditions that were found."),
+    "plugins": ("plugins", "List the plug-ins that are installed, and say what is wrong with them."),
+    "check-plugin": ("check_plugin", "Ask the rules about plug-ins, and try their skills."),
+    "key": ("key", "Make keys for a server, list and revoke them."),
+    "doctor": ("doctor", "Explain this environment: what is there, what is missing, what to do."),
+    "module": ("module", "Run skills and primitives on their own; see what holds, and why not."),
     "new": (
-        "skiros_py.cli.new",
+        "new",
         "Write a package, or a skill, primitive, condition, ontology, robot or scene into one.",
     ),
-    "scene": ("skiros_py.cli.scene", "Look at scenes."),
-    "world": ("skiros_py.cli.world", "Look at a world that lives in a data directory, take back edits, ask questions."),
-    "ontology": ("skiros_py.cli.ontology", "Check ontologies, write their words as Python constants."),
+    "scene": ("scene", "Look at scenes."),
+    "world": ("world", "Look at a world that lives in a data directory, take back edits, ask questions."),
+    "ontology": ("ontology", "Check ontologies, write their words as Python constants."),
 }
 
 
-class _LazyGroup(click.Group):
-    """Imports a command's module only when it is used, so that help is there at once."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(_COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in _COMMANDS:
-            raise click.UsageError(str(UnknownName("command", cmd_name, _COMMANDS)), ctx)
-        command: click.Command = import_module(_COMMANDS[cmd_name][0]).command
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, help_) for name, (_, help_) in _COMMANDS.items()])
-
-
 @click.command(
-    cls=_LazyGroup,
+    cls=LazyGroup,
+    elsewhere=_COMMANDS,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Example: skiros run kitting --goal 'InKit(Starter, kit_1)' --record run.png",
 )

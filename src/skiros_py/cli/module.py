@@ -9,7 +9,7 @@ import click
 
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, JSON, PACE
+from skiros_py.cli.options import GUI, JSON, cell_options
 from skiros_py.cli.output import answer
 from skiros_py.errors import UnknownName, UsageError
 
@@ -85,13 +85,8 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
 @command.command("run", epilog="Example: skiros module run drive --param Location=pallet_a --fake")
 @click.argument("name")
 @_choice
-@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of every random choice.  [default: 0]")
-@click.option("--fake", is_flag=True, help="No physics: skills pretend.")
-@DRIVER
-@ENGINE
-@click.option("--gui", is_flag=True, help="Open the simulation's window.")
-@PACE
-@CONFIG
+@cell_options("max")
+@GUI
 @click.option("--repeat", type=click.IntRange(1), default=1, help="How often.  [default: 1]")
 @ask_option
 @JSON
@@ -100,24 +95,17 @@ def run(
     params: tuple[str, ...],
     agent: str | None,
     scene: str,
-    seed: int,
-    fake: bool,
-    driver: str | None,
-    engine: str,
-    gui: bool,
-    pace: float | None,
-    config: dict[str, str],
     repeat: int,
     ask: bool | None,
     as_json: bool,
+    **options: Any,
 ) -> int:
     """Runs a module by itself, and shows its conditions before and after."""
     from skiros_py.cli.run import stopping
     from skiros_py.skills.outcome import Success
     from skiros_py.station.session import Options, Session
 
-    options = Options(seed=seed, fake=fake, gui=gui, driver=driver, engine=engine, pace=pace, config=config)
-    with Session(scene, options) as session:
+    with Session(scene, Options(**options)) as session:
         given, manager = _given(params), _manager(session, name, agent)
         before = manager.panel(name, given)
         if not as_json:

@@ -36,11 +36,19 @@ def open_existing(data: Path) -> DataDirectory:
     Raises:
         FileError: It is not there, another process uses it, it cannot be read or written, or a file is broken.
     """
-    from skiros_py.station.session import open_data
+    from skiros_py.station.worlds import open_data
 
     return open_data(data, create=False)
 
 
+GOAL = click.option("--goal", multiple=True, metavar="TEXT", help="Goal instead of the scene's; may be repeated.")
+"""The option that states a goal."""
+SEED = click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of every random choice.")
+"""The option that seeds a run."""
+FAKE = click.option("--fake", is_flag=True, help="No physics: skills pretend.")
+"""The option that leaves out physics."""
+GUI = click.option("--gui", is_flag=True, help="Open the simulation's window.")
+"""The option that opens the simulation's window."""
 DRIVER = click.option(
     "--driver", metavar="NAME", help="A cell driver that a plug-in brings, instead of the simulation."
 )
@@ -117,8 +125,6 @@ def pace_option(default: str) -> Callable[[_Command], _Command]:
     )
 
 
-PACE = pace_option("max")
-"""How fast a run goes."""
 CONFIG = click.option(
     "--config", multiple=True, metavar="MODULE.KEY=VALUE", callback=_configuration, help="A configuration parameter."
 )
@@ -145,6 +151,19 @@ _PLANNER_COMMAND = click.option(
     metavar="TEMPLATE",
     help="Any PDDL planner, such as 'pyperplan -s gbf {domain} {problem}'; {plan} where the plan shall go.",
 )
+
+
+def cell_options(pace: str) -> Callable[[_Command], _Command]:
+    """Makes the options that say how a cell is brought up; they have the names of ``station.session.Options``.
+
+    Args:
+        pace: How fast it goes by default.
+    """
+
+    def decorate(command: _Command) -> _Command:
+        return SEED(pace_option(pace)(FAKE(DRIVER(ENGINE(CONFIG(command))))))
+
+    return decorate
 
 
 def planner_options(command: _Command) -> _Command:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
 import click
+
+from skiros_py.cli.exit_status import REACHED
+from skiros_py.cli.text import escaped
 
 _answers: TextIO | None = None
 
@@ -35,6 +38,33 @@ def answers_alone(*, prints: bool) -> Iterator[None]:
 def answer(value: Any) -> None:
     """Prints the answer of a command as JSON, in one line."""
     answer_text(json.dumps(value))
+
+
+def tell(found: Any, lines: Iterable[str] = (), *, as_json: bool) -> int:
+    """Prints what a command has found: as JSON, or as lines for people.
+
+    Args:
+        found: Plain data, or what the API answers.
+        lines: The same for people; what others wrote into them is escaped.
+        as_json: Which of the two.
+
+    Returns:
+        The exit status for success.
+    """
+    if as_json:
+        answer(_plain(found))
+    else:
+        for line in lines:
+            click.echo(escaped(line))
+    return REACHED
+
+
+def _plain(found: Any) -> Any:
+    if isinstance(found, dict):
+        return {name: _plain(value) for name, value in found.items()}
+    if isinstance(found, list | tuple):
+        return [_plain(one) for one in found]
+    return found.model_dump(mode="json", by_alias=True) if hasattr(found, "model_dump") else found
 
 
 def answer_text(text: str) -> None:

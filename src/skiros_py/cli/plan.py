@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiros_py.cli.exit_status import NO_PLAN, REACHED
-from skiros_py.cli.options import SKILLS, planner_options
+from skiros_py.cli.options import GOAL, SKILLS, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.errors import UsageError
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @click.command("plan", epilog="Example: skiros plan kitting --write out && ls out")
 @click.argument("scene")
-@click.option("--goal", "goals", multiple=True, metavar="TEXT", help="Goal instead of the scene's; may be repeated.")
+@GOAL
 @click.option("--robot", metavar="NAME", help="Robot to plan for; all robots of the scene where left out.")
 @click.option(
     "--write",
@@ -34,32 +34,12 @@ if TYPE_CHECKING:
 @SKILLS
 @planner_options
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
-def command(
-    scene: str,
-    goals: tuple[str, ...],
-    robot: str | None,
-    folder: Path | None,
-    explain: bool,
-    planner: str | None,
-    planner_command: str | None,
-    temporal: bool,
-    skills: tuple[str, ...],
-    as_json: bool,
-) -> int:
+def command(scene: str, folder: Path | None, explain: bool, as_json: bool, **options: Any) -> int:
     """Shows domain, problem and plan for the goal of SCENE; nothing moves."""
     from skiros_py.planning.plan import NoPlan
     from skiros_py.station.session import Options, Session
 
-    options = Options(
-        robot=robot,
-        fake=True,
-        goal=goals,
-        planner=planner,
-        planner_command=planner_command,
-        temporal=temporal,
-        skills=skills,
-    )
-    with Session(scene, options) as session:
+    with Session(scene, Options(fake=True, **options)) as session:
         planned = session.plan()
         descriptions = [skill.description for _, skill in sorted(session.catalogue.skills.items())]
     outcome, texts = planned.outcome, planned.texts

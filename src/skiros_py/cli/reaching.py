@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,6 +35,24 @@ _KEY_FILE = click.option(
 def server_options(command: _Command) -> _Command:
     """Adds the options that say which server: ``data``, ``url`` and ``key_file``."""
     return data_option(required=False)(_URL(_KEY_FILE(command)))
+
+
+def with_client(**options: Any) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Adds the options that say which server, and calls the command with its ``client``.
+
+    Args:
+        **options: Those of :class:`~skiros_py.client.Client`: ``timeout`` and ``tries``.
+    """
+
+    def decorate(command: Callable[..., int]) -> Callable[..., int]:
+        @functools.wraps(command)
+        def run(*arguments: Any, data: Path | None, url: str | None, key_file: Path | None, **others: Any) -> int:
+            with reach(data, url, key_file, **options) as client:
+                return command(*arguments, client=client, **others)
+
+        return server_options(run)
+
+    return decorate
 
 
 def reach(data: Path | None, url: str | None, key_file: Path | None, **options: Any) -> Client:

@@ -16,7 +16,7 @@ import click
 from skiros_py.cli.asking import answering, ask_option
 from skiros_py.cli.ending import end_unless
 from skiros_py.cli.exit_status import NO_PLAN, NOT_REACHED, REACHED, STOPPED
-from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, PACE, SKILLS, data_option, planner_options
+from skiros_py.cli.options import GUI, SKILLS, cell_options, data_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS, heard_at_once, ignore_stops, raise_interrupt
 from skiros_py.errors import UsageError
@@ -28,18 +28,16 @@ if TYPE_CHECKING:
 
 @click.command("run", epilog="Example: skiros run kitting --seed 3 --goal 'InKit(Starter, kit_1)' --record run.png")
 @click.argument("scene")
-@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of every random choice.  [default: 0]")
 @click.option(
     "--goal",
-    "goals",
     multiple=True,
     metavar="TEXT",
     help="Goal instead of the scene's, as text such as 'InKit(Starter, kit_1) and not (A(x) or B(x))', 'for all k: Kit "
     "(InKit(Starter, k))', 'exists k: Kit (…)', or as PDDL, '(in_kit starter kit_1)'; may be repeated.",
 )
 @click.option("--robot", metavar="NAME", help="Robot to use; needed where the scene has several.")
-@PACE
-@click.option("--gui", is_flag=True, help="Open the simulation's window.")
+@cell_options("max")
+@GUI
 @click.option(
     "--record",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -47,61 +45,22 @@ if TYPE_CHECKING:
     help="Contact sheet of the key moments (.png) or animation (.gif, .webp).",
 )
 @data_option(required=False)
-@click.option("--fake", is_flag=True, help="No physics: skills pretend.")
-@DRIVER
-@ENGINE
-@CONFIG
 @SKILLS
 @planner_options
 @ask_option
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout, all else on stderr.")
-def command(
-    scene: str,
-    seed: int,
-    goals: tuple[str, ...],
-    robot: str | None,
-    pace: float | None,
-    gui: bool,
-    record: Path | None,
-    data: Path | None,
-    fake: bool,
-    driver: str | None,
-    engine: str,
-    config: dict[str, str],
-    planner: str | None,
-    planner_command: str | None,
-    temporal: bool,
-    skills: tuple[str, ...],
-    ask: bool | None,
-    as_json: bool,
-) -> int:
+def command(scene: str, record: Path | None, ask: bool | None, as_json: bool, **options: Any) -> int:
     """Plans and does the goal of SCENE (a name, or a path to a .ttl file)."""
     from skiros_py.recording.pictures import check_pictures
     from skiros_py.system import check_display
 
     if record is not None:
-        check_pictures(record, fake=fake)
-    if gui:
+        check_pictures(record, fake=options["fake"])
+    if options["gui"]:
         check_display(os.environ.get("DISPLAY"))
     from skiros_py.station.session import Options, Session
 
-    options = Options(
-        seed=seed,
-        robot=robot,
-        fake=fake,
-        pace=pace,
-        gui=gui,
-        goal=goals,
-        driver=driver,
-        engine=engine,
-        config=config,
-        planner=planner,
-        planner_command=planner_command,
-        temporal=temporal,
-        skills=skills,
-        data=data,
-    )
-    with Session(scene, options) as session:
+    with Session(scene, Options(**options)) as session:
         status = _run(session, record, ask=ask, as_json=as_json)
         ignore_stops()  # closing is quick and must not be torn apart
         return status

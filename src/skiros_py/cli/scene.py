@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING
 import click
 
 from skiros_py.cli.exit_status import DIFFERENT, REACHED
-from skiros_py.cli.output import answer, answer_text
+from skiros_py.cli.options import JSON
+from skiros_py.cli.output import answer_text, tell
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
     from skiros_py.world.branches import Branch
-
-_JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 
 
 @click.group("scene")
@@ -29,26 +28,21 @@ def command() -> None:
 
 
 @command.command("list", epilog="Example: skiros scene list --json")
-@_JSON
+@JSON
 def list_scenes(as_json: bool) -> int:
     """Lists the scenes that can be given by name."""
     from skiros_py.config import named_scene, scene_names
 
     names = scene_names()
-    if as_json:
-        answer({"scenes": {name: str(named_scene(name)) for name in names}})
-        return REACHED
-    for name in names:
-        click.echo(name)
-    return REACHED
+    return tell({"scenes": {name: str(named_scene(name)) for name in names}}, names, as_json=as_json)
 
 
 @command.command("show", epilog="Example: skiros scene show kitting")
 @click.argument("scene")
-@_JSON
+@JSON
 def show(scene: str, as_json: bool) -> int:
     """Shows SCENE as a tree over what is placed where and what is built of what, and its goal."""
-    from skiros_py.station.session import open_world
+    from skiros_py.station.worlds import open_world
     from skiros_py.world.branches import tree
 
     world = open_world(scene)
@@ -67,7 +61,7 @@ def show(scene: str, as_json: bool) -> int:
 
 @command.command("check", epilog="Example: skiros scene check my_cell.ttl")
 @click.argument("scene")
-@_JSON
+@JSON
 def check(scene: str, as_json: bool) -> int:
     """Checks SCENE against the ontologies, and its goal against the conditions of the plug-ins.
 
@@ -75,7 +69,7 @@ def check(scene: str, as_json: bool) -> int:
     """
     from skiros_py.catalogue import load_catalogue
     from skiros_py.config import find_scene
-    from skiros_py.station.session import open_world
+    from skiros_py.station.worlds import open_world
     from skiros_py.tasks.goals import parse_goal
     from skiros_py.world.vocabulary import ELEMENT
 
@@ -85,33 +79,27 @@ def check(scene: str, as_json: bool) -> int:
     except UsageError as error:
         raise FileError(find_scene(scene), f"sk:goal: {error}") from error
     elements = len(world.instances(ELEMENT))
-    if as_json:
-        answer({"scene": scene, "elements": elements, "goals": list(world.goals)})
-    else:
-        click.echo(f"{scene}: {elements} elements, {len(world.goals)} goals, nothing wrong")
-    return REACHED
+    line = f"{scene}: {elements} elements, {len(world.goals)} goals, nothing wrong"
+    return tell({"scene": scene, "elements": elements, "goals": list(world.goals)}, [line], as_json=as_json)
 
 
 @command.command("diff", epilog="Example: skiros scene diff kitting my_cell.ttl")
 @click.argument("old")
 @click.argument("new")
-@_JSON
+@JSON
 def diff(old: str, new: str, as_json: bool) -> int:
     """Shows what makes the scene NEW of the scene OLD, edit by edit.
 
     Exit status: 0 they are equal, 1 they are different, 2 one of them is broken.
     """
-    from skiros_py.station.session import open_world
+    from skiros_py.station.worlds import open_world
     from skiros_py.world.scene import describe
     from skiros_py.world.scene import diff as compare
 
     before, after = open_world(old).snapshot(), open_world(new).snapshot()
     edits = compare(before, after)
-    if as_json:
-        answer({"old": old, "new": new, "edits": [edit.as_json() for edit in edits]})
-    else:
-        for line in describe(after.ontology, edits):
-            click.echo(escaped(line))
+    found = {"old": old, "new": new, "edits": [edit.as_json() for edit in edits]}
+    tell(found, describe(after.ontology, edits), as_json=as_json)
     return DIFFERENT if edits else REACHED
 
 
@@ -137,7 +125,7 @@ def save(scene_and_file: tuple[str, ...], data: Path | None) -> int:
 
 
 def _loaded(scene: str) -> str:
-    from skiros_py.station.session import open_world
+    from skiros_py.station.worlds import open_world
     from skiros_py.world.scene.writer import scene_turtle
 
     return scene_turtle(open_world(scene).snapshot())

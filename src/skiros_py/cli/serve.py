@@ -10,14 +10,14 @@ from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from skiros_py.cli.ending import end_now, end_unless
 from skiros_py.cli.exit_status import NOT_REACHED, REACHED, STOPPED
 from skiros_py.cli.first_start import rollback_first_start
-from skiros_py.cli.options import CONFIG, DRIVER, ENGINE, JSON, SKILLS, data_option, pace_option, planner_options
+from skiros_py.cli.options import JSON, SKILLS, cell_options, data_option, planner_options
 from skiros_py.cli.output import answer
 from skiros_py.cli.stops import STOPS
 from skiros_py.cli.text import escaped
@@ -56,13 +56,8 @@ Examples:
 @data_option(required=False)
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address; any but this machine's own takes keys.")
 @click.option("--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="0 for any free one.")
-@pace_option("real")
-@click.option("--fake", is_flag=True, help="No physics: skills pretend.")
-@DRIVER
-@ENGINE
+@cell_options("real")
 @click.option("--robot", metavar="NAME", help="The robot to use.  [default: all robots of the scene]")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of every random choice.")
-@CONFIG
 @SKILLS
 @planner_options
 @click.option(
@@ -85,22 +80,14 @@ def command(
     host: str,
     port: int,
     pace: float | None,
-    fake: bool,
     driver: str | None,
-    engine: str,
-    robot: str | None,
-    seed: int,
-    config: dict[str, str],
-    planner: str | None,
-    planner_command: str | None,
-    temporal: bool,
-    skills: tuple[str, ...],
     auth: Authentication,
     allow_host: tuple[str, ...],
     allow_origin: tuple[str, ...],
     webhook_host: tuple[str, ...],
     log: Literal["console", "json"],
     as_json: bool,
+    **others: Any,
 ) -> int:
     """Serves SCENE, or the world that lives in the data directory, until Ctrl-C or a polite kill.
 
@@ -122,21 +109,8 @@ def command(
         allowed_origins=allow_origin,
         webhook_hosts=webhook_host,
     )
-    options = Options(
-        seed=seed,
-        robot=robot,
-        fake=fake,
-        pace=pace,
-        driver=driver,
-        engine=engine,
-        config=config,
-        planner=planner,
-        planner_command=planner_command,
-        temporal=temporal,
-        skills=skills,
-        data=data,
-        overrun=None if pace is None else _OVERRUN if driver else _OVERRUN_SIMULATED,
-    )
+    overrun = None if pace is None else _OVERRUN if driver else _OVERRUN_SIMULATED
+    options = Options(pace=pace, driver=driver, overrun=overrun, data=data, **others)
     _check_first_content(scene, data)
     with (
         switching_quickly(),
@@ -216,11 +190,11 @@ def _serve(
 
 def _say_what_lives(services: Services, scene: str, data: Path) -> None:
     """Tells who asks for another scene than that which lives there."""
+    from skiros_py.config import find_scene
     from skiros_py.station.scenes.loading import scene_of
-    from skiros_py.station.session import scene_title
 
     found, _ = scene_of(services.station.session.world)
-    if found == scene_title(scene):
+    if found == find_scene(scene).stem:
         return
     name = escaped(found) if found else "another one, of no name"
     click.echo(f"world   in {data} lives {name}: {scene} was not loaded; choose another --data to begin it", err=True)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from skiros_py.cli.exit_status import REACHED
+from skiros_py.cli.lazy import LazyGroup
 from skiros_py.cli.options import AUTHOR, DATA, JSON, data_option, open_existing
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import answer, tell
 from skiros_py.cli.reaching import present_world
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
@@ -26,29 +26,13 @@ _MOST_LINES = 20
 """Edits of one change that are shown; a scene has thousands."""
 
 _ELSEWHERE = {
-    "learned": ("skiros_py.cli.world_learned", "Lists what robots were taught, forgets it, or writes it to a file."),
-    "query": ("skiros_py.cli.world_query", "Asks a question in SPARQL."),
+    "learned": ("world_learned", "Lists what robots were taught, forgets it, or writes it to a file."),
+    "query": ("world_query", "Asks a question in SPARQL."),
 }
 """Commands with a module of their own, imported when it is used."""
 
 
-class _WorldGroup(click.Group):
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return [*super().list_commands(ctx), *_ELSEWHERE]
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name in _ELSEWHERE:
-            elsewhere: click.Command = import_module(_ELSEWHERE[cmd_name][0]).command
-            return elsewhere
-        return super().get_command(ctx, cmd_name)
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002  click's
-        rows = [(name, here.get_short_help_str(100)) for name, here in sorted(self.commands.items())]
-        with formatter.section("Commands"):
-            formatter.write_dl([*rows, *((name, help_) for name, (_, help_) in _ELSEWHERE.items())])
-
-
-@click.group("world", cls=_WorldGroup)
+@click.group("world", cls=LazyGroup, elsewhere=_ELSEWHERE)
 def command() -> None:
     """Looks at a world that lives in a data directory, and takes back what was done to it.
 
@@ -68,7 +52,7 @@ def create(scene: str, data: Path) -> int:
     A learned.ttl that lies in it already comes along.
     """
     from skiros_py.client.discovery import find_server
-    from skiros_py.station.session import open_data
+    from skiros_py.station.worlds import open_data
 
     if (data / "journal.db").exists():
         server = find_server(data)
@@ -91,7 +75,7 @@ def create(scene: str, data: Path) -> int:
 def show(element: str, data: Path | None, scene: str | None, as_json: bool) -> int:
     """Shows what is believed of ELEMENT: class, properties, relations, and the last change."""
     from skiros_py.cli.world_open import OpenWorld
-    from skiros_py.station.session import open_world
+    from skiros_py.station.worlds import open_world
 
     if (data is None) == (scene is None):
         raise click.UsageError("say where to look: either --data DIR or --scene SCENE")
@@ -179,11 +163,7 @@ def undo(data: Path, author: str, as_json: bool) -> int:
     """Takes back the last edit that a person made; refused where something was built on it since."""
     with present_world(data) as world:
         change = world.undo(author)
-    if as_json:
-        answer(change.as_json())
-    else:
-        click.echo(escaped(f"change {change.number}: {change.reason}"))
-    return REACHED
+    return tell(change.as_json(), [f"change {change.number}: {change.reason}"], as_json=as_json)
 
 
 @command.command("compact", epilog="Example: skiros world compact --data run/data --keep 1000")
@@ -195,8 +175,5 @@ def compact(data: Path, keep: int, as_json: bool) -> int:
     with open_existing(data) as directory:
         directory.compact(keep)
         first, version = directory.journal.first, directory.journal.version
-    if as_json:
-        answer({"remembered_from": first, "version": version})
-    else:
-        click.echo(f"{version - first + 1} of {version} changes are remembered")
-    return REACHED
+    remembered = [f"{version - first + 1} of {version} changes are remembered"]
+    return tell({"remembered_from": first, "version": version}, remembered, as_json=as_json)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from skiros_py.cli.exit_status import REACHED
 from skiros_py.cli.options import AUTHOR, DATA, JSON
-from skiros_py.cli.output import answer
+from skiros_py.cli.output import tell
 from skiros_py.cli.reaching import present_world
-from skiros_py.cli.text import escaped
 from skiros_py.world.vocabulary import APPLIES_TO
+
+if TYPE_CHECKING:
+    from skiros_py.world.element import Element
 
 
 @click.group("learned")
@@ -28,13 +31,13 @@ def list_learned(data: Path, as_json: bool) -> int:
 
     with present_world(data) as world:
         elements = world.learned()
-    if as_json:
-        answer({"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]})
-        return REACHED
-    for element in elements:
-        about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
-        click.echo(escaped(f"{element.id} ({element.type}) '{element.label}'{about}"))
-    return REACHED
+    learned = {"learned": [ElementEdit(e.id, None, e).as_json()["new"] for e in elements]}
+    return tell(learned, map(_line, elements), as_json=as_json)
+
+
+def _line(element: Element) -> str:
+    about = f", about {element.properties[APPLIES_TO]}" if APPLIES_TO in element.properties else ""
+    return f"{element.id} ({element.type}) '{element.label}'{about}"
 
 
 @command.command("forget", epilog="Example: skiros world learned forget learned:mug_1 --data run/data")
@@ -46,11 +49,7 @@ def forget(concept: str, data: Path, author: str, as_json: bool) -> int:
     """Forgets CONCEPT with its pieces; skiros world undo brings it back."""
     with present_world(data) as world:
         change = world.forget(concept, author)
-    if as_json:
-        answer(change.as_json())
-    else:
-        click.echo(escaped(f"change {change.number}: {change.reason}"))
-    return REACHED
+    return tell(change.as_json(), [f"change {change.number}: {change.reason}"], as_json=as_json)
 
 
 @command.command("export", epilog="Example: skiros world learned export mugs.ttl --data run/data")

@@ -125,7 +125,7 @@ def _read(source: str, longest: int) -> str:
 
 def _world(scene: str | None, data: Path | None, time_limit: float) -> AbstractContextManager[PresentWorld]:
     from skiros_py.cli.world_open import OpenWorld
-    from skiros_py.station.session import open_world
+    from skiros_py.station.worlds import open_world
 
     if data is not None:
         return present_world(data, timeout=time_limit + _ON_THE_WAY)

@@ -331,6 +331,8 @@ class Devices(Topic[C]):
     list = Method(devices.list_devices)
     get = Method(devices.get_device)
     state = Method(devices.get_device_state)
+    open = Method(devices.open_device)
+    close = Method(devices.close_device)
 
 
 class Sequences(Topic[C]):

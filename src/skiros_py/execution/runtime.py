@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 
-from skiros_py.errors import UsageError
+from skiros_py.errors import WrongState
 from skiros_py.execution.configuration import check_configuration
-from skiros_py.execution.cycle import ControlCycle, Task
+from skiros_py.execution.cycle import ControlCycle
 from skiros_py.execution.floor import FloorAreas
 from skiros_py.execution.library_monitor import LibraryMonitor
 from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
-from skiros_py.execution.running import RunningModule
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.watchdog import Watchdog
 from skiros_py.ports.board import DeviceBoard
@@ -28,6 +27,15 @@ from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.questions import Questions
 from skiros_py.skills.skill import Skill
 from skiros_py.world.world import World
+
+
+class Work(Protocol):
+    """What runs in the control cycle and comes to an end."""
+
+    @property
+    def done(self) -> bool:
+        """True when it is over."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,13 +128,13 @@ class Runtime:
         self.watchdog = Watchdog(self.cycle, options.overrun)
         self.watchdog.on_lost(self.managers.lose)
 
-    def finish(self, work: Task[Any] | RunningModule, leave: Callable[[], bool] = lambda: False) -> bool:
+    def finish(self, work: Work, leave: Callable[[], bool] = lambda: False) -> bool:
         """Runs cycles until a task or module is done.
 
         When everything is halted meanwhile, it waits for standstill as well; nothing starts again before a reset.
 
         Args:
-            work: What is waited for.
+            work: A module, a task of the cycle or of the task manager.
             leave: Asked in each cycle whether to wait no longer.
 
         Returns:
@@ -142,10 +150,10 @@ class Runtime:
         """Requires that modules may be started.
 
         Raises:
-            UsageError: Everything was halted and has not been reset since.
+            WrongState: Everything was halted and has not been reset since.
         """
         if self.cycle.halted:
-            raise UsageError(f"nothing can start: everything was halted ({self.cycle.halted}); look, then reset()")
+            raise WrongState(f"nothing can start: everything was halted ({self.cycle.halted}); look, then reset()")
 
     def __enter__(self) -> Self:
         self.watchdog.start()

@@ -61,6 +61,7 @@ class DeviceBoard:
         commanders: The task that commanded a device last, by the device's id.
         shared: What runs want of shared devices in the coming cycle, by device and run; mostly empty.
         unmixed: Why a kind's mix rule was switched off, by kind.
+        closed: Ids of devices that were closed: they take no commands and no modules.
     """
 
     def __init__(self, driver: CellDriver) -> None:
@@ -73,6 +74,7 @@ class DeviceBoard:
         self.commanders: dict[str, Commander | None] = {}
         self.shared: dict[str, dict[Share, tuple[Commander | None, Contribution[Any]]]] = {}
         self.unmixed: dict[str, str] = {}
+        self.closed: set[str] = set()
 
     @property
     def now(self) -> float:
@@ -164,6 +166,7 @@ class DeviceBoard:
         """
         if device not in self.devices:
             raise DeviceError(f"no device '{device}' answers; there is {', '.join(self.devices) or 'none'}")
+        self.require_open(device)
         spec, owner, share, rate = self.devices[device], self.owner, self.share, self.rate
         spec.check(target)
         allowed = None if owner is None else owner.devices if share is None else share.devices
@@ -185,6 +188,15 @@ class DeviceBoard:
             self.shared.setdefault(device, {})[share] = owner, Contribution(share.owner, target, weight)
         self.commanders[device] = owner
 
+    def require_open(self, device: str) -> None:
+        """Requires that a device may be used.
+
+        Raises:
+            DeviceError: It was closed.
+        """
+        if device in self.closed:
+            raise DeviceError(f"{device} is closed: open it first")
+
     def limited(self, share: Share, action: Callable[[], T]) -> T:
         """Does something in which only the devices of a run may be commanded, in the name of that run."""
         outer, self.share = self.share, share
@@ -194,7 +206,12 @@ class DeviceBoard:
             self.share = outer
 
     def capture(self, camera: str) -> Pending[DepthImage]:
-        """Takes a picture now."""
+        """Takes a picture now.
+
+        Raises:
+            DeviceError: The camera was closed.
+        """
+        self.require_open(camera)
         return self._driver.capture(camera)
 
 
@@ -213,7 +230,7 @@ class DeviceHandle(Generic[SpecT, StateT, TargetT]):
         spec: Its description.
 
     Raises:
-        DeviceError: There is no such device of that kind.
+        DeviceError: There is no such device of that kind, or it was closed.
     """
 
     spec_type: ClassVar[Any] = DeviceSpec
@@ -226,6 +243,7 @@ class DeviceHandle(Generic[SpecT, StateT, TargetT]):
             there = ", ".join(id_ for id_, one in board.devices.items() if isinstance(one, self.spec_type))
             kind = getattr(self.spec_type, "kind", "device")
             raise DeviceError(f"no {kind} '{device}' answers; there is {there or 'none'}")
+        board.require_open(device)
         self.spec: SpecT = cast("SpecT", spec)
 
     @property

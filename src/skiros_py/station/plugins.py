@@ -53,11 +53,4 @@ def _plugin(one: Surveyed) -> PluginInfo:
 
 
 def _fault(fault: PluginFault) -> PluginFaultInfo:
-    return PluginFaultInfo(
-        name=fault.name,
-        group=fault.group,
-        distribution=fault.distribution,
-        reason=fault.reason,
-        origin=fault.origin,
-        traceback=fault.traceback,
-    )
+    return PluginFaultInfo.model_validate(fault, from_attributes=True)

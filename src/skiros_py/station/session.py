@@ -6,43 +6,37 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from skiros_py.catalogue import Catalogue, choose_planners, fitting, load_catalogue
-from skiros_py.config import find_scene, ontology_paths
-from skiros_py.errors import FileError, UnknownName, UsageError
+from skiros_py.catalogue import Catalogue, fitting, load_catalogue
+from skiros_py.config import find_scene
+from skiros_py.errors import FileError, UnknownName, UsageError, WrongState
 from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.managers import subsystems
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
-from skiros_py.planning.process import PlanningProcess
-from skiros_py.planning.requests import PlanningHost
 from skiros_py.planning.service import Planned
-from skiros_py.planning.thread_host import ThreadHost
 from skiros_py.plugins import PluginFault
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.composite import CompositeDriver
-from skiros_py.ports.driver import CellDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.respawn import respawn
 from skiros_py.skills.skill import Skill
-from skiros_py.system import check_system_libraries, require_extra
+from skiros_py.station.adapters import start_cell, start_libraries, start_planning
+from skiros_py.station.worlds import load_world, open_directory, warn
 from skiros_py.tasks.goals import parse_goal
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.learning import learn_durations
-from skiros_py.tasks.pursuit import pursue
+from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
-from skiros_py.world.ontology import Ontology, load_installed
-from skiros_py.world.reasoners.plugins import load_reasoners
-from skiros_py.world.reasoners.registry import Reasoners
-from skiros_py.world.scene import load_scene
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
@@ -50,7 +44,6 @@ from skiros_py.world.world import World
 if TYPE_CHECKING:
     from skiros_py.simulation.cell import SimulatedCell
     from skiros_py.tasks.jobs import JobManager
-    from skiros_py.world.journal import DataDirectory
 
 _log = logging.getLogger(__name__)
 
@@ -157,15 +150,15 @@ class Session:
         self.catalogue = replace(self.catalogue, early=tuple(dict.fromkeys((*self.catalogue.faults, *faults))))
         fake = None if self.options.driver else self.options.fake  # what a driver is for is known when it is there
         self.catalogue = fitting(self.catalogue, self.world.ontology, self.world.reasoners, fake=fake)
-        _warn(self.catalogue.faults)
+        warn(self.catalogue.faults)
         self.goal = self._own_goal()
         self.spec = self._read_cell()
-        libraries = Libraries() if self.options.fake else self._start_libraries()
-        self.cell = self._start_cell()
+        libraries = Libraries() if self.options.fake else start_libraries(self._stack, self.spec)
+        self.cell = start_cell(self._stack, self.spec, self.catalogue, self.options)
         self.world.subscribe(self._digest.add_change)
         self._set_up(libraries)
         self._watch()
-        self.planning = self._start_planning()
+        self.planning = start_planning(self._stack, self.world, self.catalogue, self.options)
         title = self._source.stem
         self.tasks = TaskManager.of(
             self.runtime,
@@ -196,13 +189,8 @@ class Session:
 
     def _open_world(self, scene: str) -> tuple[World, tuple[PluginFault, ...]]:
         if self.options.data is None:
-            return _opened(scene)
-        from skiros_py.world.journal import DataDirectory  # most runs keep nothing
-
-        ontology, reasoners, faults = _installed()
-        directory = DataDirectory.open(
-            self.options.data, ontology, reasoners, find_scene(scene) if scene else None, imports=ontology_paths()
-        )
+            return load_world(scene)
+        directory, faults = open_directory(self.options.data, scene)
         self._stack.callback(lambda: directory.close() if self._opened else directory.discard())
         if self.simulates:
             respawn(directory.world, directory.journal)
@@ -243,59 +231,6 @@ class Session:
         if wanted not in by_name:
             raise UnknownName("robot", wanted, robots, where=f"in scene '{self.scene}'")
         return (by_name[wanted],)
-
-    def _start_libraries(self) -> Libraries:
-        """Starts the worker processes first: their imports take seconds and run side by side.
-
-        Each robot plans its arms' motions in a process of its own; base paths and perception are shared, and answer in
-        the order of asking.
-        """
-        require_extra("physics", "a simulated run without --fake")
-        check_system_libraries()
-        from skiros_py.motion.arm_planner import ArmPlanners
-        from skiros_py.motion.base_paths import ShapelyBasePlanner
-        from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
-
-        perception = self._stack.enter_context(closing(start_perception()))
-        arm_planner = self._stack.enter_context(closing(ArmPlanners(self.spec.robots)))
-        base_planner = self._stack.enter_context(closing(ShapelyBasePlanner()))
-        return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
-
-    def _start_cell(self) -> CellDriver:
-        """Starts the driver of the cell, and those that robots and devices of it have of their own."""
-        if self.options.fake:
-            from skiros_py.simulation.fake.cell import FakeCell
-
-            return self._stack.enter_context(closing(FakeCell(self.spec, seed=self.options.seed)))
-        parts = self.spec.by_driver()
-        cell = self._start_own(parts.pop(""))
-        others = [self._start_named(driver, part) for driver, part in parts.items()]
-        return CompositeDriver([cell, *others]) if others else cell
-
-    def _start_own(self, spec: CellSpec) -> CellDriver:
-        options = self.options
-        if options.driver is not None:
-            return self._start_named(options.driver, spec)
-        from skiros_py.simulation.cell import SimulatedCell
-
-        cell = SimulatedCell(spec, seed=options.seed, engine=options.engine, gui=options.gui)
-        return self._stack.enter_context(closing(cell))
-
-    def _start_named(self, driver: str, spec: CellSpec) -> CellDriver:
-        return self._stack.enter_context(closing(self.catalogue.driver(driver, spec, seed=self.options.seed)))
-
-    def _start_planning(self) -> PlanningHost:
-        """Starts what answers requests for plans: a process of its own.
-
-        On the fake cell in lockstep a thread does: nothing else wants the interpreter while simulated time stands
-        still.
-        """
-        options = self.options
-        choose = partial(choose_planners, self.catalogue.planners_only(), options.planner, options.planner_command)
-        planners = self._stack.enter_context(closing(choose()))  # a name that is unknown is refused here
-        if options.fake and options.pace is None:
-            return self._stack.enter_context(closing(ThreadHost(self.world, planners)))
-        return self._stack.enter_context(closing(PlanningProcess(self.world, choose)))
 
     def _set_up(self, libraries: Libraries) -> None:
         """Brings control cycle, skill managers and watchdog up."""
@@ -358,14 +293,36 @@ class Session:
             goal: Conditions or goal texts; None for the goal of the scene.
 
         Raises:
-            UsageError: There is no goal, or everything was halted and nobody has called :meth:`reset` since.
+            UsageError: There is no goal.
+            WrongState: Everything was halted and not :meth:`reset`.
         """
         wanted = self._conditions(goal)
+        self.runtime.require_ready()
         self._digest.begin(self.simulation.state_bytes() if self.simulates else b"")
-        report = pursue(self.runtime, self.tasks, wanted, self._is_stopping)
-        self._obey_stop()
-        report = replace(report, digest=str(self._digest))
+        task = self.begin(wanted)
+        self.runtime.finish(task, self._is_stopping)
+        stopped = self._obey_stop()
+        report = replace(task.result, digest=str(self._digest))
+        if stopped:
+            report = replace(report, stopped=True, fault="")
         return report.with_truth(self._truths(wanted)) if self.simulates else report
+
+    def begin(
+        self, goal: str | Sequence[Condition] | Sequence[str] | None = None, policy: Policy | None = None
+    ) -> TaskHandle:
+        """Begins to pursue a goal, and returns at once; it goes on as the control cycle is stepped.
+
+        Args:
+            goal: Conditions or goal texts; None for the goal of the scene.
+            policy: What to do when something cannot be reached.
+
+        Raises:
+            UsageError: There is no goal.
+            WrongState: Everything was halted and not :meth:`reset`.
+        """
+        conditions = self._conditions(goal)
+        self.runtime.require_ready()
+        return self.tasks.begin(conditions, policy=policy)
 
     def start_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> RunningModule:
         """Starts one skill or primitive by itself; step the cycle until it is done.
@@ -377,12 +334,16 @@ class Session:
 
         Raises:
             UnknownName: There is no such module or subsystem.
-            UsageError: It cannot be started now, such as when everything was halted and not :meth:`reset`.
+            WrongState: It cannot be started now: it runs already, its manager is lost, everything was halted.
         """
         self.runtime.require_ready()
         if agent is not None and agent not in self.managers:
             raise UnknownName("skill manager", agent, self.managers)
         manager = self.managers.who_runs(module) if agent is None else self.managers[agent]
+        if manager.lost:
+            raise WrongState(f"the skill manager of {manager.agent} is lost: {manager.lost}")
+        if module in manager.running:
+            raise WrongState(f"{module} of {manager.agent} is running already: wait for its end, or stop it")
         return manager.start(module, arguments)
 
     def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
@@ -462,11 +423,18 @@ class Session:
     def _is_stopping(self) -> bool:
         return self._stop_wanted
 
-    def _obey_stop(self) -> None:
-        """Where the user wants a stop, and nothing worse has happened: stops everything, and is ready again."""
+    def _obey_stop(self) -> bool:
+        """Stops everything where :meth:`stop` was called and nothing has halted it; then it is ready again.
+
+        Returns:
+            True where it was stopped.
+        """
         wanted, self._stop_wanted = self._stop_wanted, False
-        if wanted and not self.cycle.halted and self.cycle.stop_all("a stop was asked for"):
+        if not wanted or self.cycle.halted:
+            return False
+        if self.cycle.stop_all("stopped"):
             self.reset()
+        return True
 
     def stop(self) -> None:
         """Asks the run to stop: everything halts in the next cycle; safe to call from a signal handler."""
@@ -531,62 +499,3 @@ class Session:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-
-
-def open_world(scene: str) -> World:
-    """Loads the ontology and a scene, with what plug-ins bring of ontologies and reasoners; no robots, no physics.
-
-    A plug-in that does not load is left out, and logged as a warning.
-
-    Raises:
-        UnknownName: No such scene.
-        FileError: A file cannot be read or understood.
-    """
-    world, faults = _opened(scene)
-    _warn(faults)
-    return world
-
-
-def _opened(scene: str) -> tuple[World, tuple[PluginFault, ...]]:
-    path = find_scene(scene)
-    ontology, reasoners, faults = _installed()
-    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners), faults
-
-
-def _installed() -> tuple[Ontology, Reasoners, tuple[PluginFault, ...]]:
-    """Loads what plug-ins bring to a world, and the faults of those that do not load."""
-    ontology, misfits = load_installed(ontology_paths())
-    reasoners, unusable = load_reasoners(ontology)
-    return ontology, reasoners, (*unusable, *misfits)
-
-
-def _warn(faults: Sequence[PluginFault]) -> None:
-    for fault in faults:
-        _log.warning("%s", fault)
-
-
-def open_data(path: str | Path, scene: str | None = None, *, create: bool = True) -> DataDirectory:
-    """Opens a data directory: a world that is still there when the process is gone. Close it, or use it in a ``with``.
-
-    A plug-in that does not load is left out, and logged as a warning.
-
-    Args:
-        path: The folder; made where it is missing.
-        scene: Name or path of the scene that is the first content of a new one; later it counts no more.
-        create: False where a folder without a world is a mistake.
-
-    Raises:
-        UnknownName: No such scene.
-        FileError: Another process uses the folder, it cannot be read or written, or a file is broken.
-    """
-    from skiros_py.world.journal import DataDirectory  # most runs keep nothing
-
-    file = None if scene is None else find_scene(scene)
-    ontology, reasoners, faults = _installed()
-    _warn(faults)
-    return DataDirectory.open(Path(path), ontology, reasoners, file, imports=ontology_paths(), create=create)
-
-
-def scene_title(scene: str) -> str:
-    """Returns the name of a scene given by name or path."""
-    return find_scene(scene).stem

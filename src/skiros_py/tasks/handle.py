@@ -55,6 +55,7 @@ class TaskHandle:
         control: What people want of it.
         plan: The present plan; None before there is one.
         report: What came of it; None until it is done.
+        error: What broke it; None where nothing did.
         phase: What it does now, apart from pauses.
         question: What it waits for a person to answer; None while it does not.
     """
@@ -67,6 +68,7 @@ class TaskHandle:
         self.control = Control()
         self.plan: Plan | None = None
         self.report: GoalReport | None = None
+        self.error: Exception | None = None
         self.phase: Literal["planning", "running", "waiting"] = "planning"
         self.question: Question | None = None
         self._before: list[BeforeStep] = []
@@ -83,6 +85,18 @@ class TaskHandle:
     def done(self) -> bool:
         """True when it is over and all it moved stands."""
         return self.report is not None
+
+    @property
+    def result(self) -> GoalReport:
+        """The report of a task that is done.
+
+        Raises:
+            Exception: Whatever broke it.
+        """
+        if self.error is not None:
+            raise self.error
+        assert self.report is not None, "the task is not done"
+        return self.report
 
     # ------------------------------------------------------------------ control
 

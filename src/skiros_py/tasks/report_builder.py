@@ -77,8 +77,9 @@ class ReportBuilder:
         return ConditionReport(str(c), holds, None, tries, reason, *self._moments.since(c))
 
     def _as_last_seen(self, c: Condition, why: str) -> ConditionReport:
-        held = self._moments.held(c)
-        return ConditionReport(str(c), held, None, 0, "" if held else why)
+        holds = self._moments.held(c)
+        tries = 0 if c in self._held else self._history.tries(c, holds=holds)
+        return ConditionReport(str(c), holds, None, tries, "" if holds else why)
 
 
 def end_before_beginning(task: TaskHandle, context: TaskContext) -> None:

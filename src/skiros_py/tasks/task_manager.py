@@ -127,10 +127,6 @@ class TaskManager:
         """Every skill that was run for the task that was begun last, in the order in which they ended."""
         return tuple(self._last.steps)
 
-    def tries(self, condition: Condition, *, holds: bool) -> int:
-        """Returns how often something was tried for a condition in the task that was begun last."""
-        return self._last.tries(condition, holds=holds)
-
     @property
     def capabilities(self) -> tuple[Capability, ...]:
         """The skills that the world model says are there, with who has them."""
@@ -159,6 +155,9 @@ class TaskManager:
     def begin(self, goal: Sequence[Condition], *, name: str = "", policy: Policy | None = None) -> TaskHandle:
         """Begins to pursue a goal, and returns at once; it runs in the control cycle, beside what is under way.
 
+        What fails is tried or planned again a bounded number of times. What can no longer be reached is given up, and
+        the rest of the goal is still pursued.
+
         Args:
             goal: Conditions that shall hold together.
             name: What people call it; "task 1" and so on where left out.
@@ -170,17 +169,6 @@ class TaskManager:
         task = TaskHandle(self._free(name), goal, policy or self._policy)
         self._start(task, self._pursuing(task))
         return task
-
-    def pursue(self, goal: Sequence[Condition]) -> Execution[GoalReport]:
-        """Pursues a goal to its end, as a part of what is ticked already.
-
-        What fails is tried again or planned anew a bounded number of times; what can no longer be reached is given up,
-        and the rest of the goal is still done.
-
-        Raises:
-            PlanningError: The planner broke before anything was done.
-        """
-        return self._pursuing(TaskHandle(self._free(""), goal, self._policy))
 
     def execute(
         self,
@@ -248,8 +236,11 @@ class TaskManager:
         try:
             yield
             yield from run
-        except SkirosError:
-            return
+        except SkirosError as error:
+            task.error = error
+        except Exception as error:
+            task.error = error
+            raise
         finally:
             self._active.pop(task.name, None)
             if task.report is None:

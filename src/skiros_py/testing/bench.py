@@ -26,7 +26,6 @@ from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.tasks.goals import parse_goal
-from skiros_py.tasks.pursuit import pursue
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.testing.tiny_skills import CONDITIONS, SKILLS
@@ -120,7 +119,10 @@ class Bench:
 
     def pursue(self, *texts: str) -> GoalReport:
         """Pursues a goal to its end, or until everything is halted."""
-        return pursue(self.runtime, self.tasks, self.goal(*texts))
+        self.runtime.require_ready()
+        task = self.tasks.begin(self.goal(*texts))
+        self.runtime.finish(task)
+        return task.result
 
     # ------------------------------------------------------------------ modules
 

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from skiros_py.cli.main import cli, main
-from skiros_py.station.session import open_data
+from skiros_py.station.worlds import open_data
 from skiros_py.testing import TINY_ONTOLOGY, tiny_scene
 from skiros_py.world.change import Writer
 

@@ -76,7 +76,7 @@ def during_pick(bench: Bench, action: Callable[[], None]) -> None:
 
 def pursue(bench: Bench, limit: float = 60.0) -> GoalReport:
     """Pursues the goal; that it hangs is a failure."""
-    task = bench.cycle.start(bench.tasks.pursue(bench.goal(GOAL)), "the task manager")
+    task = bench.tasks.begin(bench.goal(GOAL))
     bench.until(lambda: task.done, limit=limit)
     return task.result
 
@@ -194,7 +194,7 @@ def test_what_is_stopped_from_outside_is_a_failed_step_and_tried_again() -> None
 
 def test_halting_everything_ends_the_goal_and_what_it_runs() -> None:
     with Bench(tiny_world(), LINGERING, (Linger,)) as bench:
-        task = bench.cycle.start(bench.tasks.pursue(bench.goal(GOAL)), "the task manager")
+        task = bench.tasks.begin(bench.goal(GOAL))
         bench.until(lambda: any(e.module == "linger" for e in bench.events))
         assert bench.cycle.stop_all("somebody is in the way")
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
 from skiros_py.behaviours import AssertEffects, Do, P, Sequence, Wait
 from skiros_py.devices.base import Base, BaseTwist
 from skiros_py.errors import UsageError
+from skiros_py.execution.cycle import Task
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.planner import Answer
 from skiros_py.ports.pending import Pending
@@ -167,9 +168,16 @@ def test_a_task_that_breaks_is_over_when_all_that_it_moved_stands() -> None:
     assert [(step.agent, bool(step.reason)) for step in task.report.steps] == [("base_2", False), ("base_1", True)]
 
 
-def test_a_robot_that_still_brakes_for_a_task_that_is_over_is_nobody_elses_yet() -> None:
+def test_a_robot_that_still_brakes_for_a_task_that_is_over_is_nobody_elses_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     with Bench(tiny_world(), ROLLING, (Roll,)) as bench:
-        work = bench.cycle.start(bench.tasks.pursue(bench.goal("In(ball_1, slot_1)")), "work")
+        ticked: list[Task[Any]] = []
+        start = bench.cycle.start
+        with monkeypatch.context() as patch:
+            patch.setattr(bench.cycle, "start", lambda *args: ticked.append(start(*args)))
+            begin(bench, "In(ball_1, slot_1)", name="work")
+        (work,) = ticked
         bench.advance(0.5)
         other = begin(bench, "At(robot_1, box_b)", name="other")
         bench.advance(0.1)

@@ -342,7 +342,7 @@ def test_a_condition_lost_again_has_the_time_when_it_came_to_hold_for_good() -> 
 def test_a_step_whose_skill_runs_already_waits_and_says_so_once_and_the_plan_is_still_looked_after() -> None:
     with Bench(tiny_world(), (pretend(DRIVE, Sequence.of(Wait(3.0), AssertEffects(0.0))), pretend(PICK))) as bench:
         busy = bench.start("drive", Location="box_b")
-        task = bench.cycle.start(bench.tasks.pursue(bench.goal("Holding(gripper_1, ball_1)")))
+        task = bench.tasks.begin(bench.goal("Holding(gripper_1, ball_1)"))
         bench.until(lambda: [e for e in bench.events if "is running already" in e.text])
         bench.advance(0.1)
         assert [e.text for e in bench.events if "waits" in e.text] == ["waits: drive of base_1 is running already"]

@@ -18,6 +18,16 @@ def get_device(device: str) -> Call[DeviceInfo]:
     return Call("GET", f"/devices/{quote(device, safe='')}", DeviceInfo)
 
 
+def open_device(device: str) -> Call[DeviceInfo]:
+    """Opens a device: its driver is connected, and modules may use it."""
+    return Call("POST", f"/devices/{quote(device, safe='')}/open", DeviceInfo)
+
+
+def close_device(device: str) -> Call[DeviceInfo]:
+    """Closes a device: no module may use it, and its driver may be disconnected."""
+    return Call("POST", f"/devices/{quote(device, safe='')}/close", DeviceInfo)
+
+
 def get_device_state(device: str) -> Call[DeviceReading]:
     """Reads a device."""
     return Call("GET", f"/devices/{quote(device, safe='')}/state", DeviceReading)

@@ -31,3 +31,18 @@ def get_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002 - as th
 def get_device_state(id: Id, station: StationDep) -> DeviceReading:  # noqa: A002
     """What a device says now, and the values that it offers."""
     return station.devices.reading(id)
+
+
+@router.post("/devices/{id}/open", summary="Open a device", dependencies=[needs(Role.ENGINEER)])
+def open_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
+    """Connects the driver of a device, so that modules may use it again."""
+    return station.devices.open(id)
+
+
+@router.post("/devices/{id}/close", summary="Close a device", dependencies=[needs(Role.ENGINEER)])
+def close_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
+    """Keeps modules from using a device; refused (409) while one does, or while it moves.
+
+    With its last open device a driver is disconnected. A simulated device stays where it is.
+    """
+    return station.devices.close(id)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import socket
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
-from typing import Any
 
 from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.server.webhooks.sender import WebhookSender
 from skiros_py.server.webhooks.store import Post, WebhookStore
-from skiros_py.station.jobs.views import Announcement, job_view
+from skiros_py.station.jobs.views import announced_job
 from skiros_py.station.station import Station
 
 
@@ -36,15 +35,10 @@ def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tup
         lambda after, most: station.session.jobs.announcements(after, most),
         lambda: station.session.jobs.last_announcement,
         lambda upto: station.session.jobs.forget_announcements(upto),
-        _data,
+        announced_job,
         hosts,
         on_dead=on_dead,
     )
     stack.enter_context(closing(sender))
     sender.start()
     return store, sender
-
-
-def _data(announcement: Announcement) -> Any:
-    job = job_view(announcement.job, announcement.wall)
-    return {"trigger": announcement.trigger, "job": job.model_dump(mode="json", by_alias=True)}

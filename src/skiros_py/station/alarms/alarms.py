@@ -6,15 +6,11 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 
 from skiros_py.api.alarms import AlarmInfo, AlarmKind, Severity
-from skiros_py.api.wire import moment
 from skiros_py.errors import UnknownName, WrongState
 from skiros_py.station.events.event import Kind
 from skiros_py.station.events.log import EventLog
-
-__all__ = ["Alarm", "AlarmKind", "Alarms", "Severity", "alarm_info"]
 
 _KEPT = 1000
 """So many alarms that are over are kept; those that are active all are."""
@@ -235,21 +231,5 @@ class Alarms:
 
 
 def alarm_info(alarm: Alarm) -> AlarmInfo:
-    """Returns an alarm as it goes over the wire."""
-    return AlarmInfo(
-        id=alarm.id,
-        kind=alarm.kind,
-        severity=alarm.severity,
-        text=alarm.text,
-        source=alarm.source,
-        active=alarm.active,
-        state=alarm.state,
-        lasts=alarm.lasts,
-        since=datetime.fromtimestamp(alarm.since, UTC),
-        until=moment(alarm.until),
-        acknowledged=moment(alarm.acknowledged),
-        by=alarm.by,
-        choices=alarm.choices,
-        job=alarm.job,
-        question=alarm.question,
-    )
+    """Returns an alarm as the API shows it."""
+    return AlarmInfo.model_validate(alarm, from_attributes=True)

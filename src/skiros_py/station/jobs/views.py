@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from datetime import UTC, datetime
+from typing import Any
 
-from skiros_py.api.goals import Material
 from skiros_py.api.jobs import (
     ConditionActual,
     Job,
-    JobPolicy,
     JobState,
     JobStep,
     JobTransition,
@@ -18,22 +17,10 @@ from skiros_py.api.jobs import (
     StateName,
 )
 from skiros_py.api.wire import moment
-from skiros_py.tasks.jobs import Intent, JobOrder, Transition
+from skiros_py.tasks.jobs import Intent, Transition
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobState as State
-from skiros_py.tasks.jobs.announcements import Announcement
-
-__all__ = [
-    "STATES",
-    "Announcement",
-    "commands_of",
-    "is_open",
-    "job_view",
-    "state_name",
-    "state_view",
-    "steps_view",
-    "transitions_view",
-]
+from skiros_py.tasks.jobs.announcements import Announcement as Announcement  # also for the server
 
 STATES: dict[StateName, State] = {StateName(s.name.title().replace("_", "")): s for s in State}
 """The states of jobs by their names in the standard."""
@@ -79,7 +66,7 @@ def job_view(job: Known, now: float) -> Job:
         state=_state(job, now),
         detail=job.detail,
         outcome=None if job.outcome is None else job.outcome.value,
-        order=_order(job.order),
+        order=OrderedGoal.model_validate(job.order, from_attributes=True),
         commands=commands_of(job),
         choices=job.choices,
         question=job.question,
@@ -94,6 +81,12 @@ def job_view(job: Known, now: float) -> Job:
         started=moment(job.started),
         ended=moment(job.ended),
     )
+
+
+def announced_job(announcement: Announcement) -> dict[str, Any]:
+    """Returns what other systems hear of a job."""
+    job = job_view(announcement.job, announcement.wall)
+    return {"trigger": announcement.trigger, "job": job.model_dump(mode="json", by_alias=True)}
 
 
 def state_view(state: State, substates: tuple[str, ...] = ()) -> JobState:
@@ -141,23 +134,6 @@ def _substates(job: Known, now: float) -> tuple[str, ...]:
 
 
 _ACTIVITIES = {"planning": "Planning", "waiting": "WaitingForPerson"}
-
-
-def _order(order: JobOrder) -> OrderedGoal:
-    return OrderedGoal(
-        goal=order.goal,
-        work_master=order.work_master,
-        parameters=order.parameters,
-        materials=tuple(Material(**material.model_dump()) for material in order.materials),
-        description=order.description,
-        priority=order.priority,
-        not_before=order.not_before,
-        deadline=order.deadline,
-        expires=order.expires,
-        policy=JobPolicy(
-            rest=order.policy.rest, ask=order.policy.ask, attempts=order.policy.attempts, partial=order.policy.partial
-        ),
-    )
 
 
 def _is_late(job: Known, now: float) -> bool:

@@ -11,10 +11,9 @@ from itertools import count
 from typing import Any, Literal
 
 from skiros_py.api.modules import ModuleRunStatus
-from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
+from skiros_py.errors import SkirosError, UnknownName, WrongState
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunningModule
-from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Param
 from skiros_py.station.session import Session
@@ -236,10 +235,10 @@ class ModuleRuns:
             WrongState: It cannot be started now: it runs already, its manager is lost, everything was halted.
         """
         manager = session.managers[wish.agent]
-        _require_startable(session, manager, wish.module)
         panel, kind = manager.panel(wish.module, wish.given), manager.info(wish.module).kind
+        running = session.start_module(wish.module, wish.given, wish.agent)
         run = ModuleRun(f"{self._name}-{next(self._numbers)}", wish, kind, panel.params, panel.values)
-        run.begin(manager.start(wish.module, wish.given), session.cycle.board.now)
+        run.begin(running, session.cycle.board.now)
         with self._guard:
             self._runs[run.id] = run
             self._forget()
@@ -303,10 +302,9 @@ class ModuleRuns:
             run.leave()
             return
         try:
-            manager = session.managers[run.wish.agent]
-            _require_startable(session, manager, run.wish.module)
-            run.begin(manager.start(run.wish.module, run.wish.given), session.cycle.board.now)
-        except (SkirosError, KeyError) as error:
+            running = session.start_module(run.wish.module, run.wish.given, run.wish.agent)
+            run.begin(running, session.cycle.board.now)
+        except SkirosError as error:
             run.refusal = f"it cannot be done once more: {error}"
             run.end(Failure(run.refusal), session.cycle.board.now)
 
@@ -331,19 +329,3 @@ class ModuleRuns:
             and run.running is not None
             and pulse.task is run.running.task
         )
-
-
-def _require_startable(session: Session, manager: SkillManager, module: str) -> None:
-    """Sees that a module can be started now.
-
-    Raises:
-        WrongState: Everything was halted, the manager is lost, or it runs the module already.
-    """
-    try:
-        session.runtime.require_ready()
-    except UsageError as error:
-        raise WrongState(str(error)) from None
-    if manager.lost:
-        raise WrongState(f"the skill manager of {manager.agent} is lost: {manager.lost}")
-    if module in manager.running:
-        raise WrongState(f"{module} of {manager.agent} is running already: wait for its end, or stop it")

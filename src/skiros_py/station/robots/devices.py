@@ -29,6 +29,7 @@ def device_info(session: Session, id_: str) -> DeviceInfo:
         robot=group.id if group in session.spec.robots else None,
         description=described,
         signals=tuple(SignalInfo(name=s.name, unit=s.unit, frame=s.frame, help=s.help) for s in device.signals),
+        open=id_ not in session.cycle.board.closed,
         commanded=device.target_type is not None,
         jog=device.jog,
         teach=device.teach,

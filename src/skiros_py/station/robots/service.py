@@ -11,6 +11,7 @@ from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import HomeRobot, Jog, RobotInfo, RobotReading, Teach
 from skiros_py.errors import Busy, Refused, SkirosError, UnknownName
 from skiros_py.ports.cell import RobotSpec
+from skiros_py.station.connections import close_device, open_device
 from skiros_py.station.modules.views import run_info
 from skiros_py.station.requests import LIBRARY, Author, addressed
 from skiros_py.station.robots import devices, robots
@@ -149,6 +150,28 @@ class DeviceService:
         """
         with addressed():
             return devices.device_info(self._station.session, id_)
+
+    def open(self, id_: str) -> DeviceInfo:
+        """Opens a device: its driver is connected, and modules may use it.
+
+        Raises:
+            NotFound: There is none of that id.
+            Refused: Its driver cannot be connected.
+        """
+        with addressed():
+            open_device(self._station.control, id_)
+        return self.get(id_)
+
+    def close(self, id_: str) -> DeviceInfo:
+        """Closes a device: no module may use it; with the last device of a driver, the driver is disconnected.
+
+        Raises:
+            NotFound: There is none of that id.
+            WrongState: Something uses it, or it moves.
+        """
+        with addressed():
+            close_device(self._station.control, id_)
+        return self.get(id_)
 
     def reading(self, id_: str) -> DeviceReading:
         """Returns the state of a device, and the values that it offers.

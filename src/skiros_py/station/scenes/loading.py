@@ -7,7 +7,8 @@ from pathlib import Path
 from skiros_py.errors import DescriptionError, FileError, UsageError, WrongState
 from skiros_py.station.control import ControlThread
 from skiros_py.station.scenes.content import changes_to
-from skiros_py.station.session import Session, open_data
+from skiros_py.station.session import Session
+from skiros_py.station.worlds import open_data
 from skiros_py.world.change import Change, Writer
 from skiros_py.world.index import Index
 from skiros_py.world.world import World

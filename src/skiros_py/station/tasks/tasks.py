@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from skiros_py.api.jobs import JobPolicy
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
-from skiros_py.errors import Refused, UsageError, WrongState
+from skiros_py.errors import Refused
 from skiros_py.planning.plan import Step
 from skiros_py.station.requests import LIBRARY, Author, addressed
 from skiros_py.station.session import Session
@@ -54,9 +54,8 @@ class TaskService:
         """
         if request.goal is not None:
             conditions = self._station.session.parse(request.goal)
-            return self._note(
-                lambda session: session.tasks.begin(conditions, policy=Policy(**request.policy.model_dump())), author
-            )
+            policy = Policy(**request.policy.model_dump())
+            return self._note(lambda session: session.begin(conditions, policy), author)
         bench = Workbench.of(self._station.session)
         steps = tuple(bench.read(step) for step in request.steps or [])
         return self.run_steps(steps, request.iterate, author, anyway=request.anyway, policy=request.policy)
@@ -85,13 +84,13 @@ class TaskService:
         def begin(session: Session) -> TaskHandle:
             sequence = StepSequence(session.world, Workbench.of(session).skills, steps)
             # It was checked above: the control thread has no time to check once more.
+            session.runtime.require_ready()
             return session.tasks.execute(sequence, iterate=iterate, policy=Policy(**policy.model_dump()), anyway=True)
 
         return self._note(begin, author)
 
     def _note(self, begin: Callable[[Session], TaskHandle], author: Author) -> TaskInfo:
         def do(session: Session) -> KeptTask:
-            require_ready(session)
             return self._station.task_book.note(begin(session), by=author.name)
 
         return task_info(self._station.control.call(do))
@@ -128,15 +127,3 @@ class TaskService:
     def _find(self, name: str) -> KeptTask:
         with addressed():
             return self._station.task_book.find(name)
-
-
-def require_ready(session: Session) -> None:
-    """Requires that something may be started.
-
-    Raises:
-        WrongState: Everything was halted.
-    """
-    try:
-        session.runtime.require_ready()
-    except UsageError as error:
-        raise WrongState(str(error)) from None

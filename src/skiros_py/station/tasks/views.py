@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from datetime import UTC, datetime
 
-from skiros_py.api.jobs import PlannedStep
 from skiros_py.api.tasks import TaskInfo, TaskQuestion, TaskReport, TaskStep, TaskTrace
-from skiros_py.planning.plan import Plan
+from skiros_py.station.jobs.accounts import planned_steps
 from skiros_py.station.tasks.book import KeptTask
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import Happening, TraceEntry
@@ -29,17 +28,6 @@ def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
         steps=_steps(tuple(task.entries)) if in_full else (),
         question=TaskQuestion(id=question.id, text=question.text, options=question.options) if question else None,
         report=_report(report) if report is not None else None,
-    )
-
-
-def planned_steps(plan: Plan) -> tuple[PlannedStep, ...]:
-    """Writes a plan with its order and, where they are known, its starts."""
-    starts: tuple[float | None, ...] = plan.starts or (None,) * len(plan.steps)
-    return tuple(
-        PlannedStep(
-            text=str(step), skill=step.skill, arguments=dict(step.arguments), after=tuple(sorted(after)), start=start
-        )
-        for step, after, start in zip(plan.steps, plan.order, starts, strict=True)
     )
 
 

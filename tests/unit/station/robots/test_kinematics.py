@@ -9,7 +9,7 @@ from skiros_py.motion.pinocchio.arm_motion import ArmMotion
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.station.robots.kinematics import robot_model
-from skiros_py.station.session import open_world
+from skiros_py.station.worlds import open_world
 
 
 @pytest.fixture(scope="module")

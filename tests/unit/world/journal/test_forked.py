@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from skiros_py.errors import FileError
-from skiros_py.station.session import open_data
+from skiros_py.station.worlds import open_data
 
 
 def test_a_forked_process_is_refused_instead_of_losing_what_it_writes(tmp_path: Path) -> None:

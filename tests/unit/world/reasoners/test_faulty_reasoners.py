@@ -71,7 +71,7 @@ def test_a_reasoner_that_cannot_say_whether_it_objects_stops_nobody_from_writing
 
 
 def test_a_computed_relation_holds_only_between_what_the_ontology_declares(world: World) -> None:
-    from skiros_py.station.session import open_world
+    from skiros_py.station.worlds import open_world
 
     kitting = open_world("kitting")
 

@@ -1,0 +1,75 @@
+"""Starts the adapters of a session: motion and perception, drivers, planners. The session's stack closes them."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, closing
+from functools import partial
+from typing import TYPE_CHECKING
+
+from skiros_py.catalogue import Catalogue, choose_planners
+from skiros_py.planning.process import PlanningProcess
+from skiros_py.planning.requests import PlanningHost
+from skiros_py.planning.thread_host import ThreadHost
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.composite import CompositeDriver
+from skiros_py.ports.connection import Connection
+from skiros_py.ports.driver import CellDriver
+from skiros_py.skills.context import Libraries
+from skiros_py.system import check_system_libraries, require_extra
+from skiros_py.world.world import World
+
+if TYPE_CHECKING:
+    from skiros_py.station.session import Options
+
+
+def start_libraries(stack: ExitStack, spec: CellSpec) -> Libraries:
+    """Starts the worker processes of motion and perception; their imports take seconds and run side by side.
+
+    Each robot plans its arms' motions in a process of its own; base paths and perception are shared, and answer in
+    the order of asking.
+    """
+    require_extra("physics", "a simulated run without --fake")
+    check_system_libraries()
+    from skiros_py.motion.arm_planner import ArmPlanners
+    from skiros_py.motion.base_paths import ShapelyBasePlanner
+    from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
+
+    perception = stack.enter_context(closing(start_perception()))
+    arm_planner = stack.enter_context(closing(ArmPlanners(spec.robots)))
+    base_planner = stack.enter_context(closing(ShapelyBasePlanner()))
+    return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
+
+
+def start_cell(stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: Options) -> CellDriver:
+    """Starts the driver of the cell, and those that robots and devices of it have of their own."""
+    if options.fake:
+        from skiros_py.simulation.fake.cell import FakeCell
+
+        return stack.enter_context(closing(FakeCell(spec, seed=options.seed)))
+
+    def connect(driver: str, part: CellSpec) -> CellDriver:
+        return stack.enter_context(closing(Connection(lambda: catalogue.driver(driver, part, seed=options.seed))))
+
+    parts = spec.by_driver()
+    own = parts.pop("")
+    if options.driver is not None:
+        cell: CellDriver = connect(options.driver, own)
+    else:
+        from skiros_py.simulation.cell import SimulatedCell
+
+        simulated = SimulatedCell(own, seed=options.seed, engine=options.engine, gui=options.gui)
+        cell = stack.enter_context(closing(simulated))
+    others = [connect(driver, part) for driver, part in parts.items()]
+    return CompositeDriver([cell, *others]) if others else cell
+
+
+def start_planning(stack: ExitStack, world: World, catalogue: Catalogue, options: Options) -> PlanningHost:
+    """Starts what answers requests for plans: a process of its own.
+
+    On the fake cell in lockstep a thread does: nothing else needs the interpreter while simulated time stands still.
+    """
+    choose = partial(choose_planners, catalogue.planners_only(), options.planner, options.planner_command)
+    planners = stack.enter_context(closing(choose()))  # an unknown name is refused here
+    if options.fake and options.pace is None:
+        return stack.enter_context(closing(ThreadHost(world, planners)))
+    return stack.enter_context(closing(PlanningProcess(world, choose)))

@@ -1,0 +1,85 @@
+"""Worlds: opened from a scene or a data directory, with what plug-ins bring of ontologies and reasoners."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from skiros_py.config import find_scene, ontology_paths
+from skiros_py.plugins import PluginFault
+from skiros_py.world.ontology import Ontology, load_installed
+from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.scene import load_scene
+from skiros_py.world.world import World
+
+if TYPE_CHECKING:
+    from skiros_py.world.journal import DataDirectory
+
+_log = logging.getLogger(__name__)
+
+
+def open_world(scene: str) -> World:
+    """Loads the ontology and a scene, with what plug-ins bring of ontologies and reasoners; no robots, no physics.
+
+    A plug-in that does not load is left out, and logged as a warning.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: A file cannot be read or understood.
+    """
+    world, faults = load_world(scene)
+    warn(faults)
+    return world
+
+
+def load_world(scene: str) -> tuple[World, tuple[PluginFault, ...]]:
+    """Loads a scene, and the faults of plug-ins that do not load; see :func:`open_world`."""
+    path = find_scene(scene)
+    ontology, reasoners, faults = _installed()
+    return load_scene(ontology, path, ontology_paths(), reasoners=reasoners), faults
+
+
+def open_data(path: str | Path, scene: str | None = None, *, create: bool = True) -> DataDirectory:
+    """Opens a data directory, in which a world outlives the process. Close it, or use it in a ``with``.
+
+    A plug-in that does not load is left out, and logged as a warning.
+
+    Args:
+        path: The folder; created if it is missing.
+        scene: Name or path of the scene that is the first content of a new one.
+        create: False to refuse a folder without a world.
+
+    Raises:
+        UnknownName: No such scene.
+        FileError: Another process uses the folder, it cannot be read or written, or a file is broken.
+    """
+    directory, faults = open_directory(Path(path), scene, create=create)
+    warn(faults)
+    return directory
+
+
+def open_directory(
+    path: Path, scene: str | None, *, create: bool = True
+) -> tuple[DataDirectory, tuple[PluginFault, ...]]:
+    """Opens a data directory, and returns the faults of plug-ins that do not load; see :func:`open_data`."""
+    from skiros_py.world.journal import DataDirectory  # most runs keep nothing
+
+    file = find_scene(scene) if scene else None
+    ontology, reasoners, faults = _installed()
+    return DataDirectory.open(path, ontology, reasoners, file, imports=ontology_paths(), create=create), faults
+
+
+def warn(faults: Sequence[PluginFault]) -> None:
+    """Logs the faults of plug-ins."""
+    for fault in faults:
+        _log.warning("%s", fault)
+
+
+def _installed() -> tuple[Ontology, Reasoners, tuple[PluginFault, ...]]:
+    """Loads what plug-ins bring to a world, and the faults of those that do not load."""
+    ontology, misfits = load_installed(ontology_paths())
+    reasoners, unusable = load_reasoners(ontology)
+    return ontology, reasoners, (*unusable, *misfits)
