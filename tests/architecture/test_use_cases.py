@@ -22,8 +22,8 @@ OWN = {
     "list_webhooks", "login", "logout", "ping_webhook", "redeliver", "revoke_key",
 }  # fmt: skip
 """About the server itself: its keys, logins, audit log, webhooks and health."""
-STREAMS = {"list_events", "stream_events"}
-"""Each listener has a position of its own in the log of events."""
+STREAMS = {"list_events", "stream_events", "stream_state"}
+"""Each listener has a position of its own in the log of events, or a rate of its own."""
 SEVERAL = {
     "answer_alarm": "who may answer depends on the alarm",
     "read_view": "the view is made only where its tag is another one",
@@ -60,6 +60,12 @@ def test_each_route_calls_one_use_case(tmp_path: Path) -> None:
             wrong[name] = found
 
     assert wrong == {}
+
+
+def test_one_route_is_marked_as_truth_and_calls_the_use_case_that_gives_it_away(tmp_path: Path) -> None:
+    marked = [route for route in routes(tmp_path) if (route.openapi_extra or {}).get("x-truth")]
+
+    assert [calls(route.endpoint) for route in marked] == [["simulation.true_bodies"]]
 
 
 def test_the_exceptions_are_needed(tmp_path: Path) -> None:

@@ -105,7 +105,7 @@ def write(served: Served, what: Callable[[Transaction], object], writer: Writer 
 
 
 def bodies(served: Served) -> dict[str, Any]:
-    return {body.id: body for body in served.services.station.simulation.bodies().items}
+    return {body.id: body for body in served.services.station.simulation.true_bodies().items}
 
 
 @pytest.mark.physics

@@ -110,7 +110,7 @@ def _answer_fault(request: Request, error: Exception) -> Response:
 
 
 def _is_about_jobs(request: Request) -> bool:
-    return request.url.path.removeprefix("/api/v1/").partition("/")[0] in _JOB_TOPICS
+    return request.url.path.removeprefix("/api/v1").lstrip("/").partition("/")[0] in _JOB_TOPICS
 
 
 def _of(error: SkirosError, kinds: Sequence[tuple[type[SkirosError], int, str]]) -> Problem:

@@ -23,10 +23,15 @@ def get_simulation(station: StationDep) -> SimulationState:
     return station.simulation.state()
 
 
-@router.get("/bodies", summary="Where everything really is", dependencies=[needs(Role.VIEWER)])
+@router.get(
+    "/bodies",
+    summary="Where everything really is",
+    dependencies=[needs(Role.VIEWER)],
+    openapi_extra={"x-truth": True},
+)
 def list_bodies(station: StationDep) -> Bodies:
-    """Lists the bodies with their true poses. This is for people who look on: no robot ever learns it."""
-    return station.simulation.bodies()
+    """Lists the bodies with their true poses. This is for people who watch: no robot learns it."""
+    return station.simulation.true_bodies()
 
 
 @router.put("/bodies/{body}/pose", status_code=204, summary="Move a body", dependencies=[needs(Role.ENGINEER)])

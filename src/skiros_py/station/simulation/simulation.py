@@ -68,8 +68,8 @@ class Simulation:
 
     # ------------------------------------------------------------------ bodies
 
-    def bodies(self) -> BodiesInfo:
-        """Returns where everything really is."""
+    def true_bodies(self) -> BodiesInfo:
+        """Returns where everything really is. This is the only use case that gives the truth away."""
         from skiros_py.station.judgement import (
             true_whereabouts,  # brings the physics along, which a pretending robot lacks
         )

@@ -1,0 +1,70 @@
+"""``skiros manager`` and ``skiros device``: what a server runs with is opened and closed from the shell."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from support.serving import Served, serving
+
+from skiros_py.cli.main import cli
+from skiros_py.client import Client, ProblemError
+
+Ask = Callable[..., Any]
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with serving("kitting", tmp_path_factory.mktemp("data")) as running:
+        yield running
+
+
+@pytest.fixture
+def said(served: Served) -> Ask:
+    def ask(*arguments: str) -> str:
+        result = CliRunner().invoke(cli, (*arguments, "--url", served.url), catch_exceptions=False)
+        assert result.exit_code == 0, result.output
+        return result.stdout
+
+    return ask
+
+
+@pytest.fixture
+def client(served: Served) -> Iterator[Client]:
+    with Client(served.url) as client:
+        yield client
+
+
+def test_a_skill_manager_is_closed_and_opened_from_the_shell(said: Ask, client: Client) -> None:
+    assert [line.split()[0] for line in said("manager", "list").splitlines()] == ["arm_1", "base_1"]
+
+    assert said("manager", "close", "arm_1") == "arm_1 is closed\n"
+    assert [manager["agent"] for manager in json.loads(said("manager", "list", "--json"))] == ["base_1"]
+    assert {skill.name for skill in client.modules.skills()} == {"drive"}
+
+    assert said("manager", "open", "arm_1") == "arm_1 offers pick, place\n"
+    assert "pick" in {skill.name for skill in client.modules.skills()}
+
+
+def test_a_device_is_closed_and_opened_from_the_shell(said: Ask, client: Client) -> None:
+    assert any(
+        line.split() == ["gripper_1", "gripper", "robot_1", "open"] for line in said("device", "list").splitlines()
+    )
+
+    assert said("device", "close", "gripper_1") == "gripper_1 is closed\n"
+    assert not client.devices.get("gripper_1").open
+    closed = {device["id"] for device in json.loads(said("device", "list", "--json")) if not device["open"]}
+    assert closed == {"gripper_1"}
+
+    assert json.loads(said("device", "open", "gripper_1", "--json"))["open"]
+    assert client.devices.get("gripper_1").open
+
+
+def test_what_does_not_exist_is_named(client: Client) -> None:
+    with pytest.raises(ProblemError, match=r"unknown device 'griper_1'.* Did you mean 'gripper_1'") as refused:
+        client.devices.close("griper_1")
+
+    assert refused.value.status == 404
