@@ -11,8 +11,6 @@ from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import order_from
 from skiros_py.api.templates import GoalTemplateContent
 from skiros_py.client.calls import goals as goal_calls
-from skiros_py.client.calls import previews as preview_calls
-from skiros_py.client.calls import templates as template_calls
 from skiros_py.client.client import Client
 
 KIT = "InKit(Starter, kit_1)"
@@ -281,18 +279,18 @@ def test_who_listens_hears_that_a_template_was_written_and_removed(api):
 def test_the_client_says_the_same(served):
     content = GoalTemplateContent.model_validate(FILL)
     with Client(served.url) as client:
-        written = client.send(template_calls.put_goal_template("by client", content))
-        assert client.send(template_calls.get_goal_template("by client")) == written
+        written = client.send(goal_calls.put_goal_template("by client", content))
+        assert client.send(goal_calls.get_goal_template("by client")) == written
         order = order_from(template="by client", parameters={"kit": "kit_1"}, materials=("RelayBox",))
         assert client.send(goal_calls.check_goal(order)).text == "InKit(kitting:RelayBox, kit_1)"
-        client.send(template_calls.remove_goal_template("by client", seen=written.version))
-        assert "by client" not in {t.name for t in client.send(template_calls.list_goal_templates()).templates}
+        client.send(goal_calls.remove_goal_template("by client", seen=written.version))
+        assert "by client" not in {t.name for t in client.send(goal_calls.list_goal_templates()).templates}
         goals, seen = client.send(goal_calls.get_goals())
         assert client.send(goal_calls.put_goals(goals.goals, seen=seen)).goals == goals.goals
         assert client.send(goal_calls.list_goal_conditions(every=True)).conditions
-        asked = client.send(preview_calls.ask_preview(GoalOrder(goal="EmptyHanded(gripper_1)")))
-        assert client.send(preview_calls.get_preview(asked.id, wait=30)).state == "planned"
-        assert asked.id in {preview.id for preview in client.send(preview_calls.list_previews()).items}
+        asked = client.send(goal_calls.ask_preview(GoalOrder(goal="EmptyHanded(gripper_1)")))
+        assert client.send(goal_calls.get_preview(asked.id, wait=30)).state == "planned"
+        assert asked.id in {preview.id for preview in client.send(goal_calls.list_previews()).items}
 
 
 def test_a_server_that_ends_waits_for_no_plan(tmp_path):

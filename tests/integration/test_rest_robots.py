@@ -12,7 +12,7 @@ from support.serving import Served, serving
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, JogBase, JogGripper, JogJoints, Teach
 from skiros_py.client.call import Call
-from skiros_py.client.calls import devices, modules, robot_models, robots
+from skiros_py.client.calls import modules, robots
 
 OVER = ("succeeded", "failed", "stopped")
 STEP = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2)
@@ -60,9 +60,9 @@ def test_a_robot_is_told_with_its_devices_and_the_limits_of_its_joints(api) -> N
 
 
 def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> None:
-    told = {device.id: device for device in done(api, devices.list_devices())}
-    gripper = done(api, devices.get_device("gripper_1"))
-    reading = done(api, devices.get_device_state("gripper_1"))
+    told = {device.id: device for device in done(api, robots.list_devices())}
+    gripper = done(api, robots.get_device("gripper_1"))
+    reading = done(api, robots.get_device_state("gripper_1"))
 
     assert {id_: device.kind for id_, device in told.items()} == {
         "base_1": "base",
@@ -75,8 +75,8 @@ def test_devices_of_any_kind_are_told_with_the_values_that_they_offer(api) -> No
     assert {signal.name: signal.unit for signal in gripper.signals} == {"gap": "m", "force": "N", "still": ""}
     assert reading.state is not None
     assert reading.signals["gap"] == reading.state["gap"]
-    assert done(api, devices.get_device_state("camera_1")).state is None
-    assert sent(api, devices.get_device_state("nobody")).status_code == 404
+    assert done(api, robots.get_device_state("camera_1")).state is None
+    assert sent(api, robots.get_device_state("nobody")).status_code == 404
 
 
 def test_the_state_of_a_robot_says_where_its_tool_is_in_the_map(api) -> None:
@@ -195,7 +195,7 @@ def test_what_waits_for_devices_that_something_else_uses_does_not_start_later_by
 
 def model_of_robot_1(api: httpx2.Client) -> httpx2.Response:
     """Reads the model, however long it takes to be made."""
-    while (response := sent(api, robot_models.get_robot_model("robot_1"))).status_code == 202:
+    while (response := sent(api, robots.get_robot_model("robot_1"))).status_code == 202:
         time.sleep(float(response.headers["Retry-After"]))
     return response
 
@@ -211,7 +211,7 @@ def test_the_model_of_a_robot_is_read_with_its_meshes_and_nothing_else(api) -> N
     assert len(mesh.content) == 84 + 50 * int.from_bytes(mesh.content[80:84], "little")
     for wrong in ("robot.urdf", "%2e%2e%2frobot.urdf", "..%2f..%2fjournal.db", "%2fetc%2fpasswd", ""):
         assert api.get(f"/robots/robot_1/model/meshes/{wrong}").status_code == 404
-    assert sent(api, robot_models.get_robot_model("nobody")).json()["code"] == "NotFound"
+    assert sent(api, robots.get_robot_model("nobody")).json()["code"] == "NotFound"
 
 
 def test_a_robot_is_told_with_the_joints_that_a_picture_moves(api) -> None:

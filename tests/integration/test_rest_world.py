@@ -19,7 +19,7 @@ from skiros_py.api.locks import LockOrder
 from skiros_py.api.queries import AskAnswer, Query
 from skiros_py.api.values import GivenPose, Placement
 from skiros_py.api.world import SetOperation, TransactionOrder
-from skiros_py.client.calls import elements, learned, locks, ontology, queries, world
+from skiros_py.client.calls import elements, ontology, world
 from skiros_py.client.client import Client
 from skiros_py.client.errors import ProblemError
 from skiros_py.world.change import Writer
@@ -662,14 +662,14 @@ def test_the_client_speaks_of_all_this(served: Served) -> None:
         assert client.send(ontology.list_ontology_relations(limit=1)).next
         assert client.send(ontology.list_ontology_properties(limit=1)).next
         assert client.send(ontology.read_placements(element="starter_1", relation="sk:in")).options
-        assert [lock.element for lock in client.send(locks.lock_elements(LockOrder(elements=["kit_1"]))).items] == [
+        assert [lock.element for lock in client.send(world.lock_elements(LockOrder(elements=["kit_1"]))).items] == [
             "kit_1"
         ]
-        assert [lock.owner for lock in client.send(locks.list_locks()).items] == ["local"]
-        assert client.send(locks.end_locks(["kit_1"])).items == []
-        assert client.send(learned.list_learned()).next is None
-        assert "owl:Ontology" in client.send(learned.export_learned())
-        answer = client.send(queries.ask_question(Query(query="ASK { scene:kit_1 a kitting:Kit }")))
+        assert [lock.owner for lock in client.send(world.list_locks()).items] == ["local"]
+        assert client.send(world.end_locks(["kit_1"])).items == []
+        assert client.send(world.list_learned()).next is None
+        assert "owl:Ontology" in client.send(world.export_learned())
+        answer = client.send(world.ask_question(Query(query="ASK { scene:kit_1 a kitting:Kit }")))
         assert answer == AskAnswer(form="ASK", answer=True)
         with pytest.raises(ProblemError, match="unknown element"):
             client.send(elements.read_element("nobody"))

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import httpx2
 
+from skiros_py.client.any_client import AnyClient
 from skiros_py.client.call import AsyncSender, Call
-from skiros_py.client.discovery import InStep, server_of
-from skiros_py.client.patience import Patience
-from skiros_py.client.request import Outcome, arguments_of, result_of, settings_for
+from skiros_py.client.request import Outcome, arguments_of, result_of
 from skiros_py.client.streams import Stream, follow_later
-from skiros_py.client.topics import Topics
 
 T = TypeVar("T")
 
 
-class AsyncClient(Topics[AsyncSender]):
+class AsyncClient(AnyClient[AsyncSender]):
     """Speaks with one server, as :class:`~skiros_py.client.client.Client` does, with ``await``.
 
     Args:
@@ -36,30 +33,8 @@ class AsyncClient(Topics[AsyncSender]):
         UsageError: That is no address, or no key.
     """
 
-    def __init__(
-        self, url: str = "http://127.0.0.1:8000", key: str | None = None, *, timeout: float = 30.0, tries: int = 6
-    ) -> None:
-        super().__init__(self)
-        self.url = url.rstrip("/")
-        self._patience = Patience(tries)
-        self.http = httpx2.AsyncClient(**settings_for(url, key, timeout))
-
-    @classmethod
-    def of_data(cls, data: str | Path, **options: Any) -> Self:
-        """Returns the client of the server that owns a data directory of this machine; it needs no key.
-
-        A server that takes its place later, perhaps at another address, is found as well.
-
-        Args:
-            data: The data directory.
-            **options: ``timeout`` and ``tries``.
-
-        Raises:
-            FileError: No server runs on it, or somebody else's does.
-        """
-        client = cls(server_of(Path(data)).url, **options)
-        client.http.auth = InStep(Path(data))
-        return client
+    http: httpx2.AsyncClient
+    _http = httpx2.AsyncClient
 
     async def send(self, call: Call[T]) -> T:
         """Sends a call, perhaps several times, and returns what it asked for.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from types import GenericAlias
 from typing import Any, Generic, ParamSpec, Protocol, TypeVar, overload
+from urllib.parse import quote
 
 import httpx2
 from pydantic import BaseModel, TypeAdapter
@@ -114,6 +115,21 @@ class Method(Generic[P, T]):
 
 def _send(client: Sender | AsyncSender, make: Callable[P, Call[T]], /, *args: P.args, **kwargs: P.kwargs) -> Any:
     return client.send(make(*args, **kwargs))
+
+
+def path_of(*parts: str | int) -> str:
+    """Returns the path of something, below ``/api/v1``; each part is quoted."""
+    return "".join(f"/{quote(str(part), safe='')}" for part in parts)
+
+
+def if_match(version: int | None, otherwise: str | None = None) -> dict[str, str | None]:
+    """Returns the header that says which version was seen.
+
+    Args:
+        version: The version.
+        otherwise: What it says where there is none; None to leave it out.
+    """
+    return {"If-Match": otherwise if version is None else f'"{version}"'}
 
 
 def plain(response: httpx2.Response) -> Any:

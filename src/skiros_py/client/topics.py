@@ -9,36 +9,22 @@ from typing import Any, Generic, TypeVar, overload
 from skiros_py.api.jobs import Job
 from skiros_py.client.call import AsyncSender, Method, Sender, Topic
 from skiros_py.client.calls import (
+    access,
     alarms,
-    audit,
-    devices,
     documents,
     elements,
     events,
     goals,
     jobs,
-    keys,
-    learned,
-    locks,
     modules,
     ontology,
-    plugins,
-    previews,
-    queries,
-    robot_models,
     robots,
     scenes,
     sequences,
-    session,
     simulation,
     tasks,
-    templates,
-    view,
     webhooks,
     world,
-)
-from skiros_py.client.calls import (
-    stop as stops,
 )
 from skiros_py.client.waiting import is_over, wait_for, wait_for_async
 
@@ -57,7 +43,7 @@ class Alarms(Topic[C]):
 class Audit(Topic[C]):
     """Who changed what, and who was refused."""
 
-    list = Method(audit.list_audit)
+    list = Method(access.list_audit)
 
 
 class Events(Topic[C]):
@@ -70,26 +56,26 @@ class Events(Topic[C]):
 class Keys(Topic[C]):
     """Who may come in."""
 
-    list = Method(keys.list_keys)
-    create = Method(keys.create_key)
-    get = Method(keys.get_key)
-    revoke = Method(keys.revoke_key)
+    list = Method(access.list_keys)
+    create = Method(access.create_key)
+    get = Method(access.get_key)
+    revoke = Method(access.revoke_key)
 
 
 class Session(Topic[C]):
     """The caller's own session."""
 
-    get = Method(session.get_session)
-    login = Method(session.login)
-    logout = Method(session.logout)
+    get = Method(access.get_session)
+    login = Method(access.login)
+    logout = Method(access.logout)
 
 
 class Station(Topic[C]):
     """All robots at once."""
 
-    stop = Method(stops.stop)
-    get_stop = Method(stops.get_stop)
-    reset = Method(stops.reset)
+    stop = Method(robots.stop)
+    get_stop = Method(robots.get_stop)
+    reset = Method(robots.reset)
 
 
 class Webhooks(Topic[C]):
@@ -110,7 +96,7 @@ class World(Topic[C]):
     """The world as a whole."""
 
     get = Method(world.read_world)
-    view = Method(view.read_view)
+    view = Method(world.read_view)
     tree = Method(world.read_tree)
     changes = Method(world.list_changes)
     change = Method(world.read_change)
@@ -145,23 +131,23 @@ class Ontology(Topic[C]):
 class Queries(Topic[C]):
     """Questions in SPARQL."""
 
-    ask = Method(queries.ask_question)
+    ask = Method(world.ask_question)
 
 
 class Learned(Topic[C]):
     """What robots were taught."""
 
-    list = Method(learned.list_learned)
-    forget = Method(learned.forget_learned)
-    export = Method(learned.export_learned)
+    list = Method(world.list_learned)
+    forget = Method(world.forget_learned)
+    export = Method(world.export_learned)
 
 
 class Locks(Topic[C]):
     """Who keeps others from editing what."""
 
-    list = Method(locks.list_locks)
-    lock = Method(locks.lock_elements)
-    end = Method(locks.end_locks)
+    list = Method(world.list_locks)
+    lock = Method(world.lock_elements)
+    end = Method(world.end_locks)
 
 
 class Jobs(Topic[C]):
@@ -233,10 +219,10 @@ class Goals(Topic[C]):
 class Templates(Topic[C]):
     """Named goals with parameters."""
 
-    list = Method(templates.list_goal_templates)
-    get = Method(templates.get_goal_template)
-    put = Method(templates.put_goal_template)
-    remove = Method(templates.remove_goal_template)
+    list = Method(goals.list_goal_templates)
+    get = Method(goals.get_goal_template)
+    put = Method(goals.put_goal_template)
+    remove = Method(goals.remove_goal_template)
 
 
 class Documents(Topic[C]):
@@ -253,10 +239,10 @@ class Documents(Topic[C]):
 class Previews(Topic[C]):
     """Goals that are planned and not done."""
 
-    ask = Method(previews.ask_preview)
-    list = Method(previews.list_previews)
-    get = Method(previews.get_preview)
-    apply = Method(previews.apply_repair)
+    ask = Method(goals.ask_preview)
+    list = Method(goals.list_previews)
+    get = Method(goals.get_preview)
+    apply = Method(goals.apply_repair)
 
 
 class Scenes(Topic[C]):
@@ -306,8 +292,8 @@ class Modules(Topic[C]):
 class Plugins(Topic[C]):
     """Plug-ins that are installed, and their faults."""
 
-    list = Method(plugins.list_plugins)
-    faults = Method(plugins.list_plugin_faults)
+    list = Method(modules.list_plugins)
+    faults = Method(modules.list_plugin_faults)
 
 
 class Robots(Topic[C]):
@@ -316,8 +302,8 @@ class Robots(Topic[C]):
     list = Method(robots.list_robots)
     get = Method(robots.get_robot)
     state = Method(robots.get_robot_state)
-    model = Method(robot_models.get_robot_model)
-    mesh = Method(robot_models.get_robot_mesh)
+    model = Method(robots.get_robot_model)
+    mesh = Method(robots.get_robot_mesh)
     motion = Method(robots.get_robot_motion)
     look = Method(robots.get_look)
     jog = Method(robots.jog_robot)
@@ -328,11 +314,11 @@ class Robots(Topic[C]):
 class Devices(Topic[C]):
     """Devices of any kind, and what they say."""
 
-    list = Method(devices.list_devices)
-    get = Method(devices.get_device)
-    state = Method(devices.get_device_state)
-    open = Method(devices.open_device)
-    close = Method(devices.close_device)
+    list = Method(robots.list_devices)
+    get = Method(robots.get_device)
+    state = Method(robots.get_device_state)
+    open = Method(robots.open_device)
+    close = Method(robots.close_device)
 
 
 class Sequences(Topic[C]):

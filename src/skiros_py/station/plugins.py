@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
 from skiros_py.api.plugins import PluginFaultInfo, PluginInfo, Plugins
 from skiros_py.catalogue import Surveyed, survey
 from skiros_py.plugins import PluginFault
-
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
+from skiros_py.station.requests import Service
 
 
-class PluginService:
-    """Lists plug-ins.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class PluginService(Service):
+    """Lists plug-ins."""
 
     def all(self) -> Plugins:
         """Lists every installed entry point, and whether it works."""

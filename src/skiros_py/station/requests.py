@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName
+
+if TYPE_CHECKING:
+    from skiros_py.station.station import Station
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +24,17 @@ class Author:
 
     name: str
     holder: str
+
+
+class Service:
+    """The use cases of one topic, which command line, library and server call alike.
+
+    Args:
+        station: The station.
+    """
+
+    def __init__(self, station: Station) -> None:
+        self._station = station
 
 
 LIBRARY: Final = Author("python", "python")

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from urllib.parse import quote
-
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
-from skiros_py.client.call import Call
+from skiros_py.client.call import Call, path_of
 
 
 def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | None = None) -> Call[AlarmPage]:
@@ -16,12 +14,12 @@ def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | N
 
 def get_alarm(alarm: str) -> Call[AlarmInfo]:
     """Tells about one alarm."""
-    return Call("GET", _path(alarm), AlarmInfo)
+    return Call("GET", path_of("alarms", alarm), AlarmInfo)
 
 
 def acknowledge_alarm(alarm: str) -> Call[AlarmInfo]:
     """Notes that somebody has seen it."""
-    return Call("POST", f"{_path(alarm)}/acknowledge", AlarmInfo)
+    return Call("POST", path_of("alarms", alarm, "acknowledge"), AlarmInfo)
 
 
 def answer_alarm(alarm: str, answer: str, *, question: int | None = None) -> Call[AlarmInfo]:
@@ -33,8 +31,4 @@ def answer_alarm(alarm: str, answer: str, *, question: int | None = None) -> Cal
         question: What it asked when it was looked at, so that nothing else is answered; None for whatever it asks.
     """
     body = AlarmAnswer(answer=answer, question=question).model_dump(mode="json")
-    return Call("POST", f"{_path(alarm)}/answer", AlarmInfo, json=body, repeatable=False)
-
-
-def _path(alarm: str) -> str:
-    return f"/alarms/{quote(alarm, safe='')}"
+    return Call("POST", path_of("alarms", alarm, "answer"), AlarmInfo, json=body, repeatable=False)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
-from urllib.parse import quote
 
 from skiros_py.api.documents import DocumentInfo, DocumentKinds, Documents
-from skiros_py.client.call import Call, nothing
+from skiros_py.client.call import Call, if_match, nothing, path_of
 
 
 def list_document_kinds() -> Call[DocumentKinds]:
@@ -17,17 +16,17 @@ def list_document_kinds() -> Call[DocumentKinds]:
 
 def list_documents(kind: str) -> Call[Documents]:
     """Lists the documents of a kind."""
-    return Call("GET", f"/documents/{quote(kind, safe='')}", Documents)
+    return Call("GET", path_of("documents", kind), Documents)
 
 
 def get_document(kind: str, id_: str) -> Call[DocumentInfo]:
     """Looks at a document."""
-    return Call("GET", _path(kind, id_), DocumentInfo)
+    return Call("GET", path_of("documents", kind, id_), DocumentInfo)
 
 
 def list_document_revisions(kind: str, id_: str) -> Call[Documents]:
     """Lists all revisions of a document."""
-    return Call("GET", f"{_path(kind, id_)}/revisions", Documents)
+    return Call("GET", path_of("documents", kind, id_, "revisions"), Documents)
 
 
 def put_document(kind: str, id_: str, data: Mapping[str, Any], *, seen: int | None = None) -> Call[DocumentInfo]:
@@ -39,14 +38,12 @@ def put_document(kind: str, id_: str, data: Mapping[str, Any], *, seen: int | No
         data: What it says.
         seen: Revision of the one that is there already.
     """
-    headers = {"If-Match": None if seen is None else f'"{seen}"'}
-    return Call("PUT", _path(kind, id_), DocumentInfo, json={"data": data}, headers=headers, repeatable=False)
+    headers = if_match(seen)
+    return Call(
+        "PUT", path_of("documents", kind, id_), DocumentInfo, json={"data": data}, headers=headers, repeatable=False
+    )
 
 
 def remove_document(kind: str, id_: str, *, seen: int) -> Call[None]:
     """Removes a document."""
-    return Call("DELETE", _path(kind, id_), nothing, headers={"If-Match": f'"{seen}"'}, repeatable=False)
-
-
-def _path(kind: str, id_: str) -> str:
-    return f"/documents/{quote(kind, safe='')}/{quote(id_, safe='')}"
+    return Call("DELETE", path_of("documents", kind, id_), nothing, headers=if_match(seen), repeatable=False)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from urllib.parse import quote
 
 from skiros_py.api.elements import ElementDetails, ElementPage, ElementPatch, NewElement, RelationPage
 from skiros_py.api.world import ChangePage, Written
-from skiros_py.client.call import Call
+from skiros_py.client.call import Call, if_match, path_of
 
 
 def list_elements(
@@ -43,7 +42,7 @@ def read_element(element: str, *, computed: Sequence[str] = ()) -> Call[ElementD
         element: Its id.
         computed: Computed relations to work out; "all" for all.
     """
-    return Call("GET", _path(element), ElementDetails, query={"computed": list(computed) or None})
+    return Call("GET", path_of("elements", element), ElementDetails, query={"computed": list(computed) or None})
 
 
 def list_relations(
@@ -58,7 +57,7 @@ def list_relations(
         cursor: ``next`` of the page before.
     """
     query = {"relation": relation, "limit": limit, "cursor": cursor}
-    return Call("GET", f"{_path(element)}/relations", RelationPage, query=query)
+    return Call("GET", path_of("elements", element, "relations"), RelationPage, query=query)
 
 
 def read_element_history(
@@ -73,7 +72,7 @@ def read_element_history(
         cursor: ``next`` of the page before.
     """
     query = {"newest_first": newest_first, "limit": limit, "cursor": cursor}
-    return Call("GET", f"{_path(element)}/history", ChangePage, query=query)
+    return Call("GET", path_of("elements", element, "history"), ChangePage, query=query)
 
 
 def add_element(new: NewElement) -> Call[ElementDetails]:
@@ -91,7 +90,7 @@ def change_element(element: str, patch: ElementPatch, *, version: int | None = N
         version: The version that was seen; None for whatever it is now.
     """
     body = patch.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    return Call("PATCH", _path(element), ElementDetails, json=body, headers=_seen(version))
+    return Call("PATCH", path_of("elements", element), ElementDetails, json=body, headers=if_match(version, "*"))
 
 
 def remove_element(element: str, *, version: int | None = None, reason: str | None = None) -> Call[Written]:
@@ -102,7 +101,14 @@ def remove_element(element: str, *, version: int | None = None, reason: str | No
         version: The version that was seen; None for whatever it is now.
         reason: Why.
     """
-    return Call("DELETE", _path(element), Written, query={"reason": reason}, headers=_seen(version), repeatable=False)
+    return Call(
+        "DELETE",
+        path_of("elements", element),
+        Written,
+        query={"reason": reason},
+        headers=if_match(version, "*"),
+        repeatable=False,
+    )
 
 
 def state_relation(
@@ -118,7 +124,7 @@ def state_relation(
         reason: Why.
     """
     path = _related(element, relation, other)
-    return Call("PUT", path, Written, query={"reason": reason}, headers=_seen(version))
+    return Call("PUT", path, Written, query={"reason": reason}, headers=if_match(version, "*"))
 
 
 def take_back_relation(
@@ -126,16 +132,8 @@ def take_back_relation(
 ) -> Call[Written]:
     """Takes back a stated relation; arguments as for :func:`state_relation`."""
     path = _related(element, relation, other)
-    return Call("DELETE", path, Written, query={"reason": reason}, headers=_seen(version), repeatable=False)
-
-
-def _path(element: str) -> str:
-    return f"/elements/{quote(element, safe='')}"
+    return Call("DELETE", path, Written, query={"reason": reason}, headers=if_match(version, "*"), repeatable=False)
 
 
 def _related(element: str, relation: str, other: str) -> str:
-    return f"{_path(element)}/relations/{quote(relation, safe='')}/{quote(other, safe='')}"
-
-
-def _seen(version: int | None) -> dict[str, str]:
-    return {"If-Match": "*" if version is None else f'"{version}"'}
+    return path_of("elements", element, "relations", relation, other)

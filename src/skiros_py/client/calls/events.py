@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from urllib.parse import quote
 
 from httpx2 import ServerSentEvent
 
 from skiros_py.api.events import EventInfo, EventKind, EventPage, ResetInfo
 from skiros_py.api.state import StationState
-from skiros_py.client.call import Call
+from skiros_py.client.call import Call, path_of
 from skiros_py.client.streams import Stream
 
 
@@ -29,7 +28,7 @@ def stream_events(
 
 def stream_job_events(job: str) -> Stream[EventInfo | ResetInfo]:
     """Follows a job; first comes what is kept of it already."""
-    return Stream(f"/jobs/{quote(job, safe='')}/events", _event)
+    return Stream(path_of("jobs", job, "events"), _event)
 
 
 def stream_state(rate: float = 10.0) -> Stream[StationState]:

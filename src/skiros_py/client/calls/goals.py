@@ -1,11 +1,13 @@
-"""Goals: checked without being ordered, and those that go with the scene."""
+"""Goals: checked, previewed, kept as templates."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalData, GoalOrder, GoalTexts, SceneGoals
-from skiros_py.client.call import Call
+from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage
+from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
+from skiros_py.client.call import Call, if_match, nothing, path_of
 
 
 def check_goal(order: GoalOrder) -> Call[CheckedGoal]:
@@ -39,3 +41,58 @@ def list_goal_conditions(*, every: bool = False) -> Call[ConditionWords]:
     """
     query = {"all": "true" if every else None}
     return Call("GET", "/goals/conditions", ConditionWords, query=query)
+
+
+def list_goal_templates() -> Call[GoalTemplates]:
+    """Lists the goal templates."""
+    return Call("GET", "/goal-templates", GoalTemplates)
+
+
+def get_goal_template(name: str) -> Call[GoalTemplate]:
+    """Looks at a goal template."""
+    return Call("GET", path_of("goal-templates", name), GoalTemplate)
+
+
+def put_goal_template(name: str, content: GoalTemplateContent, *, seen: int | None = None) -> Call[GoalTemplate]:
+    """Writes a goal template.
+
+    Args:
+        name: Its name.
+        content: What it says.
+        seen: Version of the one that is there already.
+    """
+    body = content.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    headers = if_match(seen)
+    return Call("PUT", path_of("goal-templates", name), GoalTemplate, json=body, headers=headers, repeatable=False)
+
+
+def remove_goal_template(name: str, *, seen: int) -> Call[None]:
+    """Removes a goal template."""
+    return Call("DELETE", path_of("goal-templates", name), nothing, headers=if_match(seen), repeatable=False)
+
+
+def ask_preview(order: GoalOrder) -> Call[Preview]:
+    """Begins to plan for a goal."""
+    body = order.model_dump(mode="json", by_alias=True, exclude_defaults=True, include=set(GoalOrder.model_fields))
+    return Call("POST", "/previews", Preview, json=body)
+
+
+def list_previews() -> Call[PreviewPage]:
+    """Lists the previews that are kept, the latest first."""
+    return Call("GET", "/previews", PreviewPage)
+
+
+def get_preview(preview: str, *, wait: float = 0.0) -> Call[Preview]:
+    """Looks at a preview.
+
+    Args:
+        preview: Its id.
+        wait: How long to wait for the answer [s], up to 30 s.
+    """
+    return Call("GET", path_of("previews", preview), Preview, query={"wait": wait or None})
+
+
+def apply_repair(preview: str, repair: int) -> Call[AppliedRepair]:
+    """Makes the changes to the world that a repair consists of."""
+    path = path_of("previews", preview, "repairs", repair, "apply")
+    return Call("POST", path, AppliedRepair, repeatable=False)

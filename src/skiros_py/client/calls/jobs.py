@@ -7,7 +7,6 @@ import uuid
 from collections.abc import Sequence
 from datetime import datetime
 from typing import TypeVar
-from urllib.parse import quote
 
 from pydantic import BaseModel
 
@@ -28,7 +27,7 @@ from skiros_py.api.jobs import (
     StateName,
 )
 from skiros_py.api.replays import Replay
-from skiros_py.client.call import Call
+from skiros_py.client.call import Call, if_match, path_of
 from skiros_py.errors import UsageError
 
 M = TypeVar("M", bound=BaseModel)
@@ -71,7 +70,7 @@ def put_job(
         wait: How long to wait until it is over or stands [s], up to 30 s; None for not at all.
         again: True where it is meant although there was a job of that id that was removed.
     """
-    headers = {"If-Match": _seen(seen), "Prefer": _prefer(wait)}
+    headers = {**if_match(seen), "Prefer": _prefer(wait)}
     return Call("PUT", _path(job), Job, query=_start(start, again), json=_plain(order), headers=headers)
 
 
@@ -102,7 +101,7 @@ def get_job(job: str) -> Call[Job]:
 
 def get_job_response(job: str) -> Call[JobResponse]:
     """Says what a job has come to (ISA-95 job response)."""
-    return Call("GET", f"{_path(job)}/response", JobResponse)
+    return Call("GET", _path(job, "response"), JobResponse)
 
 
 def list_job_responses(
@@ -133,37 +132,37 @@ def get_capabilities() -> Call[JobCapabilities]:
 
 def get_job_plan(job: str) -> Call[JobPlan]:
     """Shows the last plan of a job."""
-    return Call("GET", f"{_path(job)}/plan", JobPlan)
+    return Call("GET", _path(job, "plan"), JobPlan)
 
 
 def get_job_trace(job: str, *, limit: int = 1000, cursor: str | None = None) -> Call[JobTrace]:
     """Lists what happened for a job."""
-    return Call("GET", f"{_path(job)}/trace", JobTrace, query={"limit": limit, "cursor": cursor})
+    return Call("GET", _path(job, "trace"), JobTrace, query={"limit": limit, "cursor": cursor})
 
 
 def get_job_report(job: str) -> Call[JobReport]:
     """Reports what came of a job, as ``skiros run`` does."""
-    return Call("GET", f"{_path(job)}/report", JobReport)
+    return Call("GET", _path(job, "report"), JobReport)
 
 
 def get_job_replay(job: str) -> Call[Replay]:
     """Shows what a job looked like."""
-    return Call("GET", f"{_path(job)}/replay", Replay)
+    return Call("GET", _path(job, "replay"), Replay)
 
 
 def get_job_recording(job: str) -> Call[bytes]:
     """Downloads the recording of a job: an MCAP file."""
-    return Call("GET", f"{_path(job)}/recording", lambda r: r.content)
+    return Call("GET", _path(job, "recording"), lambda r: r.content)
 
 
 def get_job_transitions(job: str) -> Call[JobTransitions]:
     """Lists the changes of state of a job."""
-    return Call("GET", f"{_path(job)}/transitions", JobTransitions)
+    return Call("GET", _path(job, "transitions"), JobTransitions)
 
 
 def get_job_explanation(job: str) -> Call[JobExplanation]:
     """Says why there is no plan for a job, and what would help."""
-    return Call("GET", f"{_path(job)}/explanation", JobExplanation)
+    return Call("GET", _path(job, "explanation"), JobExplanation)
 
 
 def start_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
@@ -209,7 +208,7 @@ def clear_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[J
 def remove_job(job: str, comment: str = "", *, seen: int | None = None) -> Call[Job]:
     """Removes a job that has not begun, or is over."""
     query = {"comment": comment or None}
-    return Call("DELETE", _path(job), Job, query, headers={"If-Match": _seen(seen)})
+    return Call("DELETE", _path(job), Job, query, headers=if_match(seen))
 
 
 def answer_job(job: str, answer: str, *, question: int | None = None) -> Call[Job]:
@@ -221,22 +220,22 @@ def answer_job(job: str, answer: str, *, question: int | None = None) -> Call[Jo
         question: Number of the question that is answered; a later one is then left alone.
     """
     body = JobAnswer(answer=answer, question=question)
-    return Call("POST", f"{_path(job)}/answer", Job, json=_plain(body), repeatable=question is not None)
+    return Call("POST", _path(job, "answer"), Job, json=_plain(body), repeatable=question is not None)
 
 
 def _command(job: str, command: str, comment: str, seen: int | None) -> Call[Job]:
     body = _plain(JobComment(comment=comment))
-    return Call("POST", f"{_path(job)}/{command}", Job, json=body, headers={"If-Match": _seen(seen)})
+    return Call("POST", _path(job, command), Job, json=body, headers=if_match(seen))
 
 
 def _plain(model: BaseModel) -> object:
     return model.model_dump(mode="json", by_alias=True, exclude_defaults=True)
 
 
-def _path(job: str) -> str:
+def _path(job: str, *parts: str) -> str:
     if not _ID.fullmatch(job):
         raise UsageError(f"{job[:80]!r} can be no id of a job: that has 1 to 200 characters, without blanks and '/'")
-    return f"/jobs/{quote(job, safe='')}"
+    return path_of("jobs", job, *parts)
 
 
 def _start(start: bool, again: bool) -> dict[str, str | None]:
@@ -253,10 +252,6 @@ def _chosen(
         "cursor": cursor,
         "newest_first": "true" if newest_first else None,
     }
-
-
-def _seen(version: int | None) -> str | None:
-    return None if version is None else f'"{version}"'
 
 
 def _prefer(wait: float | None) -> str | None:

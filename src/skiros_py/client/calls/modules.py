@@ -1,10 +1,9 @@
-"""Modules: what the skill managers can run, and running it by itself."""
+"""Modules: what the skill managers can run, running it by itself, and the plug-ins they come from."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any, Literal
-from urllib.parse import quote
 
 from skiros_py.api.modules import (
     ManagerInfo,
@@ -15,7 +14,8 @@ from skiros_py.api.modules import (
     PanelInfo,
     SkillInfo,
 )
-from skiros_py.client.call import Call, nothing
+from skiros_py.api.plugins import PluginFaultInfo, Plugins
+from skiros_py.client.call import Call, nothing, path_of
 
 
 def list_managers() -> Call[list[ManagerInfo]]:
@@ -25,13 +25,13 @@ def list_managers() -> Call[list[ManagerInfo]]:
 
 def open_manager(agent: str) -> Call[ManagerInfo]:
     """Opens the skill manager of a subsystem: its skills are on offer from now on."""
-    return Call("PUT", f"/managers/{quote(agent, safe='')}", ManagerInfo, repeatable=False)
+    return Call("PUT", path_of("managers", agent), ManagerInfo, repeatable=False)
 
 
 def close_manager(agent: str, *, force: bool | None = None) -> Call[None]:
     """Closes the skill manager of a subsystem: its skills leave the world model."""
     query = {"force": None if force is None else str(force).lower()}
-    return Call("DELETE", f"/managers/{quote(agent, safe='')}", nothing, query=query, repeatable=False)
+    return Call("DELETE", path_of("managers", agent), nothing, query=query, repeatable=False)
 
 
 def list_modules() -> Call[list[ModuleSummary]]:
@@ -41,13 +41,13 @@ def list_modules() -> Call[list[ModuleSummary]]:
 
 def get_module(agent: str, module: str) -> Call[ModuleDetails]:
     """Describes a module of a subsystem."""
-    return Call("GET", _path(agent, module), ModuleDetails)
+    return Call("GET", path_of("modules", agent, module), ModuleDetails)
 
 
 def show_panel(agent: str, module: str, arguments: Mapping[str, Any] | None = None) -> Call[PanelInfo]:
     """Tells what a module would be run with now, and which of its conditions hold; nothing runs."""
     body = {"arguments": dict(arguments or {})}
-    return Call("POST", f"{_path(agent, module)}/panel", PanelInfo, json=body)
+    return Call("POST", path_of("modules", agent, module, "panel"), PanelInfo, json=body)
 
 
 def run_module(
@@ -55,12 +55,12 @@ def run_module(
 ) -> Call[ModuleRunInfo]:
     """Starts a module by itself; follow it with :func:`get_module_run`."""
     body = {"arguments": dict(arguments or {}), "repeat": repeat}
-    return Call("POST", f"{_path(agent, module)}/runs", ModuleRunInfo, json=body, repeatable=False)
+    return Call("POST", path_of("modules", agent, module, "runs"), ModuleRunInfo, json=body, repeatable=False)
 
 
 def reset_module(agent: str, module: str) -> Call[None]:
     """Makes a module fit to run again after a fault."""
-    return Call("POST", f"{_path(agent, module)}/reset", nothing)
+    return Call("POST", path_of("modules", agent, module, "reset"), nothing)
 
 
 def list_module_runs(*, active: bool | None = None, limit: int | None = None) -> Call[ModuleRuns]:
@@ -71,12 +71,12 @@ def list_module_runs(*, active: bool | None = None, limit: int | None = None) ->
 
 def get_module_run(run: str) -> Call[ModuleRunInfo]:
     """Tells how far a run is, or what came of it."""
-    return Call("GET", f"/module-runs/{quote(run, safe='')}", ModuleRunInfo)
+    return Call("GET", path_of("module-runs", run), ModuleRunInfo)
 
 
 def command_module_run(run: str, command: Literal["pause", "resume", "step", "stop"]) -> Call[ModuleRunInfo]:
     """Pauses a run, resumes it, lets it do one cycle, or stops it."""
-    path = f"/module-runs/{quote(run, safe='')}/{command}"
+    path = path_of("module-runs", run, command)
     return Call("POST", path, ModuleRunInfo, repeatable=command != "step")
 
 
@@ -87,8 +87,14 @@ def list_skills() -> Call[list[SkillInfo]]:
 
 def get_skill(name: str) -> Call[SkillInfo]:
     """Describes a skill, apart from how it is done."""
-    return Call("GET", f"/skills/{quote(name, safe='')}", SkillInfo)
+    return Call("GET", path_of("skills", name), SkillInfo)
 
 
-def _path(agent: str, module: str) -> str:
-    return f"/modules/{quote(agent, safe='')}/{quote(module, safe='')}"
+def list_plugins() -> Call[Plugins]:
+    """Lists every entry point that is installed where the server runs."""
+    return Call("GET", "/plugins", Plugins)
+
+
+def list_plugin_faults() -> Call[list[PluginFaultInfo]]:
+    """Lists what does not load or fit into the present scene."""
+    return Call("GET", "/plugins/faults", list[PluginFaultInfo])

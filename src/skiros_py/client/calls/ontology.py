@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from urllib.parse import quote
-
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
-from skiros_py.client.call import Call
+from skiros_py.client.call import Call, path_of
 
 
 def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[ClassNode]:
@@ -21,7 +19,7 @@ def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[C
 
 def read_class(name: str) -> Call[ClassDetails]:
     """Tells everything about a class."""
-    path = f"/ontology/classes/{quote(name, safe='')}"
+    path = path_of("ontology", "classes", name)
     return Call("GET", path, ClassDetails)
 
 

@@ -1,13 +1,13 @@
-"""Robots: what they are, where they are, and moving them by hand."""
+"""Robots and devices: looked at, moved by hand, taught, opened, closed and stopped."""
 
 from __future__ import annotations
 
-from urllib.parse import quote
-
+from skiros_py.api.devices import DeviceInfo, DeviceReading
 from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, RobotInfo, RobotReading, Teach
-from skiros_py.client.call import Call
+from skiros_py.api.stop import StopInfo
+from skiros_py.client.call import Call, path_of
 
 
 def list_robots() -> Call[list[RobotInfo]]:
@@ -17,43 +17,98 @@ def list_robots() -> Call[list[RobotInfo]]:
 
 def get_robot(robot: str) -> Call[RobotInfo]:
     """Tells what a robot is made of."""
-    return Call("GET", _path(robot), RobotInfo)
+    return Call("GET", path_of("robots", robot), RobotInfo)
 
 
 def get_robot_state(robot: str) -> Call[RobotReading]:
     """Tells where a robot is at this moment."""
-    return Call("GET", f"{_path(robot)}/state", RobotReading)
+    return Call("GET", path_of("robots", robot, "state"), RobotReading)
 
 
 def get_robot_motion(robot: str) -> Call[RobotMotion]:
     """Tells where a robot is about to go."""
-    return Call("GET", f"{_path(robot)}/motion", RobotMotion)
+    return Call("GET", path_of("robots", robot, "motion"), RobotMotion)
 
 
 def get_look(robot: str, camera: str) -> Call[Look]:
     """Tells what a camera saw last."""
-    path = f"{_path(robot)}/cameras/{quote(camera, safe='')}/look"
+    path = path_of("robots", robot, "cameras", camera, "look")
     return Call("GET", path, Look)
 
 
 def jog_robot(robot: str, jog: Jog) -> Call[ModuleRunInfo]:
     """Moves joints, tool, base or fingers by a little."""
-    return _start(f"{_path(robot)}/jog", jog.model_dump(mode="json", exclude_none=True))
+    return _start(path_of("robots", robot, "jog"), jog.model_dump(mode="json", exclude_none=True))
 
 
 def teach_robot(robot: str, lesson: Teach) -> Call[ModuleRunInfo]:
     """Has a robot learn from how it stands now."""
-    return _start(f"{_path(robot)}/teach", lesson.model_dump(mode="json"))
+    return _start(path_of("robots", robot, "teach"), lesson.model_dump(mode="json"))
 
 
 def home_robot(robot: str, arm: str | None = None) -> Call[ModuleRunInfo]:
     """Brings one arm or all home."""
-    return _start(f"{_path(robot)}/home", {} if arm is None else {"arm": arm})
+    return _start(path_of("robots", robot, "home"), {} if arm is None else {"arm": arm})
 
 
 def _start(path: str, body: object) -> Call[ModuleRunInfo]:
     return Call("POST", path, ModuleRunInfo, json=body, repeatable=False)
 
 
-def _path(robot: str) -> str:
-    return f"/robots/{quote(robot, safe='')}"
+def get_robot_model(robot: str) -> Call[str]:
+    """Tells what a robot looks like, as URDF."""
+    return Call("GET", path_of("robots", robot, "model"), lambda r: r.text)
+
+
+def get_robot_mesh(robot: str, mesh: str) -> Call[bytes]:
+    """Gives a mesh that the model names, as binary STL.
+
+    Args:
+        robot: The robot.
+        mesh: The last part of the file name in the model.
+    """
+    return Call("GET", path_of("robots", robot, "model", "meshes", mesh), lambda r: r.content)
+
+
+def list_devices() -> Call[list[DeviceInfo]]:
+    """Lists the devices with the values that each offers."""
+    return Call("GET", "/devices", list[DeviceInfo])
+
+
+def get_device(device: str) -> Call[DeviceInfo]:
+    """Describes a device."""
+    return Call("GET", path_of("devices", device), DeviceInfo)
+
+
+def open_device(device: str) -> Call[DeviceInfo]:
+    """Opens a device: its driver is connected, and modules may use it."""
+    return Call("POST", path_of("devices", device, "open"), DeviceInfo)
+
+
+def close_device(device: str) -> Call[DeviceInfo]:
+    """Closes a device: no module may use it, and its driver may be disconnected."""
+    return Call("POST", path_of("devices", device, "close"), DeviceInfo)
+
+
+def get_device_state(device: str) -> Call[DeviceReading]:
+    """Reads a device."""
+    return Call("GET", path_of("devices", device, "state"), DeviceReading)
+
+
+def stop(reason: str = "") -> Call[StopInfo]:
+    """Halts all robots in the next control cycle.
+
+    Args:
+        reason: Why, for a person.
+    """
+    return Call("POST", "/stop", StopInfo, json={"reason": reason})
+
+
+def get_stop() -> Call[StopInfo]:
+    """Tells whether everything is halted."""
+    return Call("GET", "/stop", StopInfo)
+
+
+def reset() -> Call[StopInfo]:
+    """Lets things start again after a halt: somebody has looked why that was."""
+    return Call("POST", "/reset", StopInfo)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from urllib.parse import quote
-
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, Scenes
-from skiros_py.client.call import Call, nothing
+from skiros_py.client.call import Call, if_match, nothing, path_of
 
 
 def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:
@@ -15,7 +13,7 @@ def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:
 
 def get_scene_file(name: str) -> Call[Scene]:
     """Tells what a scene consists of, without loading it."""
-    return Call("GET", _path(name), Scene)
+    return Call("GET", path_of("scenes", name), Scene)
 
 
 def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
@@ -30,14 +28,14 @@ def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
         "/scenes",
         SceneEntry,
         json={"name": name},
-        headers=_if_match(version),
+        headers=if_match(version),
         repeatable=False,
     )
 
 
 def delete_scene(name: str, *, version: int | None = None) -> Call[None]:
     """Removes a saved scene; where a version is given, only that one."""
-    return Call("DELETE", _path(name), nothing, headers=_if_match(version))
+    return Call("DELETE", path_of("scenes", name), nothing, headers=if_match(version))
 
 
 def get_scene() -> Call[PresentScene]:
@@ -52,13 +50,13 @@ def load_scene(name: str, *, version: int | None = None) -> Call[PresentScene]:
         name: Its name.
         version: The version of the world that you have seen; None for any.
     """
-    headers = _if_match(version) or {"If-Match": "*"}
+    headers = if_match(version, "*")
     return Call("PUT", "/scene", PresentScene, json={"name": name}, headers=headers, repeatable=False)
 
 
 def upload_scene(turtle: str, *, version: int | None = None) -> Call[PresentScene]:
     """Makes the present scene the one that a Turtle text describes; see :func:`load_scene`."""
-    headers = {**(_if_match(version) or {"If-Match": "*"}), "Content-Type": "text/turtle"}
+    headers = {**if_match(version, "*"), "Content-Type": "text/turtle"}
     return Call("PUT", "/scene", PresentScene, content=turtle.encode(), headers=headers, repeatable=False)
 
 
@@ -71,11 +69,3 @@ def get_scene_difference(name: str, *, limit: int = 100, cursor: str | None = No
     """Tells what makes the present scene of another one."""
     query = {"with": name, "limit": limit, "cursor": cursor}
     return Call("GET", "/scene/diff", SceneDifference, query=query)
-
-
-def _path(name: str) -> str:
-    return f"/scenes/{quote(name, safe='')}"
-
-
-def _if_match(version: int | None) -> dict[str, str | None]:
-    return {} if version is None else {"If-Match": f'"{version}"'}

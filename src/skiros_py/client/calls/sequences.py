@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from typing import Any
-from urllib.parse import quote
 
 from skiros_py.api.sequences import InsertStep, NewSequence, RunSequence, SequenceInfo, Sequences
 from skiros_py.api.tasks import TaskInfo, WantedStep
-from skiros_py.client.call import Call, nothing
+from skiros_py.client.call import Call, if_match, nothing, path_of
 
 
 def list_sequences() -> Call[Sequences]:
@@ -23,48 +22,42 @@ def create_sequence(sequence: NewSequence) -> Call[SequenceInfo]:
 
 def get_sequence(sequence: str) -> Call[SequenceInfo]:
     """Shows a sequence with every step checked as things are now."""
-    return Call("GET", _path(sequence), SequenceInfo)
+    return Call("GET", path_of("sequences", sequence), SequenceInfo)
 
 
 def delete_sequence(sequence: str, version: int) -> Call[None]:
     """Throws a sequence away; the version says which one was seen."""
-    return Call("DELETE", _path(sequence), nothing, headers=_match(version), repeatable=False)
+    return Call("DELETE", path_of("sequences", sequence), nothing, headers=if_match(version), repeatable=False)
 
 
 def insert_step(sequence: str, version: int, step: InsertStep) -> Call[SequenceInfo]:
     """Adds a step before another one, or at the end."""
-    return _edit("POST", f"{_path(sequence)}/steps", version, step.model_dump(mode="json", exclude_none=True))
+    return _edit(
+        "POST", path_of("sequences", sequence, "steps"), version, step.model_dump(mode="json", exclude_none=True)
+    )
 
 
 def change_step(sequence: str, version: int, number: int, step: WantedStep) -> Call[SequenceInfo]:
     """Puts another step in the place of one, by its index from 0."""
-    return _edit("PUT", f"{_path(sequence)}/steps/{number}", version, step.model_dump(mode="json"))
+    return _edit("PUT", path_of("sequences", sequence, "steps", number), version, step.model_dump(mode="json"))
 
 
 def remove_step(sequence: str, version: int, number: int) -> Call[SequenceInfo]:
     """Takes a step out, by its index from 0."""
-    return _edit("DELETE", f"{_path(sequence)}/steps/{number}", version, None)
+    return _edit("DELETE", path_of("sequences", sequence, "steps", number), version, None)
 
 
 def move_step(sequence: str, version: int, number: int, to: int) -> Call[SequenceInfo]:
     """Moves a step to another index."""
-    return _edit("POST", f"{_path(sequence)}/steps/{number}/move", version, {"to": to})
+    return _edit("POST", path_of("sequences", sequence, "steps", number, "move"), version, {"to": to})
 
 
 def run_sequence(sequence: str, how: RunSequence | None = None) -> Call[TaskInfo]:
     """Runs the steps as they are, so often as wanted; what is answered is the task that does it."""
     body = RunSequence.model_validate({} if how is None else how).model_dump(mode="json")
-    path = f"{_path(sequence)}/run"
+    path = path_of("sequences", sequence, "run")
     return Call("POST", path, TaskInfo, json=body, repeatable=False)
 
 
 def _edit(method: str, path: str, version: int, body: Any) -> Call[SequenceInfo]:
-    return Call(method, path, SequenceInfo, json=body, headers=_match(version), repeatable=False)
-
-
-def _match(version: int) -> dict[str, str]:
-    return {"If-Match": f'"{version}"'}
-
-
-def _path(sequence: str) -> str:
-    return f"/sequences/{quote(sequence, safe='')}"
+    return Call(method, path, SequenceInfo, json=body, headers=if_match(version), repeatable=False)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from urllib.parse import quote
 
 from skiros_py.api.simulation import Bodies, Pace, SimulationState
-from skiros_py.client.call import Call, nothing
+from skiros_py.client.call import Call, nothing, path_of
 
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
@@ -30,12 +29,12 @@ def move_body(body: str, position: Sequence[float], orientation: Sequence[float]
         orientation: Quaternion (x, y, z, w).
     """
     pose = {"position": list(position), "orientation": list(orientation)}
-    return Call("PUT", f"{_path(body)}/pose", nothing, json=pose)
+    return Call("PUT", path_of("simulation", "bodies", body, "pose"), nothing, json=pose)
 
 
 def remove_body(body: str) -> Call[None]:
     """Takes a body away, and tells no robot."""
-    return Call("DELETE", _path(body), nothing)
+    return Call("DELETE", path_of("simulation", "bodies", body), nothing)
 
 
 def reset_simulation(*, force: bool = False) -> Call[SimulationState]:
@@ -66,10 +65,6 @@ def get_picture(
     """
     query = {"eye": _point(eye), "target": _point(target), "width": width, "height": height}
     return Call("GET", "/simulation/picture", lambda r: r.content, query=query)
-
-
-def _path(body: str) -> str:
-    return f"/simulation/bodies/{quote(body, safe='')}"
 
 
 def _point(values: Sequence[float]) -> str:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from typing import Literal
-from urllib.parse import quote
 
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
-from skiros_py.client.call import Call
+from skiros_py.client.call import Call, path_of
 
 
 def list_tasks(*, active: bool | None = None, limit: int | None = None) -> Call[Tasks]:
@@ -22,18 +21,14 @@ def begin_task(task: NewTask) -> Call[TaskInfo]:
 
 def get_task(name: str) -> Call[TaskInfo]:
     """Tells how far a task is, or what came of it."""
-    return Call("GET", _path(name), TaskInfo)
+    return Call("GET", path_of("tasks", name), TaskInfo)
 
 
 def get_task_trace(name: str, *, limit: int | None = None) -> Call[TaskTrace]:
     """Tells what happened in a task."""
-    return Call("GET", f"{_path(name)}/trace", TaskTrace, query={"limit": limit})
+    return Call("GET", path_of("tasks", name, "trace"), TaskTrace, query={"limit": limit})
 
 
 def command_task(name: str, command: Literal["pause", "resume", "step", "stop"]) -> Call[TaskInfo]:
     """Pauses a task, resumes it, lets it do one step, or stops it."""
-    return Call("POST", f"{_path(name)}/{command}", TaskInfo, repeatable=command != "step")
-
-
-def _path(name: str) -> str:
-    return f"/tasks/{quote(name, safe='')}"
+    return Call("POST", path_of("tasks", name, command), TaskInfo, repeatable=command != "step")

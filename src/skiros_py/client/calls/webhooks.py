@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from urllib.parse import quote
-
 from skiros_py.api.webhooks import Deliveries, DeliveryState, Webhook, WebhookChange, WebhookOrder, WebhookSecret
-from skiros_py.client.call import Call, nothing
+from skiros_py.client.call import Call, nothing, path_of
 
 
 def list_webhooks() -> Call[list[Webhook]]:
@@ -20,23 +18,23 @@ def create_webhook(order: WebhookOrder) -> Call[WebhookSecret]:
 
 def get_webhook(webhook: str) -> Call[Webhook]:
     """Tells about one webhook."""
-    return Call("GET", _path(webhook), Webhook)
+    return Call("GET", path_of("webhooks", webhook), Webhook)
 
 
 def change_webhook(webhook: str, change: WebhookChange) -> Call[Webhook]:
     """Changes what a webhook is told, or lets it rest."""
     body = change.model_dump(mode="json", exclude_none=True)
-    return Call("PATCH", _path(webhook), Webhook, json=body)
+    return Call("PATCH", path_of("webhooks", webhook), Webhook, json=body)
 
 
 def delete_webhook(webhook: str) -> Call[None]:
     """Removes a webhook with all that waits for it."""
-    return Call("DELETE", _path(webhook), nothing)
+    return Call("DELETE", path_of("webhooks", webhook), nothing)
 
 
 def ping_webhook(webhook: str) -> Call[None]:
     """Sends a message that only shows that it arrives."""
-    return Call("POST", f"{_path(webhook)}/ping", nothing)
+    return Call("POST", path_of("webhooks", webhook, "ping"), nothing)
 
 
 def list_deliveries(
@@ -44,7 +42,7 @@ def list_deliveries(
 ) -> Call[Deliveries]:
     """Lists the messages of a webhook, the latest first."""
     query = {"state": state, "limit": limit, "cursor": cursor}
-    return Call("GET", f"{_path(webhook)}/deliveries", Deliveries, query=query)
+    return Call("GET", path_of("webhooks", webhook, "deliveries"), Deliveries, query=query)
 
 
 def list_dead_letters(*, limit: int = 100, cursor: str | None = None) -> Call[Deliveries]:
@@ -55,8 +53,4 @@ def list_dead_letters(*, limit: int = 100, cursor: str | None = None) -> Call[De
 
 def redeliver(webhook: str, number: int) -> Call[None]:
     """Sends a message again that was given up."""
-    return Call("POST", f"{_path(webhook)}/deliveries/{number}/redeliver", nothing)
-
-
-def _path(webhook: str) -> str:
-    return f"/webhooks/{quote(webhook, safe='')}"
+    return Call("POST", path_of("webhooks", webhook, "deliveries", number, "redeliver"), nothing)

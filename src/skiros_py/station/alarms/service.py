@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from skiros_py.api.alarms import AlarmAnswer, AlarmInfo, AlarmPage
 from skiros_py.errors import StaleVersion, UnknownName, WrongState
 from skiros_py.station.alarms.alarms import Alarm, alarm_info
-from skiros_py.station.requests import LIBRARY, Author, addressed
-
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
+from skiros_py.station.requests import LIBRARY, Author, Service, addressed
 
 _UNKNOWN = "UnknownAlarm"
 
 
-class AlarmService:
-    """Lists, acknowledges and answers alarms.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class AlarmService(Service):
+    """Lists, acknowledges and answers alarms."""
 
     def all(self, *, active: bool | None = None, limit: int = 100, after: int = 0) -> AlarmPage:
         """Lists alarms, oldest first: all active ones, and the last thousand that are over.

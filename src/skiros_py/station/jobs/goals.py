@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING
 
 from skiros_py.api.goals import CheckedGoal, ConditionWords, GoalOrder, GoalTexts, SceneGoals
 from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
@@ -13,22 +12,12 @@ from skiros_py.station.jobs.goal_checks import checked_goal, condition_words
 from skiros_py.station.jobs.orders import texts_of
 from skiros_py.station.jobs.templates import TemplateStore, check_template
 from skiros_py.station.jobs.texts import goal_texts
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, addressed, require_seen
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.world.change import Writer
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
 
-
-class GoalService:
-    """Checks goals, and keeps those that go with the scene.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class GoalService(Service):
+    """Checks goals, and keeps those that go with the scene."""
 
     def check(self, order: GoalOrder) -> CheckedGoal:
         """Says how a goal is understood, and whether each condition holds now, and why not."""
@@ -82,15 +71,8 @@ def goals_version(goals: tuple[str, ...]) -> int:
     return int.from_bytes(hashlib.sha256(repr(goals).encode()).digest()[:6])
 
 
-class TemplateService:
-    """Goal templates, which ISA-95 calls work masters.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class TemplateService(Service):
+    """Goal templates, which ISA-95 calls work masters."""
 
     @property
     def _store(self) -> TemplateStore:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from datetime import datetime
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from skiros_py.api.jobs import (
     Job,
@@ -27,14 +27,11 @@ from skiros_py.errors import Refused, StaleVersion, UsageError, WrongState
 from skiros_py.station.jobs.accounts import explanation_of, plan_of, planned_steps, report_of, response_of
 from skiros_py.station.jobs.orders import digest_of, is_same, job_order, new_id, texts_of
 from skiros_py.station.jobs.views import STATES, job_view, transitions_view
-from skiros_py.station.requests import LIBRARY, Author
+from skiros_py.station.requests import LIBRARY, Author, Service
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobManager, Page, Receipt, Trigger
 from skiros_py.tasks.jobs import JobState as State
 from skiros_py.world.vocabulary import MANIPULATABLE
-
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
 
 Command = Literal["start", "revoke_start", "pause", "resume", "stop", "abort", "cancel", "clear", "remove"]
 
@@ -55,15 +52,8 @@ class OrderResult:
         self.repeated = repeated
 
 
-class JobService:
-    """Orders, follows and commands jobs.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class JobService(Service):
+    """Orders, follows and commands jobs."""
 
     @property
     def _jobs(self) -> JobManager:

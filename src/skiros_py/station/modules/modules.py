@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from skiros_py.api.modules import (
     ManagerInfo,
@@ -18,22 +18,12 @@ from skiros_py.errors import UnknownName, UsageError, WrongState
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.station.modules import views
 from skiros_py.station.modules.runs import ModuleRun, Wish
-from skiros_py.station.requests import LIBRARY, Author, addressed
+from skiros_py.station.requests import LIBRARY, Author, Service, addressed
 from skiros_py.station.session import Session
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
 
-
-class ModuleService:
-    """Opens and closes skill managers, describes modules and runs them by themselves.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class ModuleService(Service):
+    """Opens and closes skill managers, describes modules and runs them by themselves."""
 
     # ------------------------------------------------------------------ skill managers
 

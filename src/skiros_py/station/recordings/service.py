@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from skiros_py.errors import FileError, Refused
 from skiros_py.station.recordings.replay import replay_text
+from skiros_py.station.requests import Service
 from skiros_py.tasks.jobs import Job
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
 
-
-class RecordingService:
-    """Finds the recordings of jobs.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class RecordingService(Service):
+    """Finds the recordings of jobs."""
 
     def path(self, job: str) -> Path:
         """Returns the path of the recording of a job, an MCAP file.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from skiros_py.api.scenes import PresentScene, Scene, SceneDifference, SceneEntry, SceneRobot, Scenes
 from skiros_py.errors import FileError, Refused, UsageError
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, addressed, require_seen
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.scenes.content import scene_only
 from skiros_py.station.scenes.loading import load, require_rest, scene_of
 from skiros_py.station.scenes.scenes import SceneFile
@@ -19,22 +19,12 @@ from skiros_py.world.scene import describe
 from skiros_py.world.scene.writer import scene_turtle
 from skiros_py.world.vocabulary import ELEMENT, ROBOT
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
-
 _UNKNOWN = "UnknownScene"
 _SAVED_AS = "saved as"
 
 
-class SceneService:
-    """Saves, loads and compares scenes.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class SceneService(Service):
+    """Saves, loads and compares scenes."""
 
     # ------------------------------------------------------------------ scenes that can be loaded
 

@@ -2,32 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.previews import AppliedRepair, Preview, PreviewPage, PreviewState, Repair
 from skiros_py.api.wire import moment
 from skiros_py.errors import Refused
 from skiros_py.station.jobs.accounts import planned_steps
 from skiros_py.station.jobs.orders import texts_of
-from skiros_py.station.requests import LIBRARY, Author, addressed
+from skiros_py.station.requests import LIBRARY, Author, Service, addressed
 from skiros_py.station.tasks.previews import Preview as Known
 from skiros_py.station.tasks.previews import is_applicable
 from skiros_py.world.change import Writer
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
 
-
-class PreviewService:
-    """Plans goals from the present beliefs, and applies the repairs that are offered where there is no plan.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class PreviewService(Service):
+    """Plans goals from the present beliefs, and applies the repairs that are offered where there is no plan."""
 
     def ask(self, order: GoalOrder) -> Preview:
         """Begins to plan for a goal, and returns at once.

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from skiros_py.api.jobs import JobPolicy
 from skiros_py.api.tasks import NewTask, TaskInfo, Tasks, TaskTrace
 from skiros_py.errors import Refused
 from skiros_py.planning.plan import Step
-from skiros_py.station.requests import LIBRARY, Author, addressed
+from skiros_py.station.requests import LIBRARY, Author, Service, addressed
 from skiros_py.station.session import Session
 from skiros_py.station.tasks.book import KeptTask
 from skiros_py.station.tasks.steps import Workbench, require_works
@@ -18,21 +18,11 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.sequences import StepSequence
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
-
 _PLAIN = JobPolicy()
 
 
-class TaskService:
-    """Begins, follows and commands tasks.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class TaskService(Service):
+    """Begins, follows and commands tasks."""
 
     def all(self, *, active: bool | None = None, limit: int = 100) -> Tasks:
         """Lists tasks, the youngest first.

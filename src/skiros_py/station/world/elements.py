@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
-from typing import TYPE_CHECKING
 
 from skiros_py.api.elements import ElementDetails, ElementPage, ElementPatch, NewElement, Relation, RelationPage
 from skiros_py.api.world import ChangePage, Written
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, addressed, require_seen
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.world.changes import history, written
 from skiros_py.station.world.editing import add, change, writing
 from skiros_py.station.world.telling import details, relations, summary
@@ -18,19 +17,9 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import ELEMENT
 from skiros_py.world.world import World
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
 
-
-class ElementService:
-    """Reads and edits elements.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class ElementService(Service):
+    """Reads and edits elements."""
 
     @property
     def _world(self) -> World:

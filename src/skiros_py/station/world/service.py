@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from decimal import Decimal
 from itertools import islice
-from typing import TYPE_CHECKING
 
 from skiros_py.api.ontology import ClassDetails, ClassNode, PlacementOptions, PropertyPage, RelationPage
 from skiros_py.api.queries import Bound, DecimalLiteral, Query, TextLiteral
 from skiros_py.errors import UsageError
-from skiros_py.station.requests import addressed
+from skiros_py.station.requests import Service, addressed
 from skiros_py.station.world.answers import Answer
 from skiros_py.station.world.ontology import class_details, class_tree, property_info, relation_info
 from skiros_py.station.world.placements import placement_options
@@ -19,19 +18,9 @@ from skiros_py.world.index import Index
 from skiros_py.world.queries import Binding, Text
 from skiros_py.world.vocabulary import ELEMENT
 
-if TYPE_CHECKING:
-    from skiros_py.station.station import Station
 
-
-class OntologyService:
-    """Describes the ontology, and answers questions over everything that is known.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class OntologyService(Service):
+    """Describes the ontology, and answers questions over everything that is known."""
 
     @property
     def _view(self) -> Index:

@@ -11,7 +11,7 @@ from skiros_py.api.view import WorldView
 from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
 from skiros_py.devices.base import BaseState
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
-from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, addressed, require_seen
+from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.scenes.loading import LOADED
 from skiros_py.station.world.changes import change_page, one_change, told_change, undoable, written
 from skiros_py.station.world.editing import operate, told_lock, writing
@@ -29,18 +29,9 @@ from skiros_py.world.world import World
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from skiros_py.station.station import Station
 
-
-class WorldService:
-    """Reads the world as a whole, and writes transactions of a person.
-
-    Args:
-        station: The station.
-    """
-
-    def __init__(self, station: Station) -> None:
-        self._station = station
+class WorldService(Service):
+    """Reads the world as a whole, and writes transactions of a person."""
 
     @property
     def _world(self) -> World:

@@ -1,0 +1,50 @@
+"""Access: keys, the caller's own session, the audit log."""
+
+from __future__ import annotations
+
+from skiros_py.api.audit import AuditPage
+from skiros_py.api.keys import ApiKey, KeyOrder, NewKey
+from skiros_py.api.session import Login, Me
+from skiros_py.client.call import Call, nothing, path_of
+
+
+def list_audit(limit: int = 100, cursor: str | None = None) -> Call[AuditPage]:
+    """Lists requests that changed something or were refused, the youngest first."""
+    query = {"limit": limit, "cursor": cursor}
+    return Call("GET", "/audit", AuditPage, query=query)
+
+
+def list_keys() -> Call[list[ApiKey]]:
+    """Lists the keys, revoked ones too."""
+    return Call("GET", "/keys", list[ApiKey])
+
+
+def create_key(order: KeyOrder) -> Call[NewKey]:
+    """Makes a key, which is shown this once."""
+    body = order.model_dump(mode="json", exclude_none=True)
+    return Call("POST", "/keys", NewKey, json=body, repeatable=False)
+
+
+def get_key(key: str) -> Call[ApiKey]:
+    """Tells what is known of a key, by its id."""
+    return Call("GET", path_of("keys", key), ApiKey)
+
+
+def revoke_key(key: str) -> Call[ApiKey]:
+    """Takes a key out of use, by its id."""
+    return Call("DELETE", path_of("keys", key), ApiKey)
+
+
+def get_session() -> Call[Me]:
+    """Tells who the caller is and what they may do."""
+    return Call("GET", "/session", Me)
+
+
+def login(key: str) -> Call[Me]:
+    """Logs in as web pages do; programs need not, they show their key with each request."""
+    return Call("POST", "/session", Me, json=Login(key=key).model_dump())
+
+
+def logout() -> Call[None]:
+    """Ends such a login."""
+    return Call("DELETE", "/session", nothing)
