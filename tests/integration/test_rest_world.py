@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 from support.serving import Served, serving
 
 from skiros_py.api.elements import ElementPatch, NewElement
-from skiros_py.api.locks import LockOrder
 from skiros_py.api.queries import AskAnswer, Query
 from skiros_py.api.values import GivenPose, Placement
-from skiros_py.api.world import SetOperation, TransactionOrder
+from skiros_py.api.world import LockOrder, SetOperation, TransactionOrder
 from skiros_py.client.calls import elements, ontology, world
 from skiros_py.client.client import Client
 from skiros_py.client.errors import ProblemError

@@ -1,4 +1,4 @@
-"""The world as a whole: its version, its changes, and writing several things at once."""
+"""The world as a whole: its state, changes and transactions; what robots were taught; locks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from skiros_py.api.elements import Addition
-from skiros_py.api.values import GivenValue, Name
+from skiros_py.api.values import ElementId, GivenValue, Name
 
 _GIVEN = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 _TOLD = ConfigDict(frozen=True, populate_by_name=True)
@@ -213,4 +213,62 @@ class TransactionOrder(BaseModel):
     )
     operations: Annotated[list[Operation], Field(min_length=1, max_length=_MOST_OPERATIONS)] = Field(
         description="What is written, in this order."
+    )
+
+
+class Learned(BaseModel):
+    """Something that a robot was taught, and keeps beyond this scene."""
+
+    model_config = ConfigDict(frozen=True, populate_by_name=True)
+
+    id: str = Field(description="Its id.", examples=["learned:taught_grasp_1"])
+    class_: str = Field(
+        validation_alias="class", serialization_alias="class", description="Its class.", examples=["sk:TaughtGrasp"]
+    )
+    label: str = Field(description="What people call it.")
+    about: str | None = Field(description="The class of things that it is about.", examples=["kitting:Starter"])
+    properties: dict[str, Any] = Field(description="What it says: values by property.")
+    version: int = Field(description="Number of the change that touched it last; its ETag.", examples=[17])
+
+
+class LearnedPage(BaseModel):
+    """Some of what was learned, in the order of ids."""
+
+    model_config = ConfigDict(frozen=True)
+
+    items: list[Learned] = Field(description="What was learned.")
+    next: str | None = Field(description="Cursor of the next page; null at the end.")
+
+
+class Lock(BaseModel):
+    """Somebody's right to be the only person or job that edits an element."""
+
+    model_config = ConfigDict(frozen=True)
+
+    element: str = Field(description="Id of the element; its pieces are locked with it.", examples=["kit_1"])
+    owner: str = Field(description="Who has it.", examples=["ann"])
+    until: datetime = Field(description="When it ends by itself (UTC).")
+    seconds: float = Field(description="In how long that is [s].", examples=[59.2])
+
+
+class LockList(BaseModel):
+    """The locks in force, by element."""
+
+    model_config = ConfigDict(frozen=True)
+
+    items: list[Lock] = Field(description="The locks.")
+
+
+class LockOrder(BaseModel):
+    """What is to be locked."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", json_schema_extra={"examples": [{"elements": ["kit_1"], "seconds": 60.0}]}
+    )
+
+    elements: Annotated[list[ElementId], Field(min_length=1, max_length=1000)] = Field(
+        description="Ids of the elements: all are locked, or none.", examples=[["kit_1"]]
+    )
+    seconds: Annotated[float, Field(gt=0.0, le=86400.0, allow_inf_nan=False)] = Field(
+        default=60.0, description="After how long the locks end by themselves [s]; at most a day."
     )

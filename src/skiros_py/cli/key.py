@@ -19,7 +19,7 @@ from skiros_py.errors import FileError
 from skiros_py.system import require_extra
 
 if TYPE_CHECKING:
-    from skiros_py.api.keys import ApiKey
+    from skiros_py.api.access import ApiKey
     from skiros_py.server.access.keys import KeyStore
 
 _ROLES = ("viewer", "operator", "engineer", "admin", "mes")

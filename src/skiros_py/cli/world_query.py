@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import re
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from decimal import Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,11 +17,9 @@ from skiros_py.cli.output import answer
 from skiros_py.cli.reaching import present_world
 from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
-from skiros_py.geometry import Pose
 
 if TYPE_CHECKING:
     from skiros_py.cli.world_open import PresentWorld
-    from skiros_py.world.element import Value
     from skiros_py.world.queries import Binding, Result, Table
 
 _ON_THE_WAY = 30.0
@@ -84,7 +80,9 @@ def command(
     with _world(scene, data, time_limit) as world:
         result = world.query(sparql, bound, entailed=entailed, time_limit=time_limit)
     if as_json:
-        answer(_as_json(result))
+        from skiros_py.station.world.answers import Answer
+
+        answer(Answer(result).data())
     else:
         _show(result, as_csv=as_csv)
     return REACHED
@@ -166,6 +164,7 @@ def _value(text: str) -> Binding:
 
 
 def _show(result: Result, *, as_csv: bool) -> None:
+    from skiros_py.station.world.answers import Answer
     from skiros_py.world.queries import Table
 
     if as_csv and not isinstance(result, Table):
@@ -175,9 +174,7 @@ def _show(result: Result, *, as_csv: bool) -> None:
     elif not isinstance(result, Table):
         click.echo(result.turtle, nl=False)
     elif as_csv:  # data for a program, as they are
-        writer = csv.writer(sys.stdout, lineterminator="\n")
-        writer.writerow(result.variables)
-        writer.writerows([_shown(row[name]) for name in result.variables] for row in result.rows)
+        click.echo(Answer(result).csv("\n"), nl=False)
     else:
         _print_table(result)
 
@@ -187,37 +184,13 @@ def _print_table(table: Table) -> None:
     from rich.table import Table as Columns
     from rich.text import Text
 
+    from skiros_py.station.world.answers import shown_value
+
     columns = Columns(box=None, pad_edge=False)
     for name in table.variables:
         columns.add_column(name, overflow="fold")
     for row in table.rows:
-        columns.add_row(*(Text(escaped(_shown(row[name]))) for name in table.variables))
+        columns.add_row(*(Text(escaped(shown_value(row[name]))) for name in table.variables))
     console = Console()
     console.print(columns)
     console.print(f"{len(table.rows)} row{'' if len(table.rows) == 1 else 's'}", highlight=False)
-
-
-def _shown(value: Value | None) -> str:
-    from skiros_py.world.literals import ANY_LITERAL, format_value
-
-    if value is None:
-        return ""
-    return value if isinstance(value, str) else format_value(value, ANY_LITERAL)
-
-
-def _as_json(result: Result) -> dict[str, Any]:
-    from skiros_py.world.queries import Table
-
-    if isinstance(result, bool):
-        return {"form": "ASK", "answer": result}
-    if isinstance(result, Table):
-        rows = [{name: _plain(value) for name, value in row.items()} for row in result.rows]
-        return {"form": "SELECT", "variables": list(result.variables), "rows": rows}
-    statements = [[subject, predicate, _plain(value)] for subject, predicate, value in result.statements]
-    return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
-
-
-def _plain(value: Value | None) -> object:
-    if isinstance(value, Pose):
-        return {"position": list(value.position), "orientation": list(value.orientation)}
-    return list(value) if isinstance(value, tuple) else value

@@ -13,10 +13,9 @@ from skiros_py.errors import UsageError
 
 if TYPE_CHECKING:
     from skiros_py.api.elements import ElementDetails, Relation
-    from skiros_py.api.learned import Learned
     from skiros_py.api.queries import Query
     from skiros_py.api.world import Change as Told
-    from skiros_py.api.world import ChangePage
+    from skiros_py.api.world import ChangePage, Learned
     from skiros_py.client import Client
     from skiros_py.world.change import Change
     from skiros_py.world.element import Element, Value

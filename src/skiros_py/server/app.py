@@ -1,14 +1,18 @@
-"""The application: routes, the gate in front of them, and how faults are told."""
+"""The application: routes, the gate in front of them, how faults are answered, and its documentation."""
 
 from __future__ import annotations
 
 from importlib.metadata import version
+from importlib.resources import files
 
 from fastapi import FastAPI
+from fastapi.openapi.docs import get_swagger_ui_html
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse
+from starlette.staticfiles import StaticFiles
 
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.openapi import GuardedApi
-from skiros_py.server.documentation import add_documentation
 from skiros_py.server.metrics import RequestMetrics
 from skiros_py.server.pages import Pages, pages_of
 from skiros_py.server.problems import PROBLEMS, add_problem_handlers
@@ -80,3 +84,29 @@ def create_app(services: Services) -> FastAPI:
     app.add_middleware(Gate, services, Pages(pages_of(services.settings)))  # it reads and limits bodies, too
     app.add_middleware(RequestMetrics, services.metrics)
     return app
+
+
+def add_documentation(app: FastAPI, prefix: str) -> None:
+    """Adds the description ``openapi.json``, the page ``docs`` about it, and what that is made of.
+
+    Args:
+        app: The application; it has neither of its own.
+        prefix: Where the API lies.
+    """
+    assets = f"{prefix}/docs/assets"
+
+    def description(_request: Request) -> JSONResponse:  # in a thread: it takes a second to make
+        return JSONResponse(app.openapi())
+
+    async def page(_request: Request) -> HTMLResponse:
+        return get_swagger_ui_html(
+            openapi_url=f"{prefix}/openapi.json",
+            title=app.title,
+            swagger_js_url=f"{assets}/swagger-ui-bundle.js",
+            swagger_css_url=f"{assets}/swagger-ui.css",
+            swagger_favicon_url=f"{assets}/favicon.png",
+        )
+
+    app.add_route(f"{prefix}/openapi.json", description, include_in_schema=False)
+    app.add_route(f"{prefix}/docs", page, include_in_schema=False)
+    app.mount(assets, StaticFiles(directory=str(files("fastapi_offline") / "static")))

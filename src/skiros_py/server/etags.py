@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol, TypeVar
 
-from fastapi import Depends, Header
+from fastapi import Depends, Header, Response
 
 from skiros_py.api.problem import ProblemDetails
 from skiros_py.server.problems import Problem
 from skiros_py.station.requests import Seen
+
+
+class _Versioned(Protocol):
+    @property
+    def version(self) -> int: ...
+
+
+V = TypeVar("V", bound=_Versioned)
 
 _TAG = re.compile(r'(?:W/)?"(\d{1,18})"')
 
@@ -49,6 +57,12 @@ def tagged(*statuses: int) -> dict[int | str, dict[str, Any]]:
 def etag(version: int) -> str:
     """Returns the ETag of a version."""
     return f'"{version}"'
+
+
+def with_etag(found: V, response: Response) -> V:
+    """Returns what was found, with its version in the head of the answer."""
+    response.headers["ETag"] = etag(found.version)
+    return found
 
 
 def expected_version(given: str | None) -> int | None:

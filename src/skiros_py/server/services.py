@@ -1,26 +1,29 @@
-"""What routes reach: the station, and what the server adds to it: access, streams, webhooks, metrics."""
+"""What the routes reach: the station, access, streams, webhooks. Start it, and close it."""
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+import socket
+from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from pathlib import Path
 from types import TracebackType
 from typing import Annotated, Self
 
 from fastapi import Depends, Request
 
+from skiros_py.api.alarms import AlarmKind, Severity
 from skiros_py.server.access.audit import AuditLog
-from skiros_py.server.access.authenticator import Authenticator
+from skiros_py.server.access.authenticator import Authenticator, check_access
+from skiros_py.server.access.file import open_access
 from skiros_py.server.access.keys import KeyStore
-from skiros_py.server.access.setup import set_up_access
 from skiros_py.server.events.streams import Streams
 from skiros_py.server.logs import job_events_logged
 from skiros_py.server.metrics import Metrics
 from skiros_py.server.settings import ServerSettings
 from skiros_py.server.webhooks.sender import WebhookSender
-from skiros_py.server.webhooks.setup import open_sender
-from skiros_py.server.webhooks.store import WebhookStore
+from skiros_py.server.webhooks.store import Post, WebhookStore
 from skiros_py.station.control import OpenSession
+from skiros_py.station.jobs.views import announced_job
 from skiros_py.station.session import Session
 from skiros_py.station.station import Station, StationLimits
 
@@ -110,3 +113,55 @@ ServicesDep = Annotated[Services, Depends(_services)]
 """For routes: everything there is."""
 StationDep = Annotated[Station, Depends(_station)]
 """For routes: the use cases."""
+
+
+def set_up_access(settings: ServerSettings, data: Path, stack: ExitStack) -> tuple[KeyStore, Authenticator, AuditLog]:
+    """Opens the keys and the audit log of a data directory.
+
+    Args:
+        settings: How the server is set up.
+        data: The data directory.
+        stack: Closes them at the end.
+
+    Raises:
+        UsageError: Other machines could reach the server, and there is no key to come in with.
+        FileError: The file cannot be opened or made, or is damaged.
+    """
+    keys = stack.enter_context(closing(KeyStore(data)))
+    check_access(settings, keys)
+    # A connection of its own: a request that asks for its key never waits for what is being written.
+    audit = AuditLog(open_access(data), besides=keys.keep_uses)
+    stack.callback(audit.close)
+    audit.start()
+    return keys, Authenticator(settings, keys), audit
+
+
+def open_sender(station: Station, hosts: Sequence[str], stack: ExitStack) -> tuple[WebhookStore, WebhookSender]:
+    """Opens the file of webhooks and begins to send.
+
+    Args:
+        station: The station whose jobs are announced.
+        hosts: Hosts that webhooks may be sent to.
+        stack: Closes them.
+    """
+    origin = f"urn:skiros:{socket.gethostname()}:{station.data.name}"
+    store = stack.enter_context(closing(WebhookStore(station.data / "webhooks.db", origin)))
+
+    def on_dead(post: Post, why: str) -> None:
+        text = f"{post.webhook} was not told of {post.job or 'a ping'} ({why}): see the dead letters of the webhooks"
+        station.alarm_book.raise_(
+            AlarmKind.WEBHOOK, text, post.webhook, severity=Severity.LOW, lasts=False, job=post.job
+        )
+
+    sender = WebhookSender(
+        store,
+        lambda after, most: station.session.jobs.announcements(after, most),
+        lambda: station.session.jobs.last_announcement,
+        lambda upto: station.session.jobs.forget_announcements(upto),
+        announced_job,
+        hosts,
+        on_dead=on_dead,
+    )
+    stack.enter_context(closing(sender))
+    sender.start()
+    return store, sender

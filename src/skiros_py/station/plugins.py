@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from skiros_py.api.plugins import PluginFaultInfo, PluginInfo, Plugins
+from skiros_py.api.modules import PluginFaultInfo, PluginInfo, Plugins
 from skiros_py.catalogue import Surveyed, survey
 from skiros_py.plugins import PluginFault
 from skiros_py.station.requests import Service

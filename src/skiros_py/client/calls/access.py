@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.api.audit import AuditPage
-from skiros_py.api.keys import ApiKey, KeyOrder, NewKey
-from skiros_py.api.session import Login, Me
+from skiros_py.api.access import ApiKey, AuditPage, KeyOrder, Login, Me, NewKey
 from skiros_py.client.call import Call, nothing, path_of
 
 

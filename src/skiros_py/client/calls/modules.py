@@ -12,9 +12,10 @@ from skiros_py.api.modules import (
     ModuleRuns,
     ModuleSummary,
     PanelInfo,
+    PluginFaultInfo,
+    Plugins,
     SkillInfo,
 )
-from skiros_py.api.plugins import PluginFaultInfo, Plugins
 from skiros_py.client.call import Call, nothing, path_of
 
 

@@ -8,11 +8,19 @@ from httpx2 import Response
 from pydantic import TypeAdapter
 
 from skiros_py.api.elements import TreeNode
-from skiros_py.api.learned import LearnedPage
-from skiros_py.api.locks import LockList, LockOrder
 from skiros_py.api.queries import AskAnswer, ConstructAnswer, Query, QueryAnswer, SelectAnswer
 from skiros_py.api.view import WorldView
-from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
+from skiros_py.api.world import (
+    Change,
+    ChangePage,
+    LearnedPage,
+    LockList,
+    LockOrder,
+    TransactionOrder,
+    UndoOrder,
+    WorldInfo,
+    Written,
+)
 from skiros_py.client.call import Call, if_match, path_of
 
 

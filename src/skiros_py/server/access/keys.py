@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from skiros_py.api.keys import ApiKey
+from skiros_py.api.access import ApiKey
 from skiros_py.api.wire import moment
 from skiros_py.database import Database
 from skiros_py.errors import Busy, UnknownName, UsageError, WrongState

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from skiros_py.api.audit import AuditPage, AuditRecord
+from skiros_py.api.access import AuditPage, AuditRecord
 from skiros_py.api.wire import moment
 from skiros_py.server.access.audit import AuditEntry
 from skiros_py.server.access.roles import Role, needs

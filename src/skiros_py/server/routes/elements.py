@@ -17,9 +17,16 @@ from skiros_py.api.elements import (
 from skiros_py.api.values import EVERYTHING, Name
 from skiros_py.api.world import ChangePage, Written
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.cursors import number_cursor
-from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
-from skiros_py.server.routes.parameters import ChangeLimit, Cursor, ElementPath, Limit, NamePath, WhyQuery
+from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged, with_etag
+from skiros_py.server.routes.parameters import (
+    ChangeLimit,
+    Cursor,
+    ElementPath,
+    Limit,
+    NamePath,
+    WhyQuery,
+    number_cursor,
+)
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["elements"])
@@ -70,7 +77,7 @@ def read_element(
 
     The answer's ETag is what `If-Match` takes when the element is changed.
     """
-    return _tagged(station.elements.get(element, computed), response)
+    return with_etag(station.elements.get(element, computed), response)
 
 
 @router.get("/elements/{element}/relations", summary="List an element's relations", dependencies=[needs(Role.VIEWER)])
@@ -113,7 +120,7 @@ def add_element(new: NewElement, station: StationDep, caller: CallerDep, respons
     """
     element = station.elements.add(new, caller.author)
     response.headers["Location"] = f"/api/v1/elements/{quote(element.id, safe='')}"
-    return _tagged(element, response)
+    return with_etag(element, response)
 
 
 @router.patch(
@@ -128,7 +135,7 @@ def change_element(
     response: Response,
 ) -> ElementDetails:
     """Changes label, values and place of an element in one transaction; `If-Match` says which version was seen."""
-    return _tagged(station.elements.change(element, patch, seen, caller.author), response)
+    return with_etag(station.elements.change(element, patch, seen, caller.author), response)
 
 
 @router.delete(
@@ -183,11 +190,6 @@ def take_back_relation(
     written = station.elements.unrelate(element, relation, other, seen, caller.author, reason)
     _tag(station.elements.version(element), response)
     return written
-
-
-def _tagged(element: ElementDetails, response: Response) -> ElementDetails:
-    response.headers["ETag"] = etag(element.version)
-    return element
 
 
 def _tag(version: int | None, response: Response) -> None:

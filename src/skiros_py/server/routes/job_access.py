@@ -8,7 +8,7 @@ from urllib.parse import quote
 from fastapi import Depends, Path, Query, Response
 
 from skiros_py.api.jobs import AcceptedJob, Job
-from skiros_py.server.etags import SeenDep, etag
+from skiros_py.server.etags import SeenDep, with_etag
 
 JobId = Annotated[str, Path(min_length=1, max_length=200, description="Id of the job.", examples=["line-1-kit-4711"])]
 CursorQuery = Annotated[str | None, Query(pattern=r"^\d{1,15}$", description="The `next` of the page before.")]
@@ -35,5 +35,4 @@ def accepted(job: Job, response: Response) -> AcceptedJob:
 
 def shown(job: Job, response: Response) -> Job:
     """Returns a job, with its version in the head of the answer."""
-    response.headers["ETag"] = etag(job.version)
-    return job
+    return with_etag(job, response)

@@ -1,4 +1,4 @@
-"""Routes: what a job does and has done."""
+"""Routes: what jobs do and have done, and what may be ordered."""
 
 from __future__ import annotations
 
@@ -9,10 +9,21 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import FileResponse
 
-from skiros_py.api.jobs import JobExplanation, JobPlan, JobReport, JobResponse, JobTrace, JobTransitions
+from skiros_py.api.jobs import (
+    JobCapabilities,
+    JobExplanation,
+    JobPlan,
+    JobReport,
+    JobResponse,
+    JobResponses,
+    JobTrace,
+    JobTransitions,
+    StateName,
+)
 from skiros_py.api.replays import Replay
+from skiros_py.api.wire import WantedMoment
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.routes.job_access import JobId
+from skiros_py.server.routes.job_access import CursorQuery, JobId, NewestFirstQuery
 from skiros_py.server.services import StationDep
 
 router = APIRouter()
@@ -104,3 +115,23 @@ def get_job_recording(
     """
     path = station.recordings.path(id)
     return FileResponse(path, media_type="application/octet-stream", filename=path.name)
+
+
+@router.get("/capabilities", summary="What may be ordered here", dependencies=_NEEDS)
+def get_capabilities(station: StationDep) -> JobCapabilities:
+    """Lists what an order may name: goal templates, classes of material, robots; and how many orders are taken."""
+    return station.jobs.capabilities()
+
+
+@router.get("/job-responses", summary="What jobs have come to (ISA-95 job responses)", dependencies=_NEEDS)
+def list_job_responses(
+    station: StationDep,
+    state: Annotated[list[StateName] | None, Query(max_length=6, description="Of jobs in these states only.")] = None,
+    since: Annotated[WantedMoment | None, Query(description="Of those only that changed since then.")] = None,
+    limit: Annotated[int, Query(ge=1, le=100, description="How many at most.")] = 100,
+    cursor: CursorQuery = None,
+    newest_first: NewestFirstQuery = False,
+) -> JobResponses:
+    """Lists the job responses of the jobs that were not removed, in the order in which they were ordered."""
+    after = None if cursor is None else int(cursor)
+    return station.jobs.responses(state, since, limit, after, newest_first=newest_first)

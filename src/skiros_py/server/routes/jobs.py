@@ -14,7 +14,7 @@ from skiros_py.server.access.audit import note
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import tagged
 from skiros_py.server.problems import Problem
-from skiros_py.server.routes import job_commands, job_lists, job_results
+from skiros_py.server.routes import job_commands, job_results
 from skiros_py.server.routes.job_access import (
     CursorQuery,
     ExpectedDep,
@@ -148,7 +148,6 @@ def get_job(id: JobId, station: StationDep, response: Response) -> Job:  # noqa:
 
 router.include_router(job_commands.router)
 router.include_router(job_results.router)
-router.include_router(job_lists.router)
 
 
 def _key_of(given: str | None) -> str | None:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Response
 
-from skiros_py.api.keys import ApiKey, KeyOrder, NewKey
+from skiros_py.api.access import ApiKey, KeyOrder, NewKey
 from skiros_py.server.access.keys import shown
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import ServicesDep

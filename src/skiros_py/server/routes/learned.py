@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
-from skiros_py.api.learned import LearnedPage
-from skiros_py.api.world import Written
+from skiros_py.api.world import LearnedPage, Written
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.etags import NEEDS_VERSION, SeenDep
 from skiros_py.server.routes.parameters import Cursor, ElementPath, Limit, WhyQuery

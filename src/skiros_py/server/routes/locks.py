@@ -6,8 +6,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from skiros_py.api.locks import LockList, LockOrder
 from skiros_py.api.values import ElementId
+from skiros_py.api.world import LockList, LockOrder
 from skiros_py.server.access.roles import CallerDep, Role, needs
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import StationDep

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from skiros_py.api.plugins import PluginFaultInfo, Plugins
+from skiros_py.api.modules import PluginFaultInfo, Plugins
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import StationDep
 

@@ -19,7 +19,7 @@ from skiros_py.api.scenes import (
     Scenes,
 )
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
+from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged, with_etag
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import StationDep
 
@@ -83,7 +83,7 @@ def delete_scene(name: SceneName, station: StationDep, seen: SeenDep) -> None:
 @router.get("/scene", summary="The present scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_scene(station: StationDep, response: Response) -> PresentScene:
     """Tells which scene was loaded last, what is in it now, and whether that is another by now."""
-    return _tagged(station.scenes.present(), response)
+    return with_etag(station.scenes.present(), response)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ def load_scene(
     it is done; other requests wait meanwhile, jobs stay in their queue. Only while nothing is under way.
     ``If-Match`` names the version of the world that you have seen.
     """
-    return _tagged(station.scenes.load(wish.name, wish.turtle, seen, caller.author), response)
+    return with_etag(station.scenes.load(wish.name, wish.turtle, seen, caller.author), response)
 
 
 @router.get(
@@ -180,8 +180,3 @@ def get_scene_difference(
 ) -> SceneDifference:
     """Tells what makes the present scene of another one."""
     return station.scenes.difference(with_, int(cursor or 0), limit)
-
-
-def _tagged(scene: PresentScene, response: Response) -> PresentScene:
-    response.headers["ETag"] = etag(scene.version)
-    return scene

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Body, Path, Response
 from skiros_py.api.sequences import InsertStep, MoveStep, NewSequence, RunSequence, SequenceInfo, Sequences
 from skiros_py.api.tasks import TaskInfo, WantedStep
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
+from skiros_py.server.etags import NEEDS_VERSION, SeenDep, tagged, with_etag
 from skiros_py.server.routes.tasks import place_of
 from skiros_py.server.services import StationDep
 
@@ -34,13 +34,13 @@ def create_sequence(request: NewSequence, station: StationDep, response: Respons
     """Makes a sequence from scratch, of given steps, or of the plan for a goal, of a job, a task or a preview."""
     sequence = station.sequences.create(request)
     response.headers["Location"] = f"/api/v1/sequences/{sequence.id}"
-    return _tagged(sequence, response)
+    return with_etag(sequence, response)
 
 
 @router.get("/sequences/{id}", summary="Look at a sequence", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_sequence(id: Id, station: StationDep, response: Response) -> SequenceInfo:  # noqa: A002 - as the address says it
     """Its steps, each checked as things are now and as the steps before it would leave them."""
-    return _tagged(station.sequences.get(id), response)
+    return with_etag(station.sequences.get(id), response)
 
 
 @router.delete(
@@ -64,7 +64,7 @@ def insert_step(
     response: Response,
 ) -> SequenceInfo:
     """Adds a step before another one, or at the end; all steps are answered, checked."""
-    return _tagged(station.sequences.insert_step(id, request, seen), response)
+    return with_etag(station.sequences.insert_step(id, request, seen), response)
 
 
 @router.put(
@@ -79,7 +79,7 @@ def change_step(
     response: Response,
 ) -> SequenceInfo:
     """Puts another step in the place of one; all steps are answered, checked."""
-    return _tagged(station.sequences.change_step(id, number, request, seen), response)
+    return with_etag(station.sequences.change_step(id, number, request, seen), response)
 
 
 @router.delete(
@@ -87,7 +87,7 @@ def change_step(
 )
 def remove_step(id: Id, number: Number, station: StationDep, seen: SeenDep, response: Response) -> SequenceInfo:  # noqa: A002
     """Takes a step out; all others are answered, checked."""
-    return _tagged(station.sequences.remove_step(id, number, seen), response)
+    return with_etag(station.sequences.remove_step(id, number, seen), response)
 
 
 @router.post(
@@ -102,7 +102,7 @@ def move_step(
     response: Response,
 ) -> SequenceInfo:
     """Moves a step to another place; all steps are answered, checked."""
-    return _tagged(station.sequences.move_step(id, number, request, seen), response)
+    return with_etag(station.sequences.move_step(id, number, request, seen), response)
 
 
 @router.post("/sequences/{id}/run", status_code=202, summary="Run a sequence", dependencies=[needs(Role.OPERATOR)])
@@ -117,8 +117,3 @@ def run_sequence(
     task = station.sequences.run(id, request, caller.author)
     response.headers["Location"] = place_of(task)
     return task
-
-
-def _tagged(sequence: SequenceInfo, response: Response) -> SequenceInfo:
-    response.headers["ETag"] = etag(sequence.version)
-    return sequence

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Path, Response
 
 from skiros_py.api.templates import GoalTemplate, GoalTemplateContent, GoalTemplates
 from skiros_py.server.access.roles import Role, needs
-from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
+from skiros_py.server.etags import NEEDS_VERSION, SeenDep, tagged, with_etag
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["goal templates"])
@@ -32,7 +32,7 @@ def list_goal_templates(station: StationDep) -> GoalTemplates:
 )
 def get_goal_template(name: TemplateName, station: StationDep, response: Response) -> GoalTemplate:
     """Shows a goal template."""
-    return _shown(station.templates.get(name), response)
+    return with_etag(station.templates.get(name), response)
 
 
 @router.put(
@@ -56,7 +56,7 @@ def put_goal_template(
     """
     template, new = station.templates.put(name, content, seen)
     response.status_code = 201 if new else 200
-    return _shown(template, response)
+    return with_etag(template, response)
 
 
 @router.delete(
@@ -69,8 +69,3 @@ def put_goal_template(
 def remove_goal_template(name: TemplateName, station: StationDep, seen: SeenDep) -> None:
     """Removes a goal template; `If-Match` names the version that was seen. Jobs that were ordered with it stay."""
     station.templates.remove(name, seen)
-
-
-def _shown(template: GoalTemplate, response: Response) -> GoalTemplate:
-    response.headers["ETag"] = etag(template.version)
-    return template

@@ -9,9 +9,8 @@ from fastapi import APIRouter, Path, Query, Response
 from skiros_py.api.elements import TreeNode
 from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.cursors import number_cursor
 from skiros_py.server.etags import NEEDS_VERSION, SeenDep, etag, tagged
-from skiros_py.server.routes.parameters import ChangeLimit, Cursor, Limit, also_refused
+from skiros_py.server.routes.parameters import ChangeLimit, Cursor, Limit, also_refused, number_cursor
 from skiros_py.server.services import StationDep
 
 router = APIRouter(tags=["world"])

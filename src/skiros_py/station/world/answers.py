@@ -33,14 +33,14 @@ class Answer:
         statements = [[subject, predicate, told(value)] for subject, predicate, value in result.statements]
         return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
 
-    def csv(self) -> str | None:
+    def csv(self, line_end: str = "\r\n") -> str | None:
         """Returns the rows as CSV; None where there are none: only SELECT has rows."""
         if not isinstance(self.result, Table):
             return None
         text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\r\n")
+        writer = csv.writer(text, lineterminator=line_end)
         writer.writerow(self.result.variables)
-        writer.writerows([_shown(row[name]) for name in self.result.variables] for row in self.result.rows)
+        writer.writerows([shown_value(row[name]) for name in self.result.variables] for row in self.result.rows)
         return text.getvalue()
 
     def turtle(self) -> str | None:
@@ -48,7 +48,8 @@ class Answer:
         return self.result.turtle if isinstance(self.result, Constructed) else None
 
 
-def _shown(value: Value | None) -> str:
+def shown_value(value: Value | None) -> str:
+    """Returns a value as text; nothing for None."""
     if value is None:
         return ""
     return value if isinstance(value, str) else format_value(value, ANY_LITERAL)

@@ -5,10 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from skiros_py.api.elements import TreeNode
-from skiros_py.api.learned import Learned, LearnedPage
-from skiros_py.api.locks import Lock, LockList, LockOrder
 from skiros_py.api.view import WorldView
-from skiros_py.api.world import Change, ChangePage, TransactionOrder, UndoOrder, WorldInfo, Written
+from skiros_py.api.world import (
+    Change,
+    ChangePage,
+    Learned,
+    LearnedPage,
+    Lock,
+    LockList,
+    LockOrder,
+    TransactionOrder,
+    UndoOrder,
+    WorldInfo,
+    Written,
+)
 from skiros_py.devices.base import BaseState
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen

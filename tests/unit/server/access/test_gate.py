@@ -24,8 +24,8 @@ from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.gate import Gate
 from skiros_py.server.access.keys import KeyStore
 from skiros_py.server.access.roles import CallerDep, Role, needs
-from skiros_py.server.access.setup import set_up_access
 from skiros_py.server.problems import Problem, add_problem_handlers
+from skiros_py.server.services import set_up_access
 from skiros_py.server.settings import ServerSettings
 
 
