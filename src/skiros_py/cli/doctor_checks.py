@@ -196,9 +196,8 @@ def _versions() -> Iterator[Finding]:
     from skiros_py.plugins import installation, misfit
 
     for distribution in installation().distributions:
-        reason, _, todo = (misfit(distribution) or "").partition("; ")
-        if reason:
-            yield Finding(f"{distribution}: {reason}", todo, wrong=True)
+        if found := misfit(distribution):
+            yield Finding(f"{distribution}: {found.problem}", found.todo, wrong=True)
 
 
 @_check("stale entry points")

@@ -15,7 +15,8 @@ from skiros_py.cli.options import data_option, open_existing
 from skiros_py.errors import FileError, UsageError
 
 if TYPE_CHECKING:
-    from skiros_py.cli.world_open import PresentWorld
+    from skiros_py.cli.world_open import OpenWorld
+    from skiros_py.cli.world_server import ServedWorld
     from skiros_py.client import Client
 
 _Command = TypeVar("_Command", bound=Callable[..., Any])
@@ -81,7 +82,7 @@ def reach(data: Path | None, url: str | None, key_file: Path | None, **options: 
 
 
 @contextmanager
-def present_world(data: Path, **options: Any) -> Iterator[PresentWorld]:
+def present_world(data: Path, **options: Any) -> Iterator[OpenWorld | ServedWorld]:
     """Reaches the world of a data directory: that of the server that owns it, or else one that is opened here.
 
     Args:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from skiros_py.errors import UnknownName
 from skiros_py.world.vocabulary import ELEMENT
@@ -48,76 +48,6 @@ class History:
 
     first: int
     entries: Sequence[Entry]
-
-
-class PresentWorld(Protocol):
-    """The world of a data directory as it is now, whoever has it open."""
-
-    def show(self, element: str) -> Shown:
-        """Tells what is believed of an element.
-
-        Raises:
-            UnknownName: There is none of that id.
-        """
-        ...
-
-    def history(self, element: str | None, last: int | None) -> History:
-        """Tells which changes touched an element, which may be gone, or all.
-
-        Args:
-            element: Its id; None for all changes.
-            last: How many of the latest ones; None for all.
-
-        Raises:
-            UnknownName: There never was an element of that id.
-        """
-        ...
-
-    def ontology(self) -> Ontology:
-        """Returns what there can be."""
-        ...
-
-    def undo(self, author: str) -> Change:
-        """Takes back the last edit that a person made.
-
-        Raises:
-            WorldError: There is nothing to take back, or something was built on it since.
-        """
-        ...
-
-    def learned(self) -> Sequence[Element]:
-        """Returns what robots were taught."""
-        ...
-
-    def forget(self, concept: str, author: str) -> Change:
-        """Forgets something that was learned, with its pieces.
-
-        Raises:
-            UnknownName: Nothing of that id was learned.
-        """
-        ...
-
-    def learned_turtle(self) -> str:
-        """Returns what was learned as the text of a Turtle file."""
-        ...
-
-    def scene_turtle(self) -> str:
-        """Returns the scene as the text of a Turtle file."""
-        ...
-
-    def query(self, sparql: str, bindings: Mapping[str, Binding], *, entailed: bool, time_limit: float) -> Result:
-        """Answers a question in SPARQL.
-
-        Args:
-            sparql: The question.
-            bindings: What its parameters stand for.
-            entailed: Whether what OWL entails counts too.
-            time_limit: How long it may take [s].
-
-        Raises:
-            UsageError: It cannot be answered, or not in time.
-        """
-        ...
 
 
 class OpenWorld:

@@ -19,7 +19,8 @@ from skiros_py.cli.text import escaped
 from skiros_py.errors import FileError
 
 if TYPE_CHECKING:
-    from skiros_py.cli.world_open import PresentWorld
+    from skiros_py.cli.world_open import OpenWorld
+    from skiros_py.cli.world_server import ServedWorld
     from skiros_py.world.queries import Binding, Result, Table
 
 _ON_THE_WAY = 30.0
@@ -121,7 +122,7 @@ def _read(source: str, longest: int) -> str:
     return text
 
 
-def _world(scene: str | None, data: Path | None, time_limit: float) -> AbstractContextManager[PresentWorld]:
+def _world(scene: str | None, data: Path | None, time_limit: float) -> AbstractContextManager[OpenWorld | ServedWorld]:
     from skiros_py.cli.world_open import OpenWorld
     from skiros_py.station.worlds import open_world
 

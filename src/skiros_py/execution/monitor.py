@@ -75,6 +75,16 @@ class ModuleEvent:
     event: str = ""
     value: Any = None
 
+    def as_json(self) -> dict[str, Any]:
+        """Returns it as plain data, without time, module and status; the id of its run is "run"."""
+        return {"run": self.id, **{name: getattr(self, name) for name in _PLAIN}}
+
+
+_PLAIN = (
+    "kind", "agent", "code", "text", "target", "caller", "task", "implementation", "parent", "root", "path", "event",
+    "value",
+)  # fmt: skip
+
 
 class Monitor:
     """Passes module events to listeners, in order, and numbers runs.

@@ -13,6 +13,7 @@ from functools import lru_cache
 from importlib import metadata
 from importlib.metadata import version
 from pathlib import Path
+from typing import NamedTuple
 
 from skiros_py.plugins.plugin import Distribution, Entry, PluginFault
 
@@ -133,8 +134,18 @@ _NAME = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9._-]*)(.*)", re.DOTALL)
 
 
 @lru_cache(maxsize=1024)  # asked for each entry point of a distribution
-def misfit(distribution: Distribution, own_version: str | None = None) -> str | None:
-    """Returns why a distribution does not go with this skiros-py, or None where it does, or does not say.
+class Misfit(NamedTuple):
+    """Why a distribution does not fit this skiros-py, and what to do about it."""
+
+    problem: str
+    todo: str
+
+    def __str__(self) -> str:
+        return f"{self.problem}; {self.todo}"
+
+
+def misfit(distribution: Distribution, own_version: str | None = None) -> Misfit | None:
+    """Returns why a distribution does not fit this skiros-py, or None where it does, or does not say.
 
     Args:
         distribution: What may say in its metadata ``Requires-Dist: skiros-py>=0.1,<0.2``.
@@ -146,7 +157,7 @@ def misfit(distribution: Distribution, own_version: str | None = None) -> str | 
         if match and canonical(match[1]) == OWN_NAME and match[2].strip():
             problem = _problem(text, own_version or _own_version())
             if problem:
-                return f"{problem}; install a release of {distribution.name} that fits, or such a {OWN_NAME}"
+                return Misfit(problem, f"install a release of {distribution.name} that fits, or such a {OWN_NAME}")
     return None
 
 

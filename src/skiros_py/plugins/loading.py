@@ -97,7 +97,7 @@ def refused(entry: Entry) -> PluginFault | None:
     if not entry.is_well_formed:
         return fault_of(entry, f"'{entry.value}' names nothing: write module:object")
     reason = misfit(entry.distribution)
-    return fault_of(entry, reason) if reason else None
+    return fault_of(entry, str(reason)) if reason else None
 
 
 def contained(entry: Entry, error: BaseException) -> PluginFault:

@@ -71,7 +71,7 @@ class EventSources:
 
     def _module(self, event: ModuleEvent) -> None:
         elements = [name for name in (event.agent, event.target) if name]
-        job, data = self._tasks.job_of(event.task), _module_data(event)
+        job, data = self._tasks.job_of(event.task), event.as_json()
         self._events.append(Kind.MODULE, event.status.value, event.module, job=job, elements=elements, data=data)
 
     def _turn(self, run: ModuleRun, turn: Turn) -> None:
@@ -106,25 +106,6 @@ class EventSources:
 
     def _job_removed(self, job: Job) -> None:
         self._events.append(Kind.JOB, "Removed", job.id, job=job.id, data=job_data(job))
-
-
-def _module_data(event: ModuleEvent) -> dict[str, Any]:
-    return {
-        "kind": event.kind,
-        "agent": event.agent,
-        "code": event.code,
-        "text": event.text,
-        "target": event.target,
-        "caller": event.caller,
-        "task": event.task,
-        "implementation": event.implementation,
-        "run": event.id,
-        "parent": event.parent,
-        "root": event.root,
-        "path": event.path,
-        "event": event.event,
-        "value": event.value,
-    }
 
 
 def change_data(change: Change) -> dict[str, Any]:

@@ -253,18 +253,5 @@ def _round(one: Round) -> ModuleRound:
 
 
 def _progress(event: ModuleEvent) -> ModuleProgress:
-    return ModuleProgress(
-        time=event.time,
-        module=event.module,
-        kind=event.kind,
-        status=event.status.value,
-        code=event.code,
-        text=event.text,
-        agent=event.agent,
-        caller=event.caller,
-        run=event.id,
-        parent=event.parent,
-        path=event.path,
-        event=event.event,
-        value=event.value,
-    )
+    data = {**event.as_json(), "time": event.time, "module": event.module, "status": event.status.value}
+    return ModuleProgress.model_validate(data)
