@@ -163,7 +163,7 @@ react = net_of_a_test:React
 
 [skiros.documents]
 net = net_of_a_test:NetDocument
-tree = skiros_py.behaviours.tree:Tree
+tree = skiros_py.behaviours.document:Tree
 """
 
 
@@ -212,7 +212,7 @@ def cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cell]:
     info = site / "net_of_a_test-1.0.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: net-of-a-test\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(POINTS.replace("tree = skiros_py.behaviours.tree:Tree\n", ""))
+    (info / "entry_points.txt").write_text(POINTS.replace("tree = skiros_py.behaviours.document:Tree\n", ""))
     (site / "net_of_a_test.py").write_text(WHEEL)
     monkeypatch.syspath_prepend(str(site))
     scene = tiny_scene(tmp_path)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from skiros_primitives.playback import Playback
 from skiros_py.devices.arm import ArmTarget
-from skiros_py.execution.clock import RunClock
+from skiros_py.execution.task import RunClock
 from skiros_py.ports.motion import Trajectory
 
 PERIOD = 0.005

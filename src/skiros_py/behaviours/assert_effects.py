@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_seconds, check_texts, require
+from skiros_py.behaviours.children import check_seconds
 from skiros_py.behaviours.wait import pause_for
-from skiros_py.skills.behaviour import Behaviour, Scope, Uses
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_texts, require
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Failure, Outcome, Success
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import read_conditions
+from skiros_py.behaviours.children import read_conditions
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.execution import Execution

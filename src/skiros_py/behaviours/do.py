@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from skiros_py.behaviours.checks import check_texts, require
-from skiros_py.skills.behaviour import Behaviour, Call, Out, P, Scope, Uses
+from skiros_py.skills.behaviour import Behaviour, Call, Out, P, Scope, Uses, check_texts, require
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Outcome
 

@@ -119,3 +119,13 @@ class DocumentKind(ABC):
     def _require_format(self, format_: str) -> None:
         if format_ not in self.formats:
             raise UnknownName("format", format_, self.formats, where=f"of {self.kind} documents")
+
+
+class Tree(DocumentKind):
+    """A tree of behaviours of all kinds, written down as they are: ``{"type": "sequence", "children": […]}``."""
+
+    kind: ClassVar[str] = "tree"
+
+    def behaviour(self, document: Any, reader: Reader) -> Behaviour:
+        """Reads the tree."""
+        return reader.behaviour(document)

@@ -7,9 +7,8 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_seconds, require
-from skiros_py.behaviours.in_turn import numbered
-from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
+from skiros_py.behaviours.children import check_seconds, numbered
+from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Outcome
 

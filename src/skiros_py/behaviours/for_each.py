@@ -6,14 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_texts, require
-from skiros_py.behaviours.in_turn import numbered
-from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour
+from skiros_py.behaviours.children import numbered
+from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour, check_texts, require
 from skiros_py.skills.conditions import Pattern
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import IT
-from skiros_py.skills.variables import variables
+from skiros_py.skills.references import variables
 
 
 @dataclass(frozen=True, slots=True)

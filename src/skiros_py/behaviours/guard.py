@@ -7,9 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import read_conditions
-from skiros_py.behaviours.in_turn import numbered
-from skiros_py.behaviours.until import lost, run_until
+from skiros_py.behaviours.children import lost, numbered, read_conditions, run_until
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses, check_behaviour
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.execution import Execution, tick

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_times
-from skiros_py.behaviours.in_turn import in_turn, numbered
+from skiros_py.behaviours.children import check_times, in_turn, numbered
 from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Outcome, Success

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_seconds, require
-from skiros_py.behaviours.in_turn import numbered
-from skiros_py.behaviours.until import run_until
-from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour
+from skiros_py.behaviours.children import check_seconds, numbered, run_until
+from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Failure, Outcome
 

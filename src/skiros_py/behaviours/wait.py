@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import check_seconds
+from skiros_py.behaviours.children import check_seconds
 from skiros_py.skills.behaviour import Behaviour, Scope
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.outcome import Outcome, Success

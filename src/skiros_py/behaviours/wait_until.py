@@ -6,7 +6,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from typing import ClassVar
 
-from skiros_py.behaviours.checks import read_conditions
+from skiros_py.behaviours.children import read_conditions
 from skiros_py.skills.behaviour import Behaviour, Scope, Uses
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.execution import Execution

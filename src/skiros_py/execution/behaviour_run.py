@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from skiros_py.behaviours.until import run_until
+from skiros_py.behaviours.children import run_until
 from skiros_py.execution.contained import contained
 from skiros_py.execution.monitor import Status
-from skiros_py.execution.scope import Scope
-from skiros_py.execution.telling import teller, to_its_end
+from skiros_py.execution.scope import Scope, teller, to_its_end
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.execution import Execution, tick
 from skiros_py.skills.outcome import Outcome

@@ -13,11 +13,10 @@ from functools import partial
 from typing import Any, TypeVar
 
 from skiros_py.errors import SkirosError, UsageError
-from skiros_py.execution.clock import RunClock
 from skiros_py.execution.mix import Mix
 from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse
 from skiros_py.execution.signals import Signals
-from skiros_py.execution.task import Task
+from skiros_py.execution.task import RunClock, Task
 from skiros_py.ports.board import DeviceBoard
 
 __all__ = ["ControlCycle", "Task"]

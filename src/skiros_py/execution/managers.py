@@ -9,8 +9,7 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.execution.claims import Claims
 from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.directory import Directory
-from skiros_py.execution.modules import Modules
+from skiros_py.execution.modules import Directory, Modules
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.pulse import Watched
 from skiros_py.execution.skill_manager import SkillManager

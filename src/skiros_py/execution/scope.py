@@ -1,4 +1,4 @@
-"""What a node of a running skill runs in, and the recovery of what was cancelled in it."""
+"""What a node of a running skill runs in, how runs report and end, and the recovery of what was cancelled."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from types import MappingProxyType
 from typing import Any, Protocol
 
 from skiros_py.errors import UsageError
-from skiros_py.execution.claims import Claim
+from skiros_py.execution.claims import Claim, standstill
 from skiros_py.execution.contained import contained
-from skiros_py.execution.hardware import standstill
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status, end_of
+from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.execution.task import Task
 from skiros_py.skills.behaviour import Behaviour, Call, P
 from skiros_py.skills.conditions import Condition
@@ -23,7 +23,7 @@ from skiros_py.skills.conditions.watch import Watch, Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.execution import Execution
 from skiros_py.skills.inference import applying
-from skiros_py.skills.outcome import Failure, Outcome, Success
+from skiros_py.skills.outcome import BROKEN, Failure, Outcome, Success
 
 _log = logging.getLogger(__name__)
 
@@ -263,3 +263,83 @@ def _begun(entry: Unfinished) -> Execution[None]:
 
 
 _ENDED = object()
+
+Tell = Callable[[Status, int, str], None]
+"""Takes the state of a module, its progress code, and words for a person."""
+
+
+class ModuleRun(Protocol):
+    """One run of a module.
+
+    Attributes:
+        started: True when the monitor has heard of it.
+    """
+
+    started: bool
+
+    def run(self) -> Execution[Outcome]:
+        """Does it."""
+        ...
+
+    def leave(self) -> bool:
+        """Ends it at once where it is; returns whether it keeps its devices to recover."""
+        ...
+
+    def release(self) -> None:
+        """Gives its devices back; may be called twice."""
+        ...
+
+
+def teller(
+    kind: str,
+    name: str,
+    scope: Scope,
+    run: str,
+    target: Callable[[], str] = lambda: "",
+    implementation: Callable[[], str | None] = lambda: None,
+) -> Tell:
+    """Returns how a run in a scope reports to the monitor.
+
+    Args:
+        kind: "skill", "primitive" or "document".
+        name: The module.
+        scope: What it runs in.
+        run: Id of the run.
+        target: Gives the id of the element that it is done to, as far as that is known.
+        implementation: Gives the label of the way in which it is done, as far as that is known.
+    """
+    caller = scope.callers[-1] if scope.callers else ""
+
+    def tell(status: Status, code: int, text: str) -> None:
+        time, way = scope.context.board.snapshot.time, implementation()
+        event = ModuleEvent(
+            time, kind, name, status, code, text, target(), scope.agent, caller, scope.task, way,
+            id=run, parent=scope.id, root=scope.root, path=scope.path,
+        )  # fmt: skip
+        scope.monitor.publish(event)
+
+    return tell
+
+
+def to_its_end(module: ModuleRun, scope: Scope, tell: Tell) -> Execution[Outcome]:
+    """Runs a module until it ends or is broken off, tells of it, and gives its devices back.
+
+    The end of what stands alone and was broken off is told by whoever started it, when all of it stands.
+    """
+    kept, nested = False, bool(scope.callers)
+    try:
+        outcome = yield from module.run()
+    except GeneratorExit:
+        kept = module.leave()
+        if module.started:
+            tell(*((Status.PREEMPTED, 0, "broken off") if nested else (Status.RUNNING, 0, "stopping")))
+        raise
+    except CycleOverrun:
+        if nested:
+            tell(Status.ERROR, BROKEN, "held the control cycle too long")
+        raise
+    finally:
+        if not kept:
+            module.release()
+    tell(*end_of(outcome))
+    return outcome

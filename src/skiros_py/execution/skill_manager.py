@@ -12,19 +12,17 @@ from typing import Any, Protocol
 
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.execution.behaviour_run import RunnableDocument
-from skiros_py.execution.claims import Claims
-from skiros_py.execution.clock import RunClock
+from skiros_py.execution.claims import Claims, pieces
 from skiros_py.execution.cycle import ControlCycle
-from skiros_py.execution.directory import Directory
-from skiros_py.execution.hardware import pieces
 from skiros_py.execution.loader import Loader
-from skiros_py.execution.modules import ModuleInfo, Modules
+from skiros_py.execution.modules import Directory, ModuleInfo, Modules
 from skiros_py.execution.monitor import ModuleEvent, Monitor, Status
 from skiros_py.execution.panel import Panel, primitive_panel, skill_panel
 from skiros_py.execution.pulse import Watched
 from skiros_py.execution.registration import Registration
 from skiros_py.execution.running import Running, RunningModule
 from skiros_py.execution.scope import Scope
+from skiros_py.execution.task import RunClock
 from skiros_py.execution.watchers import Watchers
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.watch import Watches

@@ -1,4 +1,4 @@
-"""What a primitive may reach: parameters come apart, everything else is here."""
+"""What a primitive may reach besides its parameters, and the effects that it may write."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.perception import PartDetector, Registrar
 from skiros_py.ports.signals import NO_SIGNALS, SignalReader
-from skiros_py.skills.effects import Effects
 from skiros_py.skills.floor import Floor, OpenFloor
 from skiros_py.skills.questions import Questions
 from skiros_py.world.world import World
@@ -22,6 +21,11 @@ from skiros_py.world.world import World
 if TYPE_CHECKING:
     from skiros_py.skills.outcome import Outcome
     from skiros_py.skills.primitive import Execution
+from collections.abc import Iterable
+
+from skiros_py.errors import UnknownName
+from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions.effects import effects_of, write_effects
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,3 +101,38 @@ class RunContext:
     def now(self) -> float:
         """Time of this run [s]: it stands still while the run is paused, so that a trajectory waits, too."""
         return self.clock.now
+
+
+class Effects:
+    """The effects of one run of a skill.
+
+    Args:
+        world: The live world.
+        post: The postconditions, over the skill's parameters.
+        arguments: The skill's parameters in this run; filled in as they become known.
+    """
+
+    def __init__(self, world: World, post: Iterable[Condition], arguments: Mapping[str, Any]) -> None:
+        self._world = world
+        self._post = {condition.key: condition for condition in post}
+        self._arguments = arguments
+
+    def happened(self, *keys: str, author: str, reason: str) -> None:
+        """Writes some postconditions into the world: somebody has sensed that they are so.
+
+        Args:
+            *keys: Their keys (:attr:`Condition.key`); none at all means every postcondition.
+            author: Who sensed it.
+            reason: What was sensed ("gap 44 mm, force 30 N").
+
+        Raises:
+            UnknownName: The skill has no postcondition of such a key.
+            WorldError: The world refused it.
+        """
+        for key in keys:
+            if key not in self._post:
+                raise UnknownName("postcondition", key, self._post)
+        wanted = [self._post[key] for key in keys] if keys else list(self._post.values())
+        with self._world.transaction(author=author, reason=reason) as tx:
+            for condition in wanted:
+                write_effects(tx, self._world.ontology, effects_of(condition.bind(self._arguments)))

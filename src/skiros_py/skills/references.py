@@ -1,11 +1,13 @@
-"""What a body refers to must be there: parameters of the skill, and the elements of the loops around."""
+"""Names in bodies and patterns: which ones they refer to, and which of them are unknown."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from typing import Any
 
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.behaviour import Behaviour, Uses
+from skiros_py.skills.conditions import AllOf, AnyOf, Exists, Not, Pattern
 
 
 def check_references(root: Behaviour, keys: Collection[str], where: str) -> None:
@@ -36,3 +38,34 @@ def _asked(uses: Uses) -> Iterator[tuple[str, str]]:
     """Yields the names that a behaviour itself refers to, and which part of it does so."""
     yield from uses.names
     yield from ((name, str(condition)) for condition in uses.conditions for name in condition.arguments)
+
+
+def variables(pattern: Pattern) -> tuple[str, ...]:
+    """Returns the names of a pattern's free variables, each once, as they come."""
+    return tuple(dict.fromkeys(_all(pattern)))
+
+
+def _all(pattern: Pattern) -> list[str]:
+    match pattern:
+        case Not(inner):
+            return _all(inner)
+        case AllOf(patterns) | AnyOf(patterns):
+            return [name for part in patterns for name in _all(part)]
+        case Exists(variable, _, inner):
+            return [name for name in _all(inner) if name != variable]
+        case _:
+            noted = _Noted()
+            pattern.rename(noted)
+            return noted.names
+
+
+class _Noted(dict[str, str]):
+    """New names for none; notes for which of its variables a pattern looks one up."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: list[str] = []
+
+    def get(self, name: str, default: Any = None) -> Any:
+        self.names.append(name)
+        return default

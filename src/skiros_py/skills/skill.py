@@ -10,9 +10,8 @@ from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.behaviour import Behaviour, check_behaviour, walk
 from skiros_py.skills.conditions import Condition, ConditionType, Pattern, Role, all_of, any_of, is_sensed
 from skiros_py.skills.parameters import IT, Param, check_params
-from skiros_py.skills.references import check_references
+from skiros_py.skills.references import check_references, variables
 from skiros_py.skills.structure import of_one_robot
-from skiros_py.skills.variables import variables
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from skiros_py.execution.hardware import devices_of
+from skiros_py.execution.claims import devices_of
 from skiros_py.skills.parameters import Kind, Param
 from skiros_py.testing.worlds import world_of
 

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from skiros_py.devices.arm import Arm, ArmTarget
 from skiros_py.devices.base import Base, BaseState, BaseTwist
 from skiros_py.errors import DeviceError, ModuleError
-from skiros_py.execution.clock import RunClock
 from skiros_py.execution.cycle import ControlCycle, Task
+from skiros_py.execution.task import RunClock
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.values import Commands, Snapshot
 from skiros_py.simulation.fake.cell import FakeCell

@@ -20,7 +20,7 @@ from skiros_py.planning.domain.literals import NOT, atom_of
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.domain.normal import is_stored, normal
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
-from skiros_py.skills.variables import variables
+from skiros_py.skills.references import variables
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
 

@@ -26,7 +26,7 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.conditions.comparison import Comparison, Operator
+from skiros_py.skills.conditions.compare import Comparison, Operator
 from skiros_py.world.element import Value
 from skiros_py.world.names import local_name
 from skiros_py.world.ontology import Ontology

@@ -16,7 +16,7 @@ from skiros_py.planning.explanation.room import Room
 from skiros_py.planning.explanation.wording import listed, some
 from skiros_py.planning.reasons import Cause, CauseKind, Exchange
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.conditions.comparison import Comparison, Constant
+from skiros_py.skills.conditions.compare import Comparison, Constant
 from skiros_py.world.names import local_name
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView

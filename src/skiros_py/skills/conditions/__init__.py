@@ -2,7 +2,7 @@
 
 from skiros_py.skills.conditions.compare import Compare
 from skiros_py.skills.conditions.compound import Junction, Quantified, all_of, any_of, exists, for_all
-from skiros_py.skills.conditions.condition import Condition, ConditionType, Role
+from skiros_py.skills.conditions.condition import Condition, ConditionType, Role, judge
 from skiros_py.skills.conditions.effects import (
     Assign,
     Effect,
@@ -13,15 +13,15 @@ from skiros_py.skills.conditions.effects import (
     write_effects,
 )
 from skiros_py.skills.conditions.expression import Expression, ExpressionCondition, holds, is_sensed
-from skiros_py.skills.conditions.judging import judge
-from skiros_py.skills.conditions.kinds import ClassRelated, IsA
 from skiros_py.skills.conditions.pattern import (
     AllOf,
     AnyOf,
     Binding,
+    ClassRelated,
     Computed,
     Exists,
     Has,
+    IsA,
     Not,
     Nothing,
     Pattern,

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from skiros_py.errors import DescriptionError
-from skiros_py.skills.conditions.abstract import some_such
-from skiros_py.skills.conditions.pattern import Binding, Not, Pattern
+from skiros_py.interruptions import Interruption
+from skiros_py.skills.conditions.compare import Compare
+from skiros_py.skills.conditions.pattern import AllOf, Binding, Exists, Not, Pattern
 from skiros_py.skills.conditions.verdict import Verdict
+from skiros_py.world.abstract import abstract_individuals
+from skiros_py.world.element import Element, is_abstract
 from skiros_py.world.ontology import Ontology
+from skiros_py.world.reasoners.registry import NO_REASONERS
 from skiros_py.world.view import WorldView
 
 
@@ -148,3 +153,52 @@ class Condition:
 
 def _short(name: str) -> str:
     return name.partition(":")[2] or name
+
+
+def some_such(name: str, pattern: Pattern, ontology: Ontology, *, described: bool) -> Pattern:
+    """Returns "there is something such that ...", where an argument is a class or an individual of the ontology.
+
+    An individual describes things: whatever is of its class and has its own texts, numbers and truth values. Poses and
+    sizes are no description of others.
+
+    Args:
+        name: The argument; any but an abstract one stands for itself.
+        pattern: What is said of it.
+        ontology: Tells what is abstract.
+        described: Whether an individual describes things; else it is meant itself (a material, a maker).
+    """
+    if name in ontology.classes:
+        return Exists(name, name, pattern)
+    if not described or not is_abstract(name) or name not in ontology.individuals:
+        return pattern
+    element = abstract_individuals(ontology, NO_REASONERS).element(name)
+    return Exists(name, element.type, AllOf((*_described(element), pattern)))
+
+
+def _described(element: Element) -> tuple[Pattern, ...]:
+    values = sorted(element.properties.items())
+    return tuple(
+        Compare(name, "=", element.id, value) for name, value in values if isinstance(value, str | int | float)
+    )
+
+
+_log = logging.getLogger(__name__)
+
+
+def judge(condition: Condition, view: WorldView, binding: Binding | None = None) -> Verdict:
+    """Tells whether a condition holds; one that breaks does not hold, negated or not, and the verdict says so.
+
+    Args:
+        condition: The condition.
+        view: The world as believed, a snapshot, or an overlay.
+        binding: Element ids by parameter key; None when the arguments are ids or classes already.
+    """
+    try:
+        return condition.evaluate(view, binding)
+    except (KeyboardInterrupt, Interruption):
+        raise
+    except BaseException as error:  # noqa: BLE001 - an author's code: whatever it raises, it said nothing about the world
+        _log.error("condition %s broke", condition, exc_info=error)
+        name = str(condition.bind(binding or {}))
+        text = f"{name} broke: {type(error).__name__}: {error}"
+        return Verdict(False, text)

@@ -13,7 +13,7 @@ from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.skills.conditions import Binding, Pattern
 from skiros_py.skills.inference.narrowing import that_fit
 from skiros_py.skills.parameters import IT, Param
-from skiros_py.skills.variables import variables
+from skiros_py.skills.references import variables
 from skiros_py.world.names import local_name
 from skiros_py.world.view import WorldView
 

@@ -13,9 +13,9 @@ from skiros_py.skills.inference.narrowing import conjuncts
 from skiros_py.skills.inference.result import Inferred, Missing
 from skiros_py.skills.inference.search import Search
 from skiros_py.skills.parameters import IT, Param, missing
+from skiros_py.skills.references import variables
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.skills.structure import nearest_first
-from skiros_py.skills.variables import variables
 from skiros_py.world.view import WorldView
 
 _ENOUGH = 100_000

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from skiros_py.skills.conditions import Binding, Computed, Pattern
 from skiros_py.skills.inference.narrowing import candidates, is_indexed, that_fit
-from skiros_py.skills.variables import variables
+from skiros_py.skills.references import variables
 from skiros_py.world.element import is_abstract
 from skiros_py.world.view import WorldView
 

@@ -1,16 +1,16 @@
 """Rules for plug-ins: what is wrong with a skill, a primitive or a condition, before it is offered to anybody."""
 
-from skiros_py.skills.lint.checking import check, problems_of
-from skiros_py.skills.lint.finding import Finding, Problem, Severity, Spot
-from skiros_py.skills.lint.registry import (
+from skiros_py.skills.lint.checking import (
     DOES_NOT_LOAD,
     EFFECT_MISSING,
     NEVER_TRIED,
     RULES,
     UNDECLARED_CHANGE,
+    check,
+    problems_of,
     rule,
 )
-from skiros_py.skills.lint.rule import Check, Rule
+from skiros_py.skills.lint.rule import Check, Finding, Problem, Rule, Severity, Spot
 from skiros_py.skills.lint.subject import Known, PrimitiveClass, Source, Subject, title
 
 __all__ = [

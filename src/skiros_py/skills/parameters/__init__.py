@@ -1,10 +1,18 @@
 """Parameters of skills and primitives: typed, with a help text, and of one of the paper's kinds (§5.2)."""
 
-from skiros_py.skills.parameters.arguments import Arguments, missing, read_arguments
 from skiros_py.skills.parameters.checks import check_params
 from skiros_py.skills.parameters.fields import param, params_of
 from skiros_py.skills.parameters.param import IT, Access, Cost, Kind, Param
-from skiros_py.skills.parameters.values import as_json, as_shown, as_text, read_value, schema
+from skiros_py.skills.parameters.values import (
+    Arguments,
+    as_json,
+    as_shown,
+    as_text,
+    missing,
+    read_arguments,
+    read_value,
+    schema,
+)
 
 __all__ = [
     "IT",

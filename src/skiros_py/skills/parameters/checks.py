@@ -8,7 +8,7 @@ from typing import Any
 from skiros_py.errors import DescriptionError, UnknownName
 from skiros_py.skills.parameters.param import IT, Access, Kind, Param
 from skiros_py.skills.parameters.value_types import VALUE_TYPES
-from skiros_py.skills.variables import variables
+from skiros_py.skills.references import variables
 
 
 def check_params(params: Sequence[Param], where: str) -> None:

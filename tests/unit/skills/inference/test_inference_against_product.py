@@ -26,8 +26,8 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.skills.inference import Inferred, Missing, infer
 from skiros_py.skills.parameters import Param
+from skiros_py.skills.references import variables
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.skills.variables import variables
 from skiros_py.testing import tiny_world
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView

@@ -7,13 +7,12 @@ from collections.abc import Iterable, Iterator
 
 from skiros_py.skills.behaviour import Call, calls_of, walk
 from skiros_py.skills.conditions import ConditionType
-from skiros_py.skills.lint.finding import Problem, Severity
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity
 from skiros_py.skills.lint.rules.words import own_params
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.parameters import Kind, Param
+from skiros_py.skills.references import variables
 from skiros_py.skills.skill import Skill, SkillDescription
-from skiros_py.skills.variables import variables
 
 
 def _calls(subject: Subject, known: Known) -> Iterator[Problem]:

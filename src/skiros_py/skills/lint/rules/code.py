@@ -7,8 +7,7 @@ import inspect
 import textwrap
 from collections.abc import Iterable, Iterator
 
-from skiros_py.skills.lint.finding import Problem, Severity, Spot
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity, Spot
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.primitive import Primitive
 

@@ -9,9 +9,8 @@ from typing import Any
 
 from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.skills.behaviour import Behaviour, Call, P
-from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.patterns import Classes, classes_of, walk_scoped
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity
 from skiros_py.skills.lint.rules.ranges import overlap
 from skiros_py.skills.lint.rules.words import own_params
 from skiros_py.skills.lint.subject import Known, Subject

@@ -6,8 +6,7 @@ import inspect
 from collections.abc import Iterator
 
 from skiros_py.skills.conditions import ConditionType
-from skiros_py.skills.lint.finding import Problem, Severity
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity
 from skiros_py.skills.lint.rules.words import own_params
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.skill import Skill, SkillDescription

@@ -5,8 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from skiros_py.skills.lint.finding import Problem, Severity, Spot
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity, Spot
 from skiros_py.skills.lint.subject import Known, Source, Subject
 
 _PACKAGE = "skiros_py"

@@ -6,8 +6,7 @@ import ast
 from collections.abc import Iterator
 
 from skiros_py.skills.conditions import Condition, Not, Relate, Related, Unrelate
-from skiros_py.skills.lint.finding import Problem, Severity, Spot
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity, Spot
 from skiros_py.skills.lint.rules.reach import brought_about
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.skill import SkillDescription

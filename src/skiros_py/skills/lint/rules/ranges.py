@@ -16,9 +16,8 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.patterns import Classes, Use, classes_of, leaves, uses_of, walk_scoped
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity
 from skiros_py.skills.lint.subject import Known, Subject
 from skiros_py.skills.skill import Skill
 from skiros_py.world.literals import CLASS_NAME, DATATYPES

@@ -21,8 +21,7 @@ from skiros_py.skills.conditions import (
     Unrelate,
     effects_of,
 )
-from skiros_py.skills.lint.finding import Problem, Severity
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity
 from skiros_py.skills.lint.subject import Known, Subject
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from skiros_py.skills.behaviour import Behaviour, calls_of
-from skiros_py.skills.lint.finding import Problem, Severity
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity
 from skiros_py.skills.lint.subject import Known, Subject
 from skiros_py.skills.skill import Skill
 

@@ -21,9 +21,8 @@ from skiros_py.skills.conditions import (
     Pattern,
     Related,
 )
-from skiros_py.skills.lint.finding import Problem, Severity
 from skiros_py.skills.lint.patterns import Classes, leaves, uses_of
-from skiros_py.skills.lint.rule import Rule
+from skiros_py.skills.lint.rule import Problem, Rule, Severity
 from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.parameters import Param, params_of
 from skiros_py.skills.skill import Skill, SkillDescription

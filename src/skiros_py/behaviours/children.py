@@ -1,0 +1,101 @@
+"""What nodes share: checks of their fields, children by number, and children that run in turn or until ended."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import closing
+
+from skiros_py.skills.behaviour import Behaviour, Scope, check_behaviour, require
+from skiros_py.skills.conditions import Condition, holds
+from skiros_py.skills.conditions.watch import Watch
+from skiros_py.skills.execution import Execution
+from skiros_py.skills.outcome import Failure, Outcome, Success
+
+
+def check_children(what: str, children: tuple[Behaviour, ...]) -> None:
+    """Refuses what is not a tuple of one or more behaviours."""
+    require(isinstance(children, tuple), what, "its parts are a tuple", children)
+    require(bool(children), what, "at least one part: with none, nobody knows whether it has worked", children)
+    for child in children:
+        check_behaviour(what, child)
+
+
+def check_times(what: str, times: object) -> None:
+    """Refuses what is not a number of times."""
+    good = isinstance(times, int) and not isinstance(times, bool) and times >= 1
+    require(good, what, "at least once, and a whole number of times", times)
+
+
+def check_seconds(what: str, seconds: object) -> None:
+    """Refuses what is not a duration [s]."""
+    good = isinstance(seconds, int | float) and not isinstance(seconds, bool) and 0.0 <= seconds < math.inf
+    require(good, what, "a number of seconds from 0", seconds)
+
+
+def read_conditions(what: str, conditions: object) -> tuple[Condition, ...]:
+    """Returns one or more conditions; expressions may be given as text.
+
+    Raises:
+        DescriptionError: Something is neither a condition nor an expression.
+    """
+    right = "one or more conditions over parameters, such as PARKED('Robot', 'Place'), or texts such as 'Arm.still'"
+    require(isinstance(conditions, tuple) and conditions != (), what, right, conditions)
+    read = [holds(one) if isinstance(one, str) else one for one in conditions]  # type: ignore[attr-defined]
+    for one in read:
+        require(isinstance(one, Condition), what, right, one)
+    return tuple(read)
+
+
+def numbered(children: Iterable[Behaviour]) -> Mapping[str, Behaviour]:
+    """Returns children by their number, counted from 0."""
+    return {str(number): child for number, child in enumerate(children)}
+
+
+def in_turn(
+    children: Iterable[Behaviour], scope: Scope, *, ends_with: type[Outcome], same: bool = False
+) -> Execution[Outcome]:
+    """Runs behaviours in turn; each starts in the cycle after the end of the one before.
+
+    Args:
+        children: The behaviours.
+        scope: Scope of their parent.
+        ends_with: The outcome that ends it.
+        same: True where all are one child that is tried again.
+    """
+    outcome: Outcome = Success()
+    for number, child in enumerate(children):
+        if number:
+            yield
+        outcome = yield from scope.run(child, "0" if same else str(number))
+        if isinstance(outcome, ends_with):
+            return outcome
+    return outcome
+
+
+def run_until(
+    child: Behaviour, key: str, scope: Scope, end: Callable[[Execution[Outcome]], Outcome | None]
+) -> Execution[Outcome]:
+    """Runs a child until it ends or is ended; then runs the recovery of what was cancelled.
+
+    Args:
+        child: The child.
+        key: Its key.
+        scope: Scope of its parent.
+        end: Called in each cycle: ticks the child's run, or ends it; returns its outcome, None while it goes on.
+    """
+    with scope.apart() as inner, closing(inner.run(child, key)) as run:
+        while True:
+            outcome = end(run)
+            if outcome is not None:
+                break
+            yield
+        run.close()
+        yield from inner.recover()
+    return outcome
+
+
+def lost(watch: Watch, what: str) -> Failure | None:
+    """Returns the failure where a watched condition holds no longer; its text begins with the words given."""
+    broken = watch.broken()
+    return None if broken is None else Failure(f"{what} {broken.sentence}")
