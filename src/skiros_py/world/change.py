@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Element, Placement, Value
@@ -29,7 +30,6 @@ class _Edit:
     """What the kinds of edit share: each has an ``old`` and a ``new`` side."""
 
     __slots__ = ()
-    kind: ClassVar[str]
 
     def marks(self) -> tuple[str, ...]:
         """Returns the elements that it changes."""
@@ -43,27 +43,24 @@ class _Edit:
         """Returns the edit that takes it back."""
         return replace(self, old=self.new, new=self.old)  # type: ignore[type-var,attr-defined]
 
-    def as_json(self) -> _Json:
-        """Returns plain data."""
-        names: tuple[str, ...] = self.__match_args__  # type: ignore[attr-defined]  # of every dataclass
-        return {"edit": self.kind, **{name: _plain(getattr(self, name)) for name in names}}
-
 
 @dataclass(frozen=True, slots=True)
 class ElementEdit(_Edit):
     """An element came (``old`` is None, ``new`` has its first properties) or went (``new`` is None)."""
 
-    kind: ClassVar = "element"
     element: str
     old: Element | None
     new: Element | None
+
+    def as_json(self) -> _Json:
+        """Returns plain data."""
+        return {"edit": "element", "element": self.element, "old": _plain(self.old), "new": _plain(self.new)}
 
 
 @dataclass(frozen=True, slots=True)
 class PlacementEdit(_Edit):
     """An element moved; ``old`` is None for one that has just come, ``new`` for one that goes."""
 
-    kind: ClassVar = "placement"
     element: str
     old: Placement | None
     new: Placement | None
@@ -72,12 +69,15 @@ class PlacementEdit(_Edit):
         """Returns the elements that it changes or where it puts them."""
         return (self.element, *(placement.place for placement in (self.old, self.new) if placement))
 
+    def as_json(self) -> _Json:
+        """Returns plain data."""
+        return {"edit": "placement", "element": self.element, "old": _plain(self.old), "new": _plain(self.new)}
+
 
 @dataclass(frozen=True, slots=True)
 class RelationEdit(_Edit):
     """A relation (of any family but placement) came to hold or ceased to."""
 
-    kind: ClassVar = "relation"
     subject: str
     relation: str
     object: str
@@ -88,29 +88,41 @@ class RelationEdit(_Edit):
         """Returns the elements that it changes."""
         return (self.subject, self.object)
 
+    def as_json(self) -> _Json:
+        """Returns plain data."""
+        ends = {"subject": self.subject, "relation": self.relation, "object": self.object}
+        return {"edit": "relation", **ends, "old": self.old, "new": self.new}
+
 
 @dataclass(frozen=True, slots=True)
 class PropertyEdit(_Edit):
     """An element's own value of a property changed; None is "no own value". ``rdfs:label`` counts as a property."""
 
-    kind: ClassVar = "property"
     element: str
     property: str
     old: Value | None
     new: Value | None
+
+    def as_json(self) -> _Json:
+        """Returns plain data."""
+        what = {"element": self.element, "property": self.property}
+        return {"edit": "property", **what, "old": _plain(self.old), "new": _plain(self.new)}
 
 
 @dataclass(frozen=True, slots=True)
 class GoalsEdit(_Edit):
     """The goals that go with the scene became others (texts, sorted)."""
 
-    kind: ClassVar = "goals"
     old: tuple[str, ...]
     new: tuple[str, ...]
 
     def marks(self) -> tuple[str, ...]:
         """Returns the elements that it changes: none."""
         return ()
+
+    def as_json(self) -> _Json:
+        """Returns plain data."""
+        return {"edit": "goals", "old": list(self.old), "new": list(self.new)}
 
 
 Edit = ElementEdit | PlacementEdit | RelationEdit | PropertyEdit | GoalsEdit
@@ -156,13 +168,19 @@ class Change:
 
 
 def _plain(value: Element | Placement | Value | None) -> object:
-    if isinstance(value, tuple):
-        return list(value)
-    if isinstance(value, Pose):
-        return {"position": list(value.position), "orientation": list(value.orientation)}
-    if isinstance(value, Placement):
-        return {"relation": value.relation, "place": value.place}
-    if isinstance(value, Element):
-        properties = {name: _plain(value.properties[name]) for name in sorted(value.properties)}
-        return {"id": value.id, "type": value.type, "label": value.label, "properties": properties}
-    return value
+    plain = _PLAIN.get(type(value))
+    return value if plain is None else plain(value)
+
+
+def _plain_element(element: Element) -> _Json:
+    properties = {name: _plain(element.properties[name]) for name in sorted(element.properties)}
+    return {"id": element.id, "type": element.type, "label": element.label, "properties": properties}
+
+
+_PLAIN: Mapping[type, Callable[[Any], object]] = {
+    tuple: list,
+    Pose: lambda pose: {"position": list(pose.position), "orientation": list(pose.orientation)},
+    Placement: lambda placement: {"relation": placement.relation, "place": placement.place},
+    Element: _plain_element,
+}
+"""How a value that JSON does not know becomes plain data, by its type: one look-up for each value."""

@@ -22,7 +22,7 @@ from skiros_py.world.change import (
     RelationEdit,
     Writer,
 )
-from skiros_py.world.element import Element, Placement, Value
+from skiros_py.world.element import Element, Placement
 from skiros_py.world.past import subjects_of
 
 _CHANGES = """
@@ -136,7 +136,7 @@ def decode_edits(text: str) -> list[Edit]:
 
 def _edits(data: _Json) -> list[Edit]:
     try:
-        return [_edit(edit) for edit in data["edits"]]
+        return [_EDITS[edit["edit"]](edit) for edit in data["edits"]]
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"no edits: {error}") from None
 
@@ -157,7 +157,7 @@ def _load(text: object) -> Any:
 def _element(data: _Json | None) -> Element | None:
     if data is None:
         return None
-    properties = {name: _own_value(value) for name, value in data["properties"].items()}
+    properties = {name: _value(value) for name, value in data["properties"].items()}
     return Element(data["id"], data["type"], data["label"], MappingProxyType(properties))
 
 
@@ -165,34 +165,30 @@ def _placement(data: _Json | None) -> Placement | None:
     return None if data is None else Placement(data["relation"], data["place"])
 
 
-def _value(data: Any) -> Value | None:
-    return None if data is None else _own_value(data)
-
-
-def _own_value(data: Any) -> Value:
+def _value(data: Any) -> Any:
+    if data is None or type(data) in _JSON_VALUES:
+        return data
     if isinstance(data, dict):
         return Pose(tuple(data["position"]), tuple(data["orientation"]))
     if isinstance(data, list):
         return tuple(data)
-    if isinstance(data, str | bool | int | float):
-        return data
     raise TypeError(f"no value: {data!r}")
 
 
-_SIDES: Mapping[str, tuple[Callable[..., Edit], Callable[[Any], object]]] = {
-    ElementEdit.kind: (ElementEdit, _element),
-    PlacementEdit.kind: (PlacementEdit, _placement),
-    RelationEdit.kind: (RelationEdit, bool),
-    PropertyEdit.kind: (PropertyEdit, _value),
-    GoalsEdit.kind: (GoalsEdit, tuple),
+_JSON_VALUES = frozenset({str, bool, int, float})
+
+_EDITS: Mapping[str, Callable[[_Json], Edit]] = {
+    "element": lambda data: ElementEdit(data["element"], _element(data["old"]), _element(data["new"])),
+    "placement": lambda data: PlacementEdit(data["element"], _placement(data["old"]), _placement(data["new"])),
+    "relation": lambda data: RelationEdit(
+        data["subject"], data["relation"], data["object"], data["old"], data["new"]
+    ),
+    "property": lambda data: PropertyEdit(
+        data["element"], data["property"], _value(data["old"]), _value(data["new"])
+    ),
+    "goals": lambda data: GoalsEdit(tuple(data["old"]), tuple(data["new"])),
 }
-"""What each kind of edit is made by, and what its old and new side are read by."""
-
-
-def _edit(data: dict[str, Any]) -> Edit:
-    make, side = _SIDES[data["edit"]]
-    what = {name: value for name, value in data.items() if name != "edit"}
-    return make(**what | {"old": side(data["old"]), "new": side(data["new"])})
+"""What reads each kind of edit."""
 
 
 # ---------------------------------------------------------------- tables

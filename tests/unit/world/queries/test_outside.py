@@ -52,12 +52,12 @@ def outside(live: World, others: set[psutil.Process]) -> Iterator[OutsideQueries
         yield queries
 
 
-def refusal(outside: OutsideQueries, sparql: str) -> str:
+def refusal(outside: OutsideQueries, sparql: str, time_limit: float = LIMITS.time) -> str:
     """The text of the error that comes within the limit; afterwards all is as it was."""
     began = time.monotonic()
     with pytest.raises(UsageError) as refused:
-        outside.query(sparql)
-    assert time.monotonic() - began < LIMITS.time + SLACK
+        outside.query(sparql, time_limit=time_limit)
+    assert time.monotonic() - began < time_limit + SLACK
     assert outside.ask("ASK { ?robot a sk:Robot }")
     return str(refused.value)
 
@@ -175,7 +175,8 @@ def test_a_query_that_runs_for_ever_is_ended(outside: OutsideQueries, sparql: st
     ids=["concat", "group_concat"],
 )
 def test_a_query_that_wants_all_memory_is_ended(outside: OutsideQueries, sparql: str) -> None:
-    assert "needs more than 256 MiB of memory" in refusal(outside, sparql)
+    # On a busy machine it takes more than the usual second to fill the memory.
+    assert "needs more than 256 MiB of memory" in refusal(outside, sparql, time_limit=60.0)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.errors import UsageError
-from skiros_py.world.ontology.check import CheckReport, Finding, FindingKind, check_ontology
+from skiros_py.world.ontology.check import CheckReport, Finding, FindingKind, check_ontology, checking
+from skiros_py.world.ontology.check.reasoner import OwlRlProcess
 
 Check = Callable[..., CheckReport]
 
@@ -85,6 +87,14 @@ CONTRADICTIONS = {
     "of a class that nothing can be of": (_APART + ":A a owl:Class ; rdfs:subClassOf :Ball , :Doll . :x a :A .", 4),
     "in a scene of the file": (_APART + "scene:x a :Ball , :Doll .", 3),
 }
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _one_process_for_all_checks() -> Iterator[None]:
+    """Starting one for each check takes most of the time; that it is ended is claimed by the tests of limits."""
+    with OwlRlProcess(time_limit=600.0) as process, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(checking, "OwlRlProcess", lambda _time_limit: nullcontext(process))
+        yield
 
 
 def _of(report: CheckReport, kind: FindingKind) -> list[Finding]:
