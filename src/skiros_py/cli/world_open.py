@@ -119,7 +119,7 @@ class OpenWorld:
         from skiros_py.world.queries.outside import Limits, OutsideQueries
 
         with OutsideQueries(self._world, Limits(rows=MOST_ROWS)) as queries:
-            return queries.query(sparql, entailed=entailed, time_limit=time_limit, **bindings)
+            return queries.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
 
     def _learned(self) -> list[str]:
         from skiros_py.world.element import is_learned

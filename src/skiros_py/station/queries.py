@@ -54,7 +54,7 @@ class Queries:
         if outside is None:
             raise Busy("the station is not running: ask again later")
         try:
-            return outside.answer(sparql, bindings, entailed=entailed, time_limit=time_limit)
+            return outside.query(sparql, bindings, entailed=entailed, time_limit=time_limit)
         except DeviceError:
             if self._outside is outside:
                 raise

@@ -180,12 +180,8 @@ _JSON_VALUES = frozenset({str, bool, int, float})
 _EDITS: Mapping[str, Callable[[_Json], Edit]] = {
     "element": lambda data: ElementEdit(data["element"], _element(data["old"]), _element(data["new"])),
     "placement": lambda data: PlacementEdit(data["element"], _placement(data["old"]), _placement(data["new"])),
-    "relation": lambda data: RelationEdit(
-        data["subject"], data["relation"], data["object"], data["old"], data["new"]
-    ),
-    "property": lambda data: PropertyEdit(
-        data["element"], data["property"], _value(data["old"]), _value(data["new"])
-    ),
+    "relation": lambda data: RelationEdit(data["subject"], data["relation"], data["object"], data["old"], data["new"]),
+    "property": lambda data: PropertyEdit(data["element"], data["property"], _value(data["old"]), _value(data["new"])),
     "goals": lambda data: GoalsEdit(tuple(data["old"]), tuple(data["new"])),
 }
 """What reads each kind of edit."""

@@ -11,12 +11,11 @@ import signal
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Self
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError, WorldError
-from skiros_py.world.element import Value
-from skiros_py.world.queries.answering import Binding, Constructed, Result, Table
+from skiros_py.world.queries.answering import Binding, Result
 from skiros_py.world.queries.replica_process import Pending, ReplicaProcess
 from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order
 from skiros_py.world.store.store import AnswerLimits
@@ -26,6 +25,7 @@ LONGEST_TIME = 3600.0
 """What any query may take at most [s]."""
 
 _MIB = 1 << 20
+_NO_BINDINGS: Mapping[str, Binding] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,66 +86,33 @@ class OutsideQueries:
 
     # ------------------------------------------------------------ asking
 
-    def select(
-        self, sparql: str, *, entailed: bool = False, time_limit: float | None = None, **bindings: Binding
-    ) -> list[dict[str, Value | None]]:
-        """Runs a SELECT; see :func:`~skiros_py.world.queries.queries.select`.
+    def query(
+        self,
+        sparql: str,
+        bindings: Mapping[str, Binding] = _NO_BINDINGS,
+        *,
+        entailed: bool = False,
+        time_limit: float | None = None,
+    ) -> Result:
+        """Runs a query of any form; see :func:`~skiros_py.world.queries.queries.query`.
 
         Args:
             sparql: The query.
+            bindings: What its parameters stand for, by name.
             entailed: Whether what OWL entails counts too.
             time_limit: How long it may take [s]; None for the usual time.
-            bindings: What its parameters stand for.
 
         Raises:
             UsageError: It cannot be answered, or not within its limits; the text says which.
             DeviceError: The replica cannot be started, or this was closed.
         """
-        result = self._asked(sparql, "SELECT", bindings, entailed, time_limit)
-        assert isinstance(result, Table)
-        return result.rows
-
-    def ask(self, sparql: str, *, entailed: bool = False, time_limit: float | None = None, **bindings: Binding) -> bool:
-        """Runs an ASK; arguments and errors as for :meth:`select`."""
-        result = self._asked(sparql, "ASK", bindings, entailed, time_limit)
-        assert isinstance(result, bool)
-        return result
-
-    def construct(
-        self, sparql: str, *, entailed: bool = False, time_limit: float | None = None, **bindings: Binding
-    ) -> Constructed:
-        """Runs a CONSTRUCT; arguments and errors as for :meth:`select`."""
-        result = self._asked(sparql, "CONSTRUCT", bindings, entailed, time_limit)
-        assert isinstance(result, Constructed)
-        return result
-
-    def query(
-        self, sparql: str, *, entailed: bool = False, time_limit: float | None = None, **bindings: Binding
-    ) -> Result:
-        """Runs a query of any form; arguments and errors as for :meth:`select`."""
-        return self.answer(sparql, bindings, entailed=entailed, time_limit=time_limit)
-
-    def answer(
-        self,
-        sparql: str,
-        bindings: Mapping[str, Binding],
-        *,
-        entailed: bool = False,
-        time_limit: float | None = None,
-    ) -> Result:
-        """Runs a query of any form; as :meth:`query`, but any name may be that of a parameter."""
-        return self._asked(sparql, None, bindings, entailed, time_limit)
-
-    def _asked(
-        self, sparql: str, form: str | None, bindings: Mapping[str, Binding], entailed: bool, time_limit: float | None
-    ) -> Result:
         if len(sparql) > self.limits.text:
             raise UsageError(f"the query has {len(sparql)} characters, and {self.limits.text} are the most")
         limit = self.limits.time if time_limit is None else time_limit
         if not 0.0 < limit <= LONGEST_TIME:
             raise UsageError(f"a time limit is more than 0 and at most {LONGEST_TIME:g} s, not {limit:g}")
         most = AnswerLimits(self.limits.rows, self.limits.bytes)
-        order = Order(sparql, form, bindings, entailed, limit, self.limits.memory, most)
+        order = Order(sparql, bindings, entailed, limit, self.limits.memory, most)
         if not self._turns.acquire(timeout=limit):
             raise UsageError(f"{self.limits.at_once} queries are running already, and none ended within {limit:g} s")
         try:

@@ -153,8 +153,6 @@ class QueryReplica(Replica):
     def _result(self, order: Order) -> Result:
         names = self.index.ontology.names
         question = Question.of(names, order.sparql, order.bindings)
-        if order.form is not None:
-            question.must_be(order.form)
         store = self._projection.entailed() if order.entailed else self._projection.store
         return typed(names, question.answer(store, self.index, order.limits))
 

@@ -22,7 +22,6 @@ class Order:
 
     Attributes:
         sparql: The query.
-        form: What it must be ("SELECT"); None for anything.
         bindings: What its parameters stand for.
         entailed: Whether what OWL entails counts.
         time_limit: How long it may take [s].
@@ -31,7 +30,6 @@ class Order:
     """
 
     sparql: str
-    form: str | None = None
     bindings: Mapping[str, Binding] = field(default_factory=dict)
     entailed: bool = False
     time_limit: float = 5.0

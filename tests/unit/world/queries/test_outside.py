@@ -6,15 +6,16 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import psutil
 import pytest
 
 from skiros_py.errors import DeviceError, SkirosError, UnknownName, UsageError
+from skiros_py.world.element import Value
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.queries import Constructed, Text
+from skiros_py.world.queries import Binding, Constructed, Table, Text
 from skiros_py.world.queries.outside import Limits, OutsideQueries
 from skiros_py.world.scene import load_scene
 from skiros_py.world.world import World
@@ -58,8 +59,16 @@ def refusal(outside: OutsideQueries, sparql: str, time_limit: float = LIMITS.tim
     with pytest.raises(UsageError) as refused:
         outside.query(sparql, time_limit=time_limit)
     assert time.monotonic() - began < time_limit + SLACK
-    assert outside.ask("ASK { ?robot a sk:Robot }")
+    assert outside.query("ASK { ?robot a sk:Robot }")
     return str(refused.value)
+
+
+def rows(
+    outside: OutsideQueries, sparql: str, bindings: Mapping[str, Binding] | None = None
+) -> list[dict[str, Value | None]]:
+    table = outside.query(sparql, bindings or {})
+    assert isinstance(table, Table)
+    return table.rows
 
 
 def doubled(times: int) -> str:
@@ -72,26 +81,21 @@ def doubled(times: int) -> str:
 
 
 def test_each_form_is_answered_with_typed_values(outside: OutsideQueries) -> None:
-    made = outside.construct("CONSTRUCT { ?p sk:in $place } WHERE { ?p sk:in $place }", place="pallet_a")
+    made = outside.query("CONSTRUCT { ?p sk:in $place } WHERE { ?p sk:in $place }", {"place": "pallet_a"})
 
-    assert outside.select(PARTS, place="pallet_a") == IN_PALLET_A
-    assert outside.select("SELECT ?w { scene:camera_1 sk:width ?w }") == [{"w": 320}]
-    assert outside.ask("ASK { ?s rdfs:label $label }", label=Text("rack"))
-    assert not outside.ask("ASK { ?s rdfs:label $label }", label=Text("} DROP ALL #"))
+    assert rows(outside, PARTS, {"place": "pallet_a"}) == IN_PALLET_A
+    assert rows(outside, "SELECT ?w { scene:camera_1 sk:width ?w }") == [{"w": 320}]
+    assert outside.query("ASK { ?s rdfs:label $label }", {"label": Text("rack")})
+    assert not outside.query("ASK { ?s rdfs:label $label }", {"label": Text("} DROP ALL #")})
     assert isinstance(made, Constructed)
     assert ("starter_1", "sk:in", "pallet_a") in made.statements
 
 
-def test_a_query_of_another_form_is_refused(outside: OutsideQueries) -> None:
-    with pytest.raises(UsageError, match="is no SELECT but an ASK"):
-        outside.select("ASK {}")
-
-
 def test_errors_come_as_the_kind_they_are(outside: OutsideQueries) -> None:
     with pytest.raises(UnknownName, match="prefix"):
-        outside.ask("ASK { ?s a nowhere:Thing }")
+        outside.query("ASK { ?s a nowhere:Thing }")
     with pytest.raises(UsageError, match="does not parse"):
-        outside.ask("ASK { ?s ?p }")
+        outside.query("ASK { ?s ?p }")
 
 
 def test_a_query_sees_what_was_written_just_before(live: World, outside: OutsideQueries) -> None:
@@ -99,14 +103,14 @@ def test_a_query_sees_what_was_written_just_before(live: World, outside: Outside
         with live.transaction("scale", "weighed") as tx:
             tx.set("compressor_1", "sk:mass", mass)
 
-        assert outside.select("SELECT ?m { scene:compressor_1 sk:mass ?m }") == [{"m": mass}]
+        assert rows(outside, "SELECT ?m { scene:compressor_1 sk:mass ?m }") == [{"m": mass}]
 
 
 def test_what_owl_entails_counts_where_it_is_wanted(outside: OutsideQueries) -> None:
     asked = "ASK { scene:starter_1 sk:placement scene:pallet_a }"
 
-    assert not outside.ask(asked)
-    assert outside.ask(asked, entailed=True, time_limit=20.0)
+    assert not outside.query(asked)
+    assert outside.query(asked, entailed=True, time_limit=20.0)
 
 
 # ---------------------------------------------------------------- what is too much
@@ -139,16 +143,16 @@ def test_a_query_that_is_long_but_not_deep_is_answered_or_refused(outside: Outsi
         "ASK { ?a " + "/".join(["sk:in"] * 5_000) + " ?b }",
     ):
         try:
-            assert outside.ask(sparql) in (True, False)
+            assert outside.query(sparql) in (True, False)
         except UsageError as error:
             assert str(error)  # noqa: PT017  either is right, a death is not
-        assert outside.ask("ASK { ?robot a sk:Robot }")
+        assert outside.query("ASK { ?robot a sk:Robot }")
 
 
 @pytest.mark.parametrize("limit", [float("nan"), float("inf"), 1e308, 0.0, -1.0])
 def test_a_time_limit_is_a_time_that_can_pass(outside: OutsideQueries, limit: float) -> None:
     with pytest.raises(UsageError, match="a time limit is more than 0 and at most 3600 s"):
-        outside.ask("ASK {}", time_limit=limit)
+        outside.query("ASK {}", time_limit=limit)
 
 
 def test_a_text_that_is_too_long_is_refused_unread(outside: OutsideQueries) -> None:
@@ -233,7 +237,7 @@ def test_nothing_may_follow_a_query(live: World, outside: OutsideQueries, after:
     refusal(outside, f"ASK {{ }} {after}")
 
     assert live.version == version
-    assert outside.select(PARTS, place="pallet_a") == IN_PALLET_A
+    assert rows(outside, PARTS, {"place": "pallet_a"}) == IN_PALLET_A
 
 
 @pytest.mark.parametrize(
@@ -250,7 +254,7 @@ def test_nothing_may_follow_a_query(live: World, outside: OutsideQueries, after:
     ids=["text", "long_text", "comment", "first_comment", "iri", "variables", "prefix"],
 )
 def test_such_words_are_no_keywords_in_texts_comments_and_names(outside: OutsideQueries, sparql: str) -> None:
-    assert outside.ask(sparql) in (True, False)
+    assert outside.query(sparql) in (True, False)
 
 
 # ---------------------------------------------------------------- everything else goes on
@@ -293,7 +297,7 @@ def test_a_query_that_runs_for_ever_holds_up_no_other(
 
     with live.transaction("scale", "weighed") as tx:
         tx.set("relay_box_2", "sk:mass", 0.125)
-    answers = [outside.select("SELECT ?m { scene:relay_box_2 sk:mass ?m }") for _ in range(5)]
+    answers = [rows(outside, "SELECT ?m { scene:relay_box_2 sk:mass ?m }") for _ in range(5)]
 
     assert answers == [[{"m": 0.125}]] * 5
     assert all(thread.is_alive() for thread in slow)
@@ -316,14 +320,14 @@ def test_who_finds_no_free_place_in_time_is_told(outside: OutsideQueries, others
 def test_the_death_of_the_replica_is_survived(
     live: World, outside: OutsideQueries, others: set[psutil.Process]
 ) -> None:
-    outside.ask("ASK {}")
+    outside.query("ASK {}")
     replica = replica_of(others)
     with live.transaction("scale", "weighed") as tx:
         tx.set("relay_box_1", "sk:mass", 0.5)
 
     os.kill(replica.pid, signal.SIGKILL)
 
-    assert outside.select("SELECT ?m { scene:relay_box_1 sk:mass ?m }") == [{"m": 0.5}]
+    assert rows(outside, "SELECT ?m { scene:relay_box_1 sk:mass ?m }") == [{"m": 0.5}]
     assert replica_of(others) != replica
 
 
@@ -339,14 +343,14 @@ def test_the_death_of_the_replica_while_it_answers_is_survived(
 
     assert not slow.is_alive()
     assert len(said) == 1
-    assert outside.select(PARTS, place="pallet_a") == IN_PALLET_A
+    assert rows(outside, PARTS, {"place": "pallet_a"}) == IN_PALLET_A
 
 
 def test_no_process_and_no_file_is_left_after_queries_of_all_kinds(
     outside: OutsideQueries, others: set[psutil.Process]
 ) -> None:
     def asked() -> None:
-        outside.ask("ASK {}")
+        outside.query("ASK {}")
         for sparql in ("ASK { ?a }", "SELECT * { ?a ?b ?c . ?d ?e ?f }"):
             with pytest.raises(UsageError):
                 outside.query(sparql)
@@ -377,8 +381,8 @@ def test_closing_ends_the_replica_and_what_it_runs() -> None:
     assert "was closed" in said[0]
     assert not set(here.children(recursive=True)) - others
     with pytest.raises(DeviceError, match="was closed"):
-        queries.ask("ASK {}")
+        queries.query("ASK {}")
 
 
 def test_any_name_may_be_that_of_a_parameter(outside: OutsideQueries) -> None:
-    assert outside.answer("ASK { ?part sk:in $sparql }", {"sparql": "pallet_a"}) is True
+    assert outside.query("ASK { ?part sk:in $sparql }", {"sparql": "pallet_a"}) is True
