@@ -13,9 +13,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, UndefinedError
 
 from skiros_py.errors import FileError
 from skiros_py.recording.drawing import draw
-from skiros_py.recording.edits import edit_sentence
 from skiros_py.recording.reader import Picture, Recording
 from skiros_py.recording.timeline import lanes, span
+from skiros_py.world.scene import describe
 
 _MOST_PICTURES = 120
 _MOST_ROWS = 3000
@@ -88,8 +88,8 @@ def _task(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _change(change: Any) -> dict[str, Any]:
-    shown = [edit_sentence(edit) for edit in change.edits[:_MOST_EDITS]]
-    left = len(change.edits) - len(shown)
+    shown = list(describe(None, change.edits[:_MOST_EDITS]))
+    left = len(change.edits[_MOST_EDITS:])
     return {"change": change, "writer": change.writer.value, "edits": shown + ([f"and {left} more"] if left else [])}
 
 

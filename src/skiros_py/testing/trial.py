@@ -9,7 +9,8 @@ from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.skills.conditions import Verdict
 from skiros_py.skills.outcome import Outcome, Success
 from skiros_py.skills.questions import Question
-from skiros_py.world.change import Change, ElementEdit, GoalsEdit, PlacementEdit, PropertyEdit, RelationEdit
+from skiros_py.world.change import Change
+from skiros_py.world.scene import describe
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -85,20 +86,4 @@ def _event(event: ModuleEvent) -> str:
 
 def _change(change: Change) -> list[str]:
     head = f"{change.time:7.3f} s  {change.author}: {change.reason}"
-    return [head, *(f"           {_edit(edit)}" for edit in change.edits)]
-
-
-def _edit(edit: ElementEdit | PlacementEdit | RelationEdit | PropertyEdit | GoalsEdit) -> str:
-    match edit:
-        case ElementEdit(element, None, new) if new is not None:
-            return f"+ {element}, a {new.type}"
-        case ElementEdit(element):
-            return f"- {element}"
-        case PlacementEdit(element, _, new):
-            return f"{element} {f'{new.relation} {new.place}' if new else 'is nowhere'}"
-        case RelationEdit(subject, relation, object_, _, holds):
-            return f"{'+' if holds else '-'} {subject} {relation} {object_}"
-        case PropertyEdit(element, property_, old, new):
-            return f"{element} {property_}: {old} -> {new}"
-        case GoalsEdit(_, goals):
-            return f"goals: {', '.join(goals)}"
+    return [head, *(f"           {line}" for line in describe(None, change.edits))]

@@ -1,7 +1,7 @@
 """Scene files: a world is read from one, written to one, compared and replaced; what was learned has a file alike."""
 
 from skiros_py.world.scene.diff import describe, diff
-from skiros_py.world.scene.files import load_into, load_scene, save_scene, scene_goals
+from skiros_py.world.scene.files import load_into, load_scene, save_scene
 from skiros_py.world.scene.learned import learned_turtle, read_learned
 
 __all__ = [
@@ -12,5 +12,4 @@ __all__ = [
     "load_scene",
     "read_learned",
     "save_scene",
-    "scene_goals",
 ]

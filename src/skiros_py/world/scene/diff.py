@@ -29,8 +29,13 @@ def diff(old: Index, new: Index) -> tuple[Edit, ...]:
     return tuple(edit for edit in work.edits() if not _is_within_rounding(edit))
 
 
-def describe(ontology: Ontology, edits: Iterable[Edit]) -> Iterator[str]:
-    """Yields a line for each edit: what came (``+``), went (``-``) or became another (``~``)."""
+def describe(ontology: Ontology | None, edits: Iterable[Edit]) -> Iterator[str]:
+    """Yields a line for each edit: what was added (``+``), removed (``-``) or changed (``~``).
+
+    Args:
+        ontology: Says of which type each property is; None where it is not at hand.
+        edits: The edits.
+    """
     for edit in edits:
         if isinstance(edit, ElementEdit):
             yield _element(edit)
@@ -75,10 +80,10 @@ def _placed(placement: Placement | None) -> str:
     return "" if placement is None else f"{placement.relation} {placement.place}"
 
 
-def _value(ontology: Ontology, property_: str, value: Value | None) -> str:
+def _value(ontology: Ontology | None, property_: str, value: Value | None) -> str:
     if value is None:
         return ""
-    declared = ontology.properties.get(property_)  # an old change may tell of one that is gone
+    declared = ontology.properties.get(property_) if ontology else None  # that of an old change may be gone
     text = format_value(value, ANY_LITERAL if declared is None else declared.range)
     return shown(text) if isinstance(value, str) else text
 

@@ -89,11 +89,6 @@ def load_into(
     return tx.change
 
 
-def scene_goals(world: World) -> tuple[str, ...]:
-    """Returns the texts of the goals that go with the scene, sorted."""
-    return world.goals
-
-
 def save_scene(world: World, path: Path) -> None:
     """Writes the present state as a Turtle file, whole or not at all; equal states give equal files.
 

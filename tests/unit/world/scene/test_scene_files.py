@@ -10,7 +10,7 @@ from skiros_py.errors import FileError
 from skiros_py.geometry import Pose
 from skiros_py.world.element import Placement
 from skiros_py.world.ontology import Ontology
-from skiros_py.world.scene import load_scene, save_scene, scene_goals
+from skiros_py.world.scene import load_scene, save_scene
 from skiros_py.world.world import World
 
 HEADER = """@prefix scene: <https://w3id.org/skiros-py/scene#> .
@@ -34,7 +34,7 @@ def test_the_shipped_scenes_load_with_their_robot_and_goals(ontology: Ontology, 
     assert world.instances("sk:Robot") == ("robot_1",)
     assert world.instances("kitting:Compartment") == ("kit_1_a", "kit_1_b", "kit_1_c", "kit_1_d")
     assert world.placement("robot_1") == Placement("sk:at", "unknown_location")
-    assert scene_goals(world) == (
+    assert world.goals == (
         "ObjectAtLocation(Alternator, kit_1_b)",
         "ObjectAtLocation(Compressor, kit_1_c)",
         "ObjectAtLocation(Starter, kit_1_a)",
