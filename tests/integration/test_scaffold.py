@@ -24,7 +24,6 @@ from skiros_py.scaffold import (
     NewPackage,
     NewSkill,
     Project,
-    as_installed,
     draft_package,
     draft_skill,
     knowledge_of,
@@ -172,7 +171,7 @@ def test_a_new_package_is_planned_and_done_once_it_is_installed(package: Path, t
 def test_a_second_package_beside_the_first_begins_with_names_of_its_own_and_works(
     package: Path, tmp_path: Path
 ) -> None:
-    with as_installed(package):
+    with Project.around(package).as_installed():
         draft = draft_package(tmp_path, NewPackage("my_sorting"))
         draft.write_folder()
         again = draft_package(tmp_path, NewPackage("my_storing", skill="store")).new

@@ -1,9 +1,7 @@
-"""Makes a package that lies in a folder known as if it were installed, for a while."""
+"""Checks a package that lies in a folder, without installing it."""
 
 from __future__ import annotations
 
-import sys
-import tempfile
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -11,26 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from skiros_py.errors import FileError
+from skiros_py.plugins import as_if_installed
 
 
 @contextmanager
 def as_installed(path: Path) -> Iterator[str]:
-    """Puts a package on Python's path, with metadata made from its ``pyproject.toml``; yields its name.
+    """Makes the package in a folder known as if it were installed; yields its name.
 
     Raises:
         FileError: The folder has no ``pyproject.toml`` that describes a package with plug-ins.
     """
     project = _project(path)
-    name = str(project["name"])
-    with tempfile.TemporaryDirectory(prefix="skiros-check-") as folder:
-        _write_metadata(Path(folder), project)
-        added = [folder, str(_sources(path))]
-        sys.path[:0] = added
-        try:
-            yield name
-        finally:
-            for entry in added:
-                sys.path.remove(entry)
+    source = path / "src" if (path / "src").is_dir() else path
+    with as_if_installed(project, source.resolve()):
+        yield str(project["name"])
 
 
 def _project(path: Path) -> Mapping[str, Any]:
@@ -46,23 +38,3 @@ def _project(path: Path) -> Mapping[str, Any]:
     if "name" not in project or not any(group.startswith("skiros.") for group in points):
         raise FileError(file, "names no plug-ins: it needs a name and entry points such as 'skiros.skills'")
     return project
-
-
-def _sources(path: Path) -> Path:
-    """Returns the folder that packages lie in: ``src``, where there is one."""
-    return (path / "src" if (path / "src").is_dir() else path).resolve()
-
-
-def _write_metadata(folder: Path, project: Mapping[str, Any]) -> None:
-    name, version = str(project["name"]).replace("-", "_"), str(project.get("version", "0"))
-    info = folder / f"{name}-{version}.dist-info"
-    info.mkdir()
-    requires = "".join(f"Requires-Dist: {one}\n" for one in project.get("dependencies", ()))
-    head = f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {version}\n{requires}"
-    (info / "METADATA").write_text(head, encoding="utf-8")
-    lines = [
-        line
-        for group, points in project["entry-points"].items()
-        for line in (f"[{group}]", *(f"{key} = {value}" for key, value in points.items()))
-    ]
-    (info / "entry_points.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")

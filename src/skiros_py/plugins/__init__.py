@@ -19,6 +19,7 @@ from skiros_py.plugins.loading import (
 )
 from skiros_py.plugins.origin import locate, origin_of
 from skiros_py.plugins.plugin import Distribution, Entry, Plugin, PluginFault
+from skiros_py.plugins.uninstalled import as_if_installed
 
 __all__ = [
     "GROUPS",
@@ -29,6 +30,7 @@ __all__ = [
     "LazyPlugins",
     "Plugin",
     "PluginFault",
+    "as_if_installed",
     "attempt",
     "examined",
     "fault_of",

@@ -2,7 +2,6 @@
 
 from skiros_py.scaffold.condition import NewCondition, draft_condition
 from skiros_py.scaffold.draft import Draft
-from skiros_py.scaffold.installed import as_installed
 from skiros_py.scaffold.knowledge import Knowledge, knowledge_of
 from skiros_py.scaffold.ontology import NewOntology, draft_ontology
 from skiros_py.scaffold.package import NewPackage, draft_package
@@ -23,7 +22,6 @@ __all__ = [
     "NewScene",
     "NewSkill",
     "Project",
-    "as_installed",
     "draft_condition",
     "draft_ontology",
     "draft_package",

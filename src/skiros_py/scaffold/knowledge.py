@@ -10,7 +10,6 @@ from skiros_py.catalogue import Catalogue, load_catalogue
 from skiros_py.config import ontology_paths
 from skiros_py.errors import UnknownName, UsageError
 from skiros_py.plugins import installation
-from skiros_py.scaffold.installed import as_installed
 from skiros_py.scaffold.project import Project
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.parameters import Param, params_of
@@ -104,6 +103,6 @@ def _origin(group: str, name: str) -> Origin:
 @contextmanager
 def knowledge_of(project: Project) -> Iterator[Knowledge]:
     """Loads what is known where a package is written; its own plug-ins count as they are now, installed or not."""
-    with as_installed(project.root):
+    with project.as_installed():
         ontology, _ = load_installed(ontology_paths())
         yield Knowledge(project, ontology, load_catalogue())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from packaging.requirements import InvalidRequirement, Requirement
 from tomlkit.exceptions import TOMLKitError
 
 from skiros_py.errors import FileError, UsageError
+from skiros_py.plugins import as_if_installed
 
 _FILE = "pyproject.toml"
 
@@ -63,11 +65,6 @@ class Project:
         return str(self._table.get("name", self.package))
 
     @property
-    def version(self) -> str:
-        """Its version."""
-        return str(self._table.get("version", "0"))
-
-    @property
     def dependencies(self) -> tuple[str, ...]:
         """What it needs, as it says so."""
         needs = self._table.get("dependencies", ())
@@ -83,6 +80,11 @@ class Project:
     def _table(self) -> Mapping[str, Any]:
         table = tomlkit.parse(self.text).unwrap().get("project", {})
         return table if isinstance(table, Mapping) else {}
+
+    def as_installed(self) -> AbstractContextManager[None]:
+        """Makes it known to this process by what its ``pyproject.toml`` says, installed or not."""
+        known = {"name": self.name, "dependencies": self.dependencies, "entry-points": self.entry_points}
+        return as_if_installed({**self._table, **known}, self.source)
 
     def with_entries(self, group: str, entries: Mapping[str, str]) -> Project:
         """Returns the project with more entry points; everything else in the file stays as it is.

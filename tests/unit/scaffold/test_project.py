@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from skiros_py.errors import FileError, UsageError
-from skiros_py.scaffold import Project, as_installed
+from skiros_py.scaffold import Project
 
 TEXT = """\
 # Ours.
@@ -108,6 +108,6 @@ def test_its_entry_points_count_as_they_are_now_even_where_an_older_one_is_insta
         return {e.name for e in entry_points(group="skiros.skills") if e.value.startswith("my_things")}
 
     assert own() == {"old"}
-    with as_installed(tmp_path):
+    with Project.around(tmp_path).as_installed():
         assert own() == {"lift"}
     assert own() == {"old"}
