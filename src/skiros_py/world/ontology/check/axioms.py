@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import pyoxigraph as ox
 
@@ -84,8 +83,8 @@ def axioms_of(material: Material) -> Axioms:
     """
     said: list[Axiom] = []
     declarations: dict[ox.Triple, None] = {}
-    for number, document in enumerate(material.documents):
-        statements = [Statement(document, _renamed(triple, number)) for triple in document.triples]
+    for document in material.documents:
+        statements = (Statement(document, triple) for triple in document.triples)
         logical = [s for s in statements if _is_logical(material, s)]
         declarations.update((s.triple, None) for s in logical if _declares(s))
         said.extend(_grouped(document, [s for s in logical if not _declares(s)]))
@@ -145,15 +144,6 @@ def _asserts(head: ox.Triple) -> bool:
 _ABOUT_INDIVIDUALS = frozenset(
     owl(w) for w in ("sameAs", "differentFrom", "AllDifferent", "NegativePropertyAssertion", "Thing", "Nothing")
 )
-
-
-def _renamed(triple: ox.Triple, number: int) -> ox.Triple:
-    """The triple with anonymous nodes that no other file has."""
-    return ox.Triple(_own(triple.subject, number), triple.predicate, _own(triple.object, number))
-
-
-def _own(node: Any, number: int) -> Any:
-    return ox.BlankNode(f"f{number}x{node.value}") if isinstance(node, ox.BlankNode) else node
 
 
 # ---------------------------------------------------------------- axioms as sentences

@@ -153,7 +153,7 @@ class Material:
         for word in rdfs("subClassOf"), owl("equivalentClass"):
             for statement in self.about(word):
                 if statement.subject is not None:
-                    found[statement.subject].extend(self._parts(statement.document, statement.triple.object))
+                    found[statement.subject].extend(self._parts(statement.triple.object))
         for one, other in self.pairs(owl("equivalentClass")):
             found[other].append(one)
         return found
@@ -197,31 +197,32 @@ class Material:
         """Returns a class and all named classes above it."""
         return frozenset(closure(self.parents, class_))
 
-    def _parts(self, document: Document, node: object) -> list[str]:
+    def _parts(self, node: object) -> list[str]:
         """The named classes that all of a class expression are of."""
-        parts = reached([node], lambda part: self.members(document, self._intersections.get((id(document), part))))
+        parts = reached([node], lambda part: self.members(self._intersections.get(part)))
         return [part.value for part in parts if isinstance(part, ox.NamedNode)]
 
     @cached_property
-    def _intersections(self) -> Mapping[tuple[int, object], object]:
+    def _intersections(self) -> Mapping[object, object]:
         """The list of each anonymous intersection."""
-        return {(id(s.document), s.triple.subject): s.triple.object for s in self.about(owl("intersectionOf"))}
+        return self._objects(owl("intersectionOf"))
 
-    def members(self, document: Document, node: object) -> tuple[object, ...]:
-        """Returns what an RDF list of a file holds."""
-        return tuple(_list(self._cells.get(id(document), {}), node))
+    def members(self, node: object) -> tuple[object, ...]:
+        """Returns the members of an RDF list."""
+        cells = reached([node], lambda cell: filter(None, [self._rest.get(cell)]))
+        return tuple(self._first[cell] for cell in cells if cell in self._first)
 
     @cached_property
-    def _cells(self) -> Mapping[int, Mapping[object, tuple[object, object]]]:
-        first: dict[tuple[int, object], object] = {}
-        for statement in self.about(rdf("first")):
-            first[id(statement.document), statement.triple.subject] = statement.triple.object
-        cells: dict[int, dict[object, tuple[object, object]]] = defaultdict(dict)
-        for statement in self.about(rdf("rest")):
-            key = id(statement.document), statement.triple.subject
-            if key in first:
-                cells[key[0]][key[1]] = (first[key], statement.triple.object)
-        return cells
+    def _first(self) -> Mapping[object, object]:
+        return self._objects(rdf("first"))
+
+    @cached_property
+    def _rest(self) -> Mapping[object, object]:
+        return self._objects(rdf("rest"))
+
+    def _objects(self, predicate: str) -> dict[object, object]:
+        """The object by subject; no two files share an anonymous node."""
+        return {statement.triple.subject: statement.triple.object for statement in self.about(predicate)}
 
 
 def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
@@ -244,14 +245,6 @@ def read_material(paths: Iterable[Path]) -> tuple[Material, list[Finding]]:
 def iri_of(node: object) -> str | None:
     """Returns the IRI of a named node, else None."""
     return node.value if isinstance(node, ox.NamedNode) else None
-
-
-def _list(cells: Mapping[object, tuple[object, object]], node: object) -> Iterator[object]:
-    seen = set()
-    while node in cells and node not in seen:
-        seen.add(node)
-        first, node = cells[node]
-        yield first
 
 
 def _first_wins(documents: Sequence[Document]) -> Names:

@@ -106,18 +106,18 @@ def _objects(material: Material, statement: Statement, kinds: tuple[Kind, ...]) 
     if isinstance(node, ox.Literal):
         text = f"{material.names.name(statement.predicate)} needs a {kinds[0]}, got the text '{node.value[:60]}'"
         yield _finding(material, statement, FindingKind.WRONG_KIND, statement.subject or statement.predicate, text)
-    for member in (node, *material.members(statement.document, node)):
+    for member in (node, *material.members(node)):
         yield from _used(material, statement, iri_of(member), kinds)
 
 
 def _all_disjoint(material: Material) -> Iterator[Finding]:
     kinds = {
-        (id(s.document), s.triple.subject): _MEMBERS[s.object]
+        s.triple.subject: _MEMBERS[s.object]
         for s in material.about(rdf("type"))
         if s.object is not None and s.object in _MEMBERS
     }
     for statement in material.about(owl("members")):
-        wanted = kinds.get((id(statement.document), statement.triple.subject))
+        wanted = kinds.get(statement.triple.subject)
         if wanted is not None:
             yield from _objects(material, statement, wanted)
 
