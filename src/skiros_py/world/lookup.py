@@ -10,6 +10,7 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.world.branches import BACKWARDS
 from skiros_py.world.element import Value, is_abstract
 from skiros_py.world.literals import DATATYPES, shown
+from skiros_py.world.reasoners.registry import computed_objects, computed_subjects
 from skiros_py.world.terms import Family
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
@@ -109,16 +110,12 @@ def _related(view: WorldView, relation: str, other: str) -> tuple[str, ...]:
     return view.subjects(name, other) if name == relation else view.objects(other, name)
 
 
-def _computed(view: WorldView, relation: str, other: str, candidates: tuple[str, ...]) -> set[str]:
+def _computed(view: WorldView, relation: str, other: str, candidates: tuple[str, ...]) -> tuple[str, ...]:
     """Those candidates that a reasoner finds related; nothing else is worked out."""
     name = relation.removeprefix(BACKWARDS)
-    found: set[str] = set()
-    for below in view.reasoners.narrowest(view.ontology, name):
-        if name != relation:
-            found.update(o for _, o in view.reasoners.pairs(view, below, (other,), candidates))
-        else:
-            found.update(s for s, _ in view.reasoners.pairs(view, below, candidates, (other,)))
-    return found
+    if name != relation:
+        return computed_objects(view, other, name, candidates)
+    return computed_subjects(view, name, other, candidates)
 
 
 def _is_of(view: WorldView, class_: str, *, abstract: bool) -> _Test:

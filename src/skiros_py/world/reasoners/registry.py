@@ -15,8 +15,16 @@ if TYPE_CHECKING:
     from skiros_py.world.view import WorldView
 
 
-def computed_objects(view: WorldView, subject: str, relation: str) -> tuple[str, ...]:
-    """Returns ids of the scene's elements to which a computed relation holds, sorted.
+def computed_objects(
+    view: WorldView, subject: str, relation: str, among: Sequence[str] | None = None
+) -> tuple[str, ...]:
+    """Returns ids of the elements to which a computed relation holds, sorted.
+
+    Args:
+        view: The world.
+        subject: Id of the subject.
+        relation: CURIE of the relation.
+        among: Ids of the elements that count; those of the scene where left out.
 
     Raises:
         UnknownName: There is no such element, or no reasoner computes the relation.
@@ -24,22 +32,20 @@ def computed_objects(view: WorldView, subject: str, relation: str) -> tuple[str,
     view.element(subject)
     found: set[str] = set()
     for below in view.reasoners.narrowest(view.ontology, relation):
-        candidates = view.instances(view.ontology.relation(below).range or ELEMENT)
-        found.update(o for _, o in view.reasoners.pairs(view, below, (subject,), candidates))
+        objects = view.instances(view.ontology.relation(below).range or ELEMENT) if among is None else among
+        found.update(o for _, o in view.reasoners.pairs(view, below, (subject,), objects))
     return tuple(sorted(found))
 
 
-def computed_subjects(view: WorldView, relation: str, object_: str) -> tuple[str, ...]:
-    """Returns ids of the scene's elements from which a computed relation holds, sorted.
-
-    Raises:
-        UnknownName: There is no such element, or no reasoner computes the relation.
-    """
+def computed_subjects(
+    view: WorldView, relation: str, object_: str, among: Sequence[str] | None = None
+) -> tuple[str, ...]:
+    """Returns ids of the elements from which a computed relation holds, sorted; see :func:`computed_objects`."""
     view.element(object_)
     found: set[str] = set()
     for below in view.reasoners.narrowest(view.ontology, relation):
-        candidates = view.instances(view.ontology.relation(below).domain or ELEMENT)
-        found.update(s for s, _ in view.reasoners.pairs(view, below, candidates, (object_,)))
+        subjects = view.instances(view.ontology.relation(below).domain or ELEMENT) if among is None else among
+        found.update(s for s, _ in view.reasoners.pairs(view, below, subjects, (object_,)))
     return tuple(sorted(found))
 
 
