@@ -38,10 +38,10 @@ def box_distance(view: WorldView, a: str, b: str) -> float | None:
 class SpatialReasoner(Reasoner):
     """Poses and positions of elements, in the map or in the frame of any element, and their spatial relations.
 
-    Skills use its typed methods (``spatial.pose(view, "starter_1", frame="kit_1")``). The same goes by :meth:`data` and
-    :meth:`store` with keys: "pose", "position" (x, y, z) [m] and "orientation" (quaternion x, y, z, w) are those in the
-    map, "pose in kit_1" in the frame of kit_1, "frame" is the id of the element in whose frame the pose is given and
-    with which it moves ("" for none), and "distance to kit_1" [m] can be read.
+    Skills use the functions of :mod:`skiros_py.world.poses`. :meth:`data` and :meth:`store` do the same by keys: "pose",
+    "position" (x, y, z) [m] and "orientation" (quaternion x, y, z, w) are those in the map, "pose in kit_1" is that in
+    the frame of kit_1, "frame" is the id of the element in whose frame the pose is given and with which it moves (""
+    for none); "distance to kit_1" [m] can only be read.
     """
 
     name = "spatial"
@@ -51,36 +51,6 @@ class SpatialReasoner(Reasoner):
 
     def __init__(self) -> None:
         self._memory = BoxMemory()
-
-    # ------------------------------------------------------------ poses
-
-    def pose(self, view: WorldView, element: str, frame: str | None = None) -> Pose | None:
-        """Returns an element's pose in the frame of another (None: in the map), or None where it is not known.
-
-        Raises:
-            UnknownName: There is no such element or frame.
-        """
-        return pose_in(view, element, frame)
-
-    def set_pose(self, tx: Transaction, element: str, pose: Pose | None, frame: str | None = None) -> None:
-        """Writes where an element is: in the map, or in the frame of another, with which it moves; None forgets it."""
-        write_pose(tx, element, pose, frame)
-
-    def attach(self, tx: Transaction, element: str, frame: str | None) -> None:
-        """Lets an element stay where it is, and from now on move with another (None: with none, it stays in the map).
-
-        Raises:
-            WorldError: Its pose in that frame is not known.
-        """
-        attach(tx, element, frame)
-
-    def distance(self, view: WorldView, a: str, b: str) -> float | None:
-        """Returns the distance between the boxes around two elements [m], or None where it is not known.
-
-        Raises:
-            UnknownName: There is no such element.
-        """
-        return box_distance(view, a, b)
 
     # ------------------------------------------------------------ relations
 
@@ -124,12 +94,12 @@ class SpatialReasoner(Reasoner):
         """
         what, frame = _parsed(key)
         if what == "distance" and frame is not None:
-            return self.distance(view, element, frame)
+            return box_distance(view, element, frame)
         if what == "frame" and frame is None:
             return next(iter(view.objects(element, POSE_FRAME)), "")
         if what not in ("pose", "position", "orientation"):
             raise UsageError(f"spatial reads no '{key}': {_READS}")
-        pose = self.pose(view, element, frame)
+        pose = pose_in(view, element, frame)
         return pose if pose is None or what == "pose" else pose.position if what == "position" else pose.orientation
 
     def store(self, tx: Transaction, element: str, key: str, value: Value) -> None:
@@ -144,15 +114,15 @@ class SpatialReasoner(Reasoner):
         """
         what, frame = _parsed(key)
         if what == "frame" and frame is None and isinstance(value, str):
-            self.attach(tx, element, value or None)
+            attach(tx, element, value or None)
         elif what == "pose" and isinstance(value, Pose):
-            self.set_pose(tx, element, value, frame)
+            write_pose(tx, element, value, frame)
         elif what == "position" and isinstance(value, tuple) and len(value) == 3:
-            here = self.pose(tx.view, element, frame) or Pose()
-            self.set_pose(tx, element, Pose((value[0], value[1], value[2]), here.orientation), frame)
+            here = pose_in(tx.view, element, frame) or Pose()
+            write_pose(tx, element, Pose((value[0], value[1], value[2]), here.orientation), frame)
         elif what == "orientation" and isinstance(value, tuple) and len(value) == 4:
-            here = self.pose(tx.view, element, frame) or Pose()
-            self.set_pose(tx, element, Pose(here.position, (value[0], value[1], value[2], value[3])), frame)
+            here = pose_in(tx.view, element, frame) or Pose()
+            write_pose(tx, element, Pose(here.position, (value[0], value[1], value[2], value[3])), frame)
         else:
             raise UsageError(f"spatial stores no '{key}' from {value!r}: {_STORES}")
 
