@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from skiros_py.execution.pulse import CycleOverrun
 from skiros_py.geometry import Pose
+from skiros_py.listeners import Listeners
 from skiros_py.ports.motion import (
     ArmPlanner,
     BasePath,
@@ -28,8 +27,6 @@ from skiros_py.ports.perception import (
     RegistrationResult,
 )
 from skiros_py.skills.context import Libraries
-
-_log = logging.getLogger(__name__)
 
 Request = LookRequest | RegistrationRequest | MotionRequest | BasePathRequest
 
@@ -58,14 +55,14 @@ class LibraryMonitor:
     """
 
     def __init__(self, libraries: Libraries) -> None:
-        self._listeners: list[Callable[[LibraryCall], None]] = []
+        self._listeners = Listeners[[LibraryCall]]("what libraries are asked")
         arms, bases = libraries.arm_planner, libraries.base_planner
         parts, kits = libraries.detector, libraries.registrar
         self.libraries = Libraries(
-            None if arms is None else _ObservedArmPlanner(arms, self._publish),
-            None if bases is None else _ObservedBasePlanner(bases, self._publish),
-            None if parts is None else _ObservedDetector(parts, self._publish),
-            None if kits is None else _ObservedRegistrar(kits, self._publish),
+            None if arms is None else _ObservedArmPlanner(arms, self._listeners.notify),
+            None if bases is None else _ObservedBasePlanner(bases, self._listeners.notify),
+            None if parts is None else _ObservedDetector(parts, self._listeners.notify),
+            None if kits is None else _ObservedRegistrar(kits, self._listeners.notify),
         )
 
     def subscribe(self, listener: Callable[[LibraryCall], None]) -> Callable[[], None]:
@@ -74,17 +71,7 @@ class LibraryMonitor:
         Returns:
             How to end that.
         """
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
-
-    def _publish(self, call: LibraryCall) -> None:
-        for listener in tuple(self._listeners):
-            try:
-                listener(call)
-            except (KeyboardInterrupt, CycleOverrun):
-                raise
-            except BaseException:  # noqa: BLE001 - whoever only looks on must not break what is going on
-                _log.exception("a listener of what libraries are asked broke")
+        return self._listeners.add(listener)
 
 
 _Tell = Callable[[LibraryCall], None]

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import enum
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
-from skiros_py.execution.pulse import CycleOverrun
+from skiros_py.listeners import Listeners
 from skiros_py.skills.outcome import BROKEN_OFF, Outcome, Success
-
-_log = logging.getLogger(__name__)
 
 
 class Status(enum.Enum):
@@ -94,8 +91,8 @@ class Monitor:
     """
 
     def __init__(self) -> None:
-        self._listeners: list[Callable[[ModuleEvent], None]] = []
-        self._of_nodes: list[Callable[[ModuleEvent], None]] = []
+        self._listeners = Listeners[[ModuleEvent]]("module events")
+        self._of_nodes = Listeners[[ModuleEvent]]("events of nodes")
         self._ids = count(1)
         self.wants_nodes = False
 
@@ -110,14 +107,12 @@ class Monitor:
             listener: Takes the events.
             nodes: Whether it wants the start and end of nodes in skills' bodies, too.
         """
-        listeners = [self._listeners, *([self._of_nodes] if nodes else [])]
-        for some in listeners:
-            some.append(listener)
+        ends = [some.add(listener) for some in (self._listeners, *([self._of_nodes] if nodes else []))]
         self.wants_nodes = bool(self._of_nodes)
 
         def leave() -> None:
-            for some in listeners:
-                some.remove(listener)
+            for end in ends:
+                end()
             self.wants_nodes = bool(self._of_nodes)
 
         return leave
@@ -125,13 +120,7 @@ class Monitor:
     def publish(self, event: ModuleEvent) -> None:
         """Passes an event to all listeners that want it."""
         of_node = event.kind == "node" and event.status is not Status.EVENT
-        for listener in tuple(self._of_nodes if of_node else self._listeners):
-            try:
-                listener(event)
-            except (KeyboardInterrupt, CycleOverrun):
-                raise
-            except BaseException:  # noqa: BLE001 - whoever only looks on must not break what is going on
-                _log.exception("a listener of module events broke")
+        (self._of_nodes if of_node else self._listeners).notify(event)
 
 
 def end_of(outcome: Outcome) -> tuple[Status, int, str]:

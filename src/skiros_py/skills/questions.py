@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import enum
-import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
 
 from skiros_py.errors import UnknownName, UsageError
-
-_log = logging.getLogger(__name__)
+from skiros_py.listeners import Listeners
 
 
 class QuestionKind(enum.Enum):
@@ -60,7 +58,7 @@ class Questions:
     def __init__(self) -> None:
         self._open: dict[int, Asked] = {}
         self._numbers = count(1)
-        self._listeners: list[Callable[[Question], None]] = []
+        self._listeners = Listeners[[Question]]("questions")
 
     @property
     def open(self) -> tuple[Question, ...]:
@@ -74,18 +72,13 @@ class Questions:
 
     def subscribe(self, listener: Callable[[Question], None]) -> Callable[[], None]:
         """Calls the listener with each new question; returns how to end that. It must be quick."""
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+        return self._listeners.add(listener)
 
     def ask(self, kind: QuestionKind, text: str, options: tuple[str, ...], *, asker: str, time: float) -> Asked:
         """Opens a question and tells who listens."""
         asked = Asked(Question(next(self._numbers), kind, text, options, asker, time))
         self._open[asked.question.id] = asked
-        for listener in tuple(self._listeners):
-            try:
-                listener(asked.question)
-            except Exception:  # noqa: BLE001 - whoever shows questions must not break who asks
-                _log.exception("a listener of questions broke")
+        self._listeners.notify(asked.question)
         return asked
 
     def withdraw(self, asked: Asked) -> None:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import enum
-import logging
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from skiros_py.execution.pulse import CycleOverrun
-
-_log = logging.getLogger(__name__)
+from skiros_py.listeners import Listeners
 
 _LONGEST = 10_000
 """Entries kept of one task; the oldest go first."""
@@ -105,7 +102,7 @@ class Trace:
 
     def __init__(self, longest: int = _LONGEST) -> None:
         self._entries: deque[TraceEntry] = deque(maxlen=longest)
-        self._listeners: list[Callable[[TraceEntry], None]] = []
+        self._listeners = Listeners[[TraceEntry]]("trace entries")
         self.forgotten = 0
 
     @property
@@ -115,20 +112,13 @@ class Trace:
 
     def subscribe(self, listener: Callable[[TraceEntry], None]) -> Callable[[], None]:
         """Calls the listener with each new entry, in the control thread; it must be quick. Returns how to end that."""
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+        return self._listeners.add(listener)
 
     def add(self, entry: TraceEntry) -> None:
         """Takes an entry and hands it to all listeners."""
         self.forgotten += len(self._entries) == self._entries.maxlen
         self._entries.append(entry)
-        for listener in tuple(self._listeners):
-            try:
-                listener(entry)
-            except (KeyboardInterrupt, CycleOverrun):
-                raise
-            except BaseException:  # noqa: BLE001 - whoever only looks on must not break what is going on
-                _log.exception("a listener of a task's trace broke")
+        self._listeners.notify(entry)
 
     def as_json(self) -> list[dict[str, Any]]:
         """Returns the entries as plain data."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import secrets
 import threading
 import time
@@ -10,9 +9,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from skiros_py.listeners import Listeners
 from skiros_py.station.events.event import Event, Kind, written
-
-_log = logging.getLogger(__name__)
 
 _MOST_ELEMENTS = 1000
 """Of more elements than these an event keeps no list: it counts as one that may touch any."""
@@ -40,7 +38,7 @@ class EventLog:
         self._size = 0
         self._guard = threading.Lock()
         self._last = 0
-        self._listeners: list[Callable[[], None]] = []
+        self._listeners = Listeners[[]]("events")
 
     @property
     def last(self) -> int:
@@ -70,11 +68,7 @@ class EventLog:
             listed = touched if len(touched) <= _MOST_ELEMENTS else None
             event = written(self.epoch, number, moment, kind, type_, subject, job, listed, data or {})
             self._keep(event)
-        for listener in tuple(self._listeners):
-            try:
-                listener()
-            except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
-                _log.exception("a listener of events broke")
+        self._listeners.notify()
         return event
 
     def since(self, number: int, most: int = 500) -> list[Event]:
@@ -87,8 +81,7 @@ class EventLog:
 
     def on_event(self, listener: Callable[[], None]) -> Callable[[], None]:
         """Calls the listener after each event, in the thread that wrote it; returns how to end that."""
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+        return self._listeners.add(listener)
 
     def _keep(self, event: Event) -> None:
         self._events.append(event)

@@ -14,6 +14,7 @@ from skiros_py.api.modules import ModuleRunStatus
 from skiros_py.errors import SkirosError, UnknownName, WrongState
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.running import RunningModule
+from skiros_py.listeners import Listeners
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Param
 from skiros_py.station.session import Session
@@ -198,7 +199,7 @@ class ModuleRuns:
         self._runs: OrderedDict[str, ModuleRun] = OrderedDict()
         self._active: tuple[ModuleRun, ...] = ()
         self._session: Session | None = None
-        self._listeners: list[Callable[[ModuleRun, Turn], None]] = []
+        self._listeners = Listeners[[ModuleRun, Turn]]("turns of modules")
         self._guard = threading.Lock()
 
     # ------------------------------------------------------------------ asking
@@ -252,8 +253,7 @@ class ModuleRuns:
 
     def on_turn(self, listener: Callable[[ModuleRun, Turn], None]) -> Callable[[], None]:
         """Calls the listener when a run has come to a standstill, and when it goes on; returns how to end that."""
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+        return self._listeners.add(listener)
 
     def open(self, session: Session) -> None:
         """Follows what runs in a session, from its first cycle on."""
@@ -276,12 +276,8 @@ class ModuleRuns:
         for run in self._active:
             self._follow(run, self._session)
             if turn := run.turn():
-                self._tell(run, turn)
+                self._listeners.notify(run, turn)
         self._active = tuple(run for run in self._active if not run.over)
-
-    def _tell(self, run: ModuleRun, turn: Turn) -> None:
-        for listener in tuple(self._listeners):
-            listener(run, turn)
 
     def _follow(self, run: ModuleRun, session: Session) -> None:
         running = run.running

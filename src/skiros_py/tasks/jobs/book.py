@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
+from skiros_py.listeners import Listeners
 from skiros_py.tasks.jobs.announcements import CANCELLED, CLEARED
 from skiros_py.tasks.jobs.job import Job
 from skiros_py.tasks.jobs.order import JobOrder
@@ -14,8 +14,6 @@ from skiros_py.tasks.jobs.receipts import Receipt
 from skiros_py.tasks.jobs.states import JobState, Trigger, next_state
 from skiros_py.tasks.jobs.store import JobStore
 from skiros_py.tasks.jobs.views import AllJobs, OpenJobs
-
-_log = logging.getLogger(__name__)
 
 
 class JobBook:
@@ -39,22 +37,20 @@ class JobBook:
         self._store = store
         self._clock = clock
         self._open = {job.id: job for job in store.open()}
-        self._listeners: list[Callable[[Job], None]] = []
+        self._listeners = Listeners[[Job]]("jobs")
         self.open = OpenJobs(self._open)
         self.jobs = AllJobs(self.open, store)
         self.queue = JobQueue(self._open.values())
         self.unseen = {job.id for job in self._open.values() if _is_unseen(job)}
-        self._on_remove: list[Callable[[Job], None]] = []
+        self._on_remove = Listeners[[Job]]("removed jobs")
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with every new version of a job; returns how to end that. It must be quick."""
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+        return self._listeners.add(listener)
 
     def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
         """Calls the listener with each job that is removed; returns how to end that. It must be quick."""
-        self._on_remove.append(listener)
-        return lambda: self._on_remove.remove(listener)
+        return self._on_remove.add(listener)
 
     def add(self, order: JobOrder, *, start: bool, comment: str, receipt: Receipt | None = None) -> Job:
         """Takes a new order."""
@@ -98,7 +94,7 @@ class JobBook:
         self._open.pop(job.id, None)
         self.queue.remove(job.id)
         self.unseen.discard(job.id)
-        _tell(self._on_remove, last)
+        self._on_remove.notify(last)
         return last
 
     def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
@@ -116,18 +112,10 @@ class JobBook:
             self.unseen.add(job.id)
         else:
             self.unseen.discard(job.id)
-        _tell(self._listeners, job)
+        self._listeners.notify(job)
         return job
 
 
 def _is_unseen(job: Job) -> bool:
     """Tells whether the job itself asks: nothing runs for it any more that could."""
     return job.state is JobState.INTERRUPTED and bool(job.choices) and job.question is None
-
-
-def _tell(listeners: Sequence[Callable[[Job], None]], job: Job) -> None:
-    for listener in tuple(listeners):
-        try:
-            listener(job)
-        except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
-            _log.exception("a listener of jobs broke")

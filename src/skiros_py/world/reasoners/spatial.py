@@ -38,10 +38,10 @@ def box_distance(view: WorldView, a: str, b: str) -> float | None:
 class SpatialReasoner(Reasoner):
     """Poses and positions of elements, in the map or in the frame of any element, and their spatial relations.
 
-    Skills use the functions of :mod:`skiros_py.world.poses`. :meth:`data` and :meth:`store` do the same by keys: "pose",
-    "position" (x, y, z) [m] and "orientation" (quaternion x, y, z, w) are those in the map, "pose in kit_1" is that in
-    the frame of kit_1, "frame" is the id of the element in whose frame the pose is given and with which it moves (""
-    for none); "distance to kit_1" [m] can only be read.
+    Skills use the functions of :mod:`skiros_py.world.poses`. :meth:`data` and :meth:`store` do the same by key:
+    "pose", "position" (x, y, z) [m] and "orientation" (quaternion x, y, z, w) are those in the map, "pose in kit_1" is
+    that in the frame of kit_1, "frame" is the id of the element in whose frame the pose is given and with which it
+    moves ("" for none); "distance to kit_1" [m] can only be read.
     """
 
     name = "spatial"
