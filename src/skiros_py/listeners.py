@@ -41,5 +41,5 @@ class Listeners(Generic[P]):
             except BaseException:  # noqa: BLE001 - whatever it is, it is the listener's fault
                 _log.exception("a listener of %s broke", self._events)
 
-    def __bool__(self) -> bool:
-        return bool(self._listeners)
+    def __len__(self) -> int:
+        return len(self._listeners)

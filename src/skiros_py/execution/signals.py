@@ -138,6 +138,11 @@ class Signals:
         except (UnknownName, SignalLost):
             return None
 
+    def computed(self) -> Mapping[str, Value]:
+        """Returns the values of signals that were computed in this cycle, because somebody read them; computes none."""
+        cycle = self._board.snapshot.cycle
+        return {name: value for node in self._nodes if node.cycle == cycle for name, value in node.values.items()}
+
     def set(self, name: str, value: Value) -> None:
         """Sets an input from outside, for any thread; it counts from the next cycle on.
 

@@ -10,12 +10,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from functools import partial
 from itertools import count
+from math import inf
 from types import TracebackType
 from typing import Any, Self
 
-from skiros_py.execution.monitor import ModuleEvent
+from skiros_py.execution.behaviour_run import RunnableDocument
+from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.execution.runtime import Runtime
 from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.signals import Value
 from skiros_py.ports.values import Snapshot
 from skiros_py.recording.foxglove import FRAME_TRANSFORMS, LOG, Json, Schema, Transform, frame_transforms, log
 from skiros_py.recording.topics import Topic, own_schema, plain, record_plugins
@@ -55,6 +58,7 @@ _TRACE = Topic(
     _schema("TraceEntry", time=_NUMBER, task=_WHOLE, what=_TEXT, text=_TEXT, skill=_TEXT, arguments=_OBJECT),
 )
 _SNAPSHOT = Topic("/world/snapshot", _schema("WorldSnapshot", edits=_OBJECTS, stamps=_OBJECT))
+_DOCUMENT = _schema("Document", revision=_WHOLE, title=_TEXT, behaviour=_OBJECT)
 _CHANGES = Topic(
     "/world/changes",
     _schema("WorldChange", number=_WHOLE, author=_TEXT, reason=_TEXT, time=_NUMBER, edits=_OBJECTS),
@@ -90,7 +94,16 @@ class Recorder:
         self.writer = writer
         self.runtime = runtime
         self._about = about
-        self._sources = (_record_devices(frames), _record_runs, _record_log, _record_world, *sources, record_plugins)
+        self._sources = (
+            _record_devices(frames),
+            _record_runs,
+            _record_signals,
+            _record_documents,
+            _record_log,
+            _record_world,
+            *sources,
+            record_plugins,
+        )
         self._stack = ExitStack()
         self._numbers = count(1)
         self._last: tuple[int, TaskHandle] | None = None
@@ -178,6 +191,55 @@ def _record_runs(recorder: Recorder) -> None:
         recorder.put(_RUNS, event, event.time)
 
     recorder.on_end(recorder.runtime.monitor.subscribe(on_event, nodes=True))
+
+
+def _record_signals(recorder: Recorder) -> None:
+    """Records each signal that is computed in a channel of its own, where its value changes; computes none itself."""
+    board, signals = recorder.runtime.cycle.board, recorder.runtime.signals
+    written: dict[str, tuple[float, Value]] = {}
+
+    def on_cycle() -> None:
+        now = board.snapshot.time
+        for name, value in signals.computed().items():
+            last, before = written.get(name, (-inf, None))
+            if value != before and now - last >= _EVERY - board.period / 2.0:
+                written[name] = now, value
+                recorder.put(_signal_topic(name, value), value)
+
+    recorder.on_end(recorder.runtime.cycle.observe(on_cycle))
+
+
+def _signal_topic(name: str, value: Value) -> Topic:
+    kind, schema = next((kind, schema) for type_, kind, schema in _SIGNALS if isinstance(value, type_))
+    return Topic(f"/signals/{name}", _schema(kind, value=schema), lambda _time, value: {"value": plain(value)}, _KEY)
+
+
+_SIGNALS = (
+    # (type of the value, name of the schema, schema of the value)
+    (bool, "Boolean", {"type": "boolean"}),
+    (int | float, "Number", _NUMBER),
+    (tuple, "Vector", {"type": "array", "items": _NUMBER}),
+)
+
+
+def _record_documents(recorder: Recorder) -> None:
+    """Records each revision of a document that runs, when it first starts; its nodes' events are among the runs."""
+    written: set[tuple[str, int]] = set()
+
+    def on_event(event: ModuleEvent) -> None:
+        if event.status is not Status.STARTED:
+            return
+        document = recorder.runtime.managers.documents.get(event.module)
+        if document is not None and (event.module, document.revision) not in written:
+            written.add((event.module, document.revision))
+            topic = Topic(f"/documents/{event.module}", _DOCUMENT, lambda _time, one: _document(one))
+            recorder.put(topic, document, event.time)
+
+    recorder.on_end(recorder.runtime.monitor.subscribe(on_event))
+
+
+def _document(document: RunnableDocument) -> Json:
+    return {"revision": document.revision, "title": document.help, "behaviour": document.behaviour.to_data()}
 
 
 def _record_world(recorder: Recorder) -> None:

@@ -15,7 +15,10 @@ import pytest
 from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 
+from skiros_py.behaviours import Wait
+from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.geometry import Pose
+from skiros_py.ports.signals import Input, Signal
 from skiros_py.recording import Recorder, Recording, RecordingWriter
 from skiros_py.recording.topics import own_schema, plain
 from skiros_py.testing import Bench, tiny_world
@@ -125,6 +128,36 @@ def test_every_message_of_a_run_fits_the_schema_of_its_channel_for_a_plain_reade
             topics.add(channel.topic)
     assert {"/runs", "/tasks", "/trace", "/log", "/world/snapshot", "/world/changes"} <= topics
     assert any(topic.startswith("/devices/") for topic in topics)
+
+
+def test_a_signal_that_is_read_has_a_channel_with_each_of_its_values(tmp_path: Path) -> None:
+    path = tmp_path / "one.mcap"
+    inputs = [Input(Signal("limit"), 0.5), Input(Signal("aim", length=2), (1.0, 2.0)), Input(Signal("unread"), 1.0)]
+    with Bench(tiny_world(), signals=lambda _: inputs) as bench:
+        bench.cycle.observe(lambda: list(map(bench.signals.read, ("limit", "aim"))))
+        with Recorder(RecordingWriter(path), bench.runtime, {}):
+            bench.advance(0.5)
+            bench.signals.set("limit", True)
+            bench.advance(0.5)
+
+    with Recording(path) as recording:
+        said = {topic: [one["value"] for _, _, one in recording.messages(topic)] for topic in recording.topics}
+    assert {topic: values for topic, values in said.items() if topic.startswith("/signals/")} == {
+        "/signals/limit": [0.5, True],
+        "/signals/aim": [[1.0, 2.0]],
+    }
+
+
+def test_each_revision_of_a_document_that_runs_is_recorded_once(tmp_path: Path) -> None:
+    path = tmp_path / "one.mcap"
+    with Bench(tiny_world()) as bench, Recorder(RecordingWriter(path), bench.runtime, {}):
+        for revision in (3, 3, 4):
+            bench.runtime.managers.documents["tree:rest"] = RunnableDocument(Wait(0.1), revision, "Rests.")
+            bench.run("tree:rest")
+
+    with Recording(path) as recording:
+        found = [message for _, _, message in recording.messages("/documents/tree:rest")]
+    assert [(one["revision"], one["behaviour"]["seconds"]) for one in found] == [(3, 0.1), (4, 0.1)]
 
 
 def test_a_plug_in_adds_a_topic_and_one_that_raises_affects_nothing_else(

@@ -45,7 +45,9 @@ from skiros_py.world.index import Index
 _BASE = "base_link"
 _MAP = "map"
 _MOST_POINTS = 5000
-"""Points of one look."""
+"""Points of one look, before those close to each other are left out."""
+_CUBE = 0.02
+"""Of all points of a look in a cube of this length only one is kept [m]: it is drawn no larger."""
 _MOST_ENTITIES = 1000
 """Entities up to which each message has the whole scene, so that a viewer can jump to any time."""
 _COLOURS: Mapping[str, tuple[float, float, float, float]] = {
@@ -228,4 +230,6 @@ def _image(time: float, request: LookRequest | RegistrationRequest) -> Json:
 
 
 def _points(time: float, request: LookRequest | RegistrationRequest) -> Json:
-    return point_cloud(time, _MAP, *points_of(request.image, request.camera_pose, _MOST_POINTS))
+    points, colours = points_of(request.image, request.camera_pose, _MOST_POINTS)
+    _, kept = np.unique(np.floor(points / _CUBE).astype(np.int32), axis=0, return_index=True)
+    return point_cloud(time, _MAP, points[kept], colours[kept])
