@@ -56,15 +56,20 @@ class Index:
     nothing, since all tables are persistent: two states share all but what differs.
 
     Attributes:
+        ontology: The classes and relations.
+        reasoners: What works out computed relations.
+        sensors: None: a state of the scene says nothing of sensors.
         goals: Texts of the goals that go with the scene, sorted.
         version: Number of the change that led to this state.
     """
 
+    sensors: Sensors = NO_SENSORS
+
     def __init__(self, ontology: Ontology, reasoners: Reasoners = NO_REASONERS) -> None:
         self.goals: tuple[str, ...] = ()
         self.version = 0
-        self._ontology = ontology
-        self._reasoners = reasoners
+        self.ontology = ontology
+        self.reasoners = reasoners
         self._elements: Map[str, Element] = Map()
         self._of_class: Map[str, IdSet] = Map()
         self._abstract: Map[str, IdSet] = Map()
@@ -89,21 +94,6 @@ class Index:
         return self._objects is other._objects
 
     # ------------------------------------------------------------ the world view
-
-    @property
-    def ontology(self) -> Ontology:
-        """The classes and relations."""
-        return self._ontology
-
-    @property
-    def reasoners(self) -> Reasoners:
-        """What works out computed relations."""
-        return self._reasoners
-
-    @property
-    def sensors(self) -> Sensors:
-        """Nothing: a state of the scene says nothing of sensors."""
-        return NO_SENSORS
 
     def element(self, element_id: str) -> Element:
         """Returns one element.
@@ -130,7 +120,7 @@ class Index:
         Raises:
             UnknownName: It is not a class.
         """
-        return _merged(self._of_class, self._ontology.subclasses(class_))
+        return _merged(self._of_class, self.ontology.subclasses(class_))
 
     def some_instances(self, class_: str, limit: int, after: str = "") -> tuple[str, ...]:
         """Returns the first of the instances of a class that sort after an id, at most so many.
@@ -138,7 +128,7 @@ class Index:
         Raises:
             UnknownName: It is not a class.
         """
-        groups = (self._of_class.get(below, EMPTY) for below in self._ontology.subclasses(class_))
+        groups = (self._of_class.get(below, EMPTY) for below in self.ontology.subclasses(class_))
         found = [some for group in groups if (some := group.some(limit, after))]
         return found[0] if len(found) == 1 else tuple(sorted(chain.from_iterable(found))[:limit])
 
@@ -148,7 +138,7 @@ class Index:
         Raises:
             UnknownName: It is not a class, or there is no such element.
         """
-        is_a = self._ontology.is_a
+        is_a = self.ontology.is_a
         return tuple(i for i in ids if not is_abstract(i) and is_a(self.element(i).type, class_))
 
     def abstracts(self, class_: str) -> tuple[str, ...]:
@@ -157,7 +147,7 @@ class Index:
         Raises:
             UnknownName: It is not a class.
         """
-        return _merged(self._abstract, self._ontology.subclasses(class_))
+        return _merged(self._abstract, self.ontology.subclasses(class_))
 
     def value(self, element_id: str, property_: str) -> Value | None:
         """Returns the element's own value, else what was taught for its class, else what the class gives, else None.
@@ -166,8 +156,8 @@ class Index:
             UnknownName: There is no such element or property.
         """
         element = self.element(element_id)
-        if property_ not in self._ontology.properties:
-            raise UnknownName("property", property_, self._ontology.properties)
+        if property_ not in self.ontology.properties:
+            raise UnknownName("property", property_, self.ontology.properties)
         own = element.properties.get(property_)
         return class_value(self, element.type, property_) if own is None else own
 
@@ -177,12 +167,12 @@ class Index:
         Raises:
             UnknownName: It is not a relation, or one that no reasoner here computes.
         """
-        family = self._ontology.family(relation)
+        family = self.ontology.family(relation)
         if family is Family.COMPUTED:
             return computed_objects(self, subject, relation)
         if family is Family.PLACEMENT:
             return self._placed(subject, relation, "object")
-        return _merged(self._objects, [(subject, below) for below in self._ontology.sub_relations(relation)])
+        return _merged(self._objects, [(subject, below) for below in self.ontology.sub_relations(relation)])
 
     def subjects(self, relation: str, object_: str) -> tuple[str, ...]:
         """Returns ids of what is related to the object, sorted; sub-relations count.
@@ -190,12 +180,12 @@ class Index:
         Raises:
             UnknownName: It is not a relation, or one that no reasoner here computes.
         """
-        family = self._ontology.family(relation)
+        family = self.ontology.family(relation)
         if family is Family.COMPUTED:
             return computed_subjects(self, relation, object_)
         if family is Family.PLACEMENT:
             return self._placed(object_, relation, "subject")
-        return _merged(self._subjects, [(below, object_) for below in self._ontology.sub_relations(relation)])
+        return _merged(self._subjects, [(below, object_) for below in self.ontology.sub_relations(relation)])
 
     def related(self, subject: str, relation: str, object_: str) -> bool:
         """Returns True when the relation (or a sub-relation) holds between the two.
@@ -203,9 +193,9 @@ class Index:
         Raises:
             UnknownName: It is not a relation, or one that no reasoner here computes.
         """
-        if self._ontology.family(relation) is Family.COMPUTED:
-            return self._reasoners.answer(self, subject, relation, object_).holds
-        return any(self.stated(subject, below, object_) for below in self._ontology.sub_relations(relation))
+        if self.ontology.family(relation) is Family.COMPUTED:
+            return self.reasoners.answer(self, subject, relation, object_).holds
+        return any(self.stated(subject, below, object_) for below in self.ontology.sub_relations(relation))
 
     def placement(self, element_id: str) -> Placement | None:
         """Returns where an element is, or None for one that never is anywhere (the root, a piece of structure).
@@ -238,20 +228,20 @@ class Index:
             UnknownName: It is not a class.
         """
         table = self._abstract if abstract else self._of_class
-        return sum(len(table.get(below, EMPTY)) for below in self._ontology.subclasses(class_))
+        return sum(len(table.get(below, EMPTY)) for below in self.ontology.subclasses(class_))
 
     def contents(self, place: str) -> tuple[str, ...]:
         """Returns ids of what is placed directly there, by whatever relation, sorted."""
-        return _merged(self._guests, [(below, place) for below in self._ontology.sub_relations(PLACEMENT)])
+        return _merged(self._guests, [(below, place) for below in self.ontology.sub_relations(PLACEMENT)])
 
     def owners(self, element_id: str) -> tuple[str, ...]:
         """Returns ids of what the element is a piece of (one, in a world that was checked)."""
-        return _merged(self._subjects, [(below, element_id) for below in self._ontology.sub_relations(STRUCTURE)])
+        return _merged(self._subjects, [(below, element_id) for below in self.ontology.sub_relations(STRUCTURE)])
 
     def stated(self, subject: str, relation: str, object_: str) -> bool:
         """Returns True when exactly this is stated, not through a sub-relation."""
-        if self._ontology.is_placement(relation):
-            element, placement = self._ontology.placed(subject, relation, object_)
+        if self.ontology.is_placement(relation):
+            element, placement = self.ontology.placed(subject, relation, object_)
             return self._placements.get(element) == placement
         return object_ in self._objects.get((subject, relation), EMPTY)
 
@@ -268,7 +258,7 @@ class Index:
     def statements_about(self, element_id: str) -> list[tuple[str, str, str]]:
         """Returns every stated (subject, relation, object) with the element at either end, sorted."""
         found = set()
-        for relation, declared in self._ontology.relations.items():
+        for relation, declared in self.ontology.relations.items():
             if declared.family is not Family.PLACEMENT:
                 found |= {(element_id, relation, o) for o in self._objects.get((element_id, relation), EMPTY).ids()}
                 found |= {(s, relation, element_id) for s in self._subjects.get((relation, element_id), EMPTY).ids()}
@@ -344,8 +334,8 @@ class Index:
         own = self._placements.get(element_id)
         places: list[str] = []
         keys: list[tuple[str, str]] = []
-        for below in self._ontology.sub_relations(relation):
-            if self._ontology.relations[below].place_end != asked:
+        for below in self.ontology.sub_relations(relation):
+            if self.ontology.relations[below].place_end != asked:
                 keys.append((below, element_id))
             elif own is not None and own.relation == below:
                 places.append(own.place)
@@ -353,7 +343,7 @@ class Index:
         return tuple(sorted({*places, *guests})) if places else guests
 
     def _placement_statement(self, element_id: str, placement: Placement) -> tuple[str, str, str]:
-        subject, object_ = self._ontology.placement_pair(element_id, placement)
+        subject, object_ = self.ontology.placement_pair(element_id, placement)
         return subject, placement.relation, object_
 
 

@@ -233,17 +233,7 @@ def cycle(above: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
 
 def too_deep(above: Mapping[str, Sequence[str]]) -> str | None:
     """Returns the first name with more than :data:`MOST_ABOVE` above it, or None where there is none."""
-    return next((name for name in above if _has_many(above, name)), None)
-
-
-def _has_many(above: Mapping[str, Sequence[str]], name: str) -> bool:
-    reached = {name}
-    waiting = [name]
-    while waiting and len(reached) <= MOST_ABOVE + 1:
-        new = [upper for upper in above.get(waiting.pop(), ()) if upper not in reached]
-        reached.update(new)
-        waiting.extend(new)
-    return len(reached) > MOST_ABOVE + 1
+    return next((name for name in above if len(closure(above, name)) > MOST_ABOVE + 1), None)
 
 
 def inverse(lines: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:

@@ -20,8 +20,7 @@ from skiros_py.world.journal.records import (
     SCHEMA,
     Entry,
     Head,
-    delete_from,
-    delete_until,
+    delete,
     insert,
     select,
     select_after,
@@ -142,7 +141,7 @@ class Journal:
         unsure, self._unsure = self._unsure, True
         with self._database.transaction() as connection:
             if unsure:  # the last write was cut off, perhaps once it was in the file, and never acknowledged
-                delete_from(connection, self.version + 1)
+                delete(connection, "number > ?", self.version)
             for change in changes:
                 insert(connection, change, time.time())
         for change in changes:
@@ -299,7 +298,7 @@ class Journal:
                 rows = ((part, version, *texts) for part, texts in enumerate(snapshot_pieces(state)))
                 connection.executemany("INSERT INTO snapshot VALUES (?, ?, ?, ?)", rows)
                 if keep is not None:
-                    delete_until(connection, version - keep)
+                    delete(connection, "number <= ?", version - keep)
             self._snapshot_version = version
             if keep is not None:
                 self._first = max(self._first, version - keep + 1)

@@ -242,18 +242,10 @@ def insert(connection: sqlite3.Connection, change: Change, wall: float) -> None:
         connection.executemany("INSERT OR IGNORE INTO given_ids VALUES (?)", given)
 
 
-def delete_from(connection: sqlite3.Connection, number: int) -> None:
-    """Deletes a change and all after it; ids stay given."""
-    connection.execute("DELETE FROM changes WHERE number >= ?", (number,))
-    connection.execute("DELETE FROM more_edits WHERE number >= ?", (number,))
-    connection.execute("DELETE FROM marks WHERE number >= ?", (number,))
-
-
-def delete_until(connection: sqlite3.Connection, number: int) -> None:
-    """Deletes a change and all before it; ids stay given."""
-    connection.execute("DELETE FROM changes WHERE number <= ?", (number,))
-    connection.execute("DELETE FROM more_edits WHERE number <= ?", (number,))
-    connection.execute("DELETE FROM marks WHERE number <= ?", (number,))
+def delete(connection: sqlite3.Connection, condition: str, number: int) -> None:
+    """Deletes the changes whose number meets a condition (``number > ?``); ids stay given."""
+    for table in ("changes", "more_edits", "marks"):
+        connection.execute(f"DELETE FROM {table} WHERE {condition}", (number,))  # noqa: S608  all ours
 
 
 def select(database: Database, condition: str, values: Sequence[object] = ()) -> list[Entry]:

@@ -90,11 +90,6 @@ def offset_along(a: Boxes, b: Boxes, axis: int) -> Array:
     return np.asarray(np.einsum("ni,ni->n", a.centres - b.centres, b.axes[:, :, axis]))
 
 
-def gap_along(a: Boxes, b: Boxes, axis: int) -> Array:
-    """Returns the gap between both along one of b's axes; negative by how far they would have to be moved for none."""
-    return np.abs(offset_along(a, b, axis)) - reach_along(a, b, axis) - b.halves[:, axis]
-
-
 def reach_along(a: Boxes, b: Boxes, axis: int) -> Array:
     """Returns how far a goes from its middle along one of b's axes."""
     return np.asarray(np.einsum("nk,nk->n", np.abs(np.einsum("ni,nik->nk", b.axes[:, :, axis], a.axes)), a.halves))

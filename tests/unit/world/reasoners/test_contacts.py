@@ -11,7 +11,14 @@ from scipy.spatial.transform import Rotation
 
 from skiros_py.geometry import Array
 from skiros_py.world.reasoners.boxes import MAP, Boxes
-from skiros_py.world.reasoners.contacts import depth, distance, gap_along, gap_seen_from_above, is_closer
+from skiros_py.world.reasoners.contacts import (
+    depth,
+    distance,
+    gap_seen_from_above,
+    is_closer,
+    offset_along,
+    reach_along,
+)
 
 lengths = st.one_of(st.just(0.0), st.floats(0.01, 1.0))
 places = st.floats(-2.0, 2.0)
@@ -111,7 +118,7 @@ def test_seen_from_above_boxes_overlap_exactly_when_their_outlines_do(a: Boxes, 
 @given(boxes(), boxes(), st.sampled_from([0, 1, 2]))
 def test_a_gap_along_an_axis_is_between_the_nearest_corners(a: Boxes, b: Boxes, axis: int) -> None:
     corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, 8)
-    for number, gap in enumerate(gap_along(a, b, axis)):
+    for number, gap in enumerate(np.abs(offset_along(a, b, axis)) - reach_along(a, b, axis) - b.halves[:, axis]):
         along = b.axes[number][:, axis] @ (
             a.centres[number][:, None] + sides(a, number) @ corners - b.centres[number][:, None]
         )
