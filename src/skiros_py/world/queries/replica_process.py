@@ -24,6 +24,8 @@ _LONGEST_START = 120.0
 """How long a replica may take to begin with a query [s]: there may be much to write into it first."""
 _GRACE = 1.0
 """How much later than the kernel we look at the clock [s]."""
+_LOOK = 0.1
+"""Time between two looks at the clock [s]."""
 _PIECE = 1 << 16
 
 
@@ -132,6 +134,7 @@ class Pending:
         self._answer = answer
         self._status = status
         self._replica = replica
+        self._begun: float | None = None
 
     def wait(self, time_limit: float) -> Ended:
         """Waits until it has ended.
@@ -142,21 +145,20 @@ class Pending:
         Raises:
             DeviceError: The replica died.
         """
+        asked = time.monotonic()
+
+        def hangs() -> bool:
+            limit = time_limit + _GRACE if self._begun is not None else _LONGEST_START
+            return time.monotonic() - (self._begun or asked) > limit
+
         try:
-            self._read_line(time.monotonic() + _LONGEST_START)
-            deadline = time.monotonic() + time_limit + _GRACE
-            answer = bytearray()
-            while piece := _read(self._answer, deadline):
-                answer += piece
-            return Ended(bytes(answer), int(self._read_line(deadline)))
-        except TimeoutError:  # the replica itself hangs; the next query gets a new one
-            self._replica.kill()
-            return Ended(b"", -signal.SIGALRM)
+            ended = self.wait_unless(hangs, _LOOK)
         except DeviceError:
             self._replica.kill()  # its pipes close a moment before it counts as ended
             raise
-        finally:
-            self.close()
+        if ended is None:  # the replica itself hangs; the next query gets a new one
+            self._replica.kill()
+        return ended or Ended(b"", -signal.SIGALRM)
 
     def wait_unless(self, stopped: Callable[[], bool], every: float) -> Ended | None:
         """Waits until it has ended; returns None where that is no longer wanted.
@@ -183,6 +185,8 @@ class Pending:
                     if not piece:
                         waiting.unregister(source)
                         left.remove(source)
+                    elif source == self._status:
+                        self._begun = self._begun or time.monotonic()
                 if self._status not in left and status.count(b"\n") < 2:
                     raise DeviceError("the process with the replica died")
             return Ended(bytes(answer), int(status.split()[-1]))
@@ -194,26 +198,9 @@ class Pending:
         os.close(self._answer)
         os.close(self._status)
 
-    def _read_line(self, deadline: float) -> bytes:
-        line = bytearray()
-        while not line.endswith(b"\n"):
-            byte = _read(self._status, deadline, 1)
-            if not byte:
-                raise DeviceError("the process with the replica died")
-            line += byte
-        return bytes(line)
-
 
 def _packed(*state: object) -> bytes:
     try:
         return packed(state)
     except (pickle.PicklingError, TypeError, AttributeError) as error:
         raise DeviceError(f"the world cannot be copied to another process: {error}") from None
-
-
-def _read(source: int, deadline: float, most: int = _PIECE) -> bytes:
-    waiting = select.poll()
-    waiting.register(source, select.POLLIN)
-    if not waiting.poll(max(0.0, deadline - time.monotonic()) * 1e3):
-        raise TimeoutError
-    return os.read(source, most)
