@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from types import FunctionType
@@ -98,3 +99,47 @@ def limit(*, seconds: float, memory: int) -> None:
     most = pages * resource.getpagesize() + memory
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+# ---------------------------------------------------------------- frames of bytes, with open files
+
+
+_HEADER = 8
+_PIECE = 1 << 20
+
+
+def send(to: socket.socket, payload: bytes, files: Sequence[int] = ()) -> None:
+    """Sends one frame, with open files.
+
+    Raises:
+        OSError: The other end is closed.
+    """
+    header = len(payload).to_bytes(_HEADER, "big")
+    if files:
+        socket.send_fds(to, [header], files)
+    else:
+        to.sendall(header)
+    to.sendall(payload)
+
+
+def receive(source: socket.socket, files: int = 0) -> tuple[bytes, list[int]]:
+    """Waits for one frame and the files that come with it.
+
+    Raises:
+        EOFError: The other end is closed.
+    """
+    header, handed_over, _, _ = socket.recv_fds(source, _HEADER, files)
+    header += _exactly(source, _HEADER - len(header)) if header else b""
+    if not header:
+        raise EOFError
+    return _exactly(source, int.from_bytes(header, "big")), handed_over
+
+
+def _exactly(source: socket.socket, size: int) -> bytes:
+    found = bytearray()
+    while len(found) < size:
+        piece = source.recv(min(size - len(found), _PIECE))
+        if not piece:
+            raise EOFError
+        found += piece
+    return bytes(found)

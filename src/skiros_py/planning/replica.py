@@ -24,11 +24,10 @@ from skiros_py.errors import SkirosError, UsageError
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.programs import kill_marked
 from skiros_py.planning.requests import Request, answered
-from skiros_py.processes import packed
+from skiros_py.processes import packed, receive, send
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 from skiros_py.world.queries.replica import Replica
-from skiros_py.world.queries.wire import receive, send
 
 MARK = "SKIROS_PLANNING"
 """Programs that workers start have it in their environment."""

@@ -16,8 +16,8 @@ from typing import Self
 
 from skiros_py.errors import DeviceError, SkirosError, UsageError, WorldError
 from skiros_py.world.queries.answering import Binding, Result
+from skiros_py.world.queries.replica import OUT_OF_MEMORY, Order
 from skiros_py.world.queries.replica_process import Pending, ReplicaProcess
-from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order
 from skiros_py.world.store.store import AnswerLimits
 from skiros_py.world.world import World
 

@@ -14,18 +14,22 @@ import selectors
 import signal
 import socket
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib import import_module
 
 from loky.backend.reduction import dumps
 
 from skiros_py.errors import SkirosError, UsageError
-from skiros_py.processes import limit
+from skiros_py.processes import limit, receive, send
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
-from skiros_py.world.queries.answering import Question, Result, typed
-from skiros_py.world.queries.wire import OUT_OF_MEMORY, Order, receive, send
+from skiros_py.world.queries.answering import Binding, Question, Result, typed
 from skiros_py.world.store import Projection
+from skiros_py.world.store.store import UNLIMITED, AnswerLimits
+
+OUT_OF_MEMORY = 77
+"""Exit status of a query that could get no more memory; the engine itself aborts."""
 
 
 def main(control: int, program: str) -> None:
@@ -64,6 +68,27 @@ class Replica(ABC):
     @abstractmethod
     def serve(self, parent: socket.socket) -> None:
         """Answers until the parent goes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """A query to be answered.
+
+    Attributes:
+        sparql: The query.
+        bindings: What its parameters stand for.
+        entailed: Whether what OWL entails counts.
+        time_limit: How long it may take [s].
+        memory: How much memory it may take [bytes].
+        limits: How large the answer may get.
+    """
+
+    sparql: str
+    bindings: Mapping[str, Binding] = field(default_factory=dict)
+    entailed: bool = False
+    time_limit: float = 5.0
+    memory: int = 1 << 30
+    limits: AnswerLimits = UNLIMITED
 
 
 class QueryReplica(Replica):

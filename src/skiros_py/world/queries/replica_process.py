@@ -12,10 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from skiros_py.errors import DeviceError
-from skiros_py.processes import packed, start_python
+from skiros_py.processes import packed, receive, send, start_python
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
-from skiros_py.world.queries.wire import receive, send
 
 QUERIES = "skiros_py.world.queries.replica:QueryReplica"
 """Answers SPARQL queries."""
