@@ -9,9 +9,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from skiros_py.checking.making import make_up
+from skiros_py.checking.making import make_up, sample_values
 from skiros_py.checking.rig import Rig
-from skiros_py.checking.samples import sample_values
 from skiros_py.errors import SkirosError, WorldError
 from skiros_py.skills.conditions import Assign, Condition, Not, Nothing, Relate, Related, Unrelate, write_effects
 from skiros_py.skills.inference import Inferred, Missing, infer

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
-from skiros_py.checking.samples import sample_of_range
+from skiros_py.geometry import Pose
 from skiros_py.skills.conditions import AllOf, Has, Pattern, Related, write_effects
 from skiros_py.skills.lint.rules.reach import brought_about
-from skiros_py.skills.parameters import Param
+from skiros_py.skills.parameters import Kind, Param
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.world.element import Placement
+from skiros_py.world.element import Placement, Value
+from skiros_py.world.literals import DATATYPES
 from skiros_py.world.terms import Family
 from skiros_py.world.transaction import Transaction
-from skiros_py.world.vocabulary import FLOOR, ON, SPATIAL_THING
+from skiros_py.world.vocabulary import ELEMENT, FLOOR, ON, SPATIAL_THING
 from skiros_py.world.world import World
 
 
@@ -64,3 +66,43 @@ def _give(tx: Transaction, pattern: Pattern, world: World) -> None:
                 _give(tx, part, world)
         case _:
             pass
+
+
+# ---------------------------------------------------------------- values where none is given
+
+
+_OF_TYPE: Mapping[str, Any] = MappingProxyType(
+    {
+        "number": 1.0,
+        "integer": 1,
+        "text": "text",
+        "boolean": True,
+        "pose": Pose(),
+        "vector": (1.0,),
+        "class": ELEMENT,
+    }
+)
+
+
+def sample_values(description: SkillDescription) -> dict[str, Any]:
+    """Returns a value for each parameter that must be given and cannot be inferred."""
+    return {
+        param.key: _sample(param)
+        for param in description.params
+        if param.kind is Kind.ONLINE and not param.is_element and param.type in _OF_TYPE
+    }
+
+
+def _sample(param: Param) -> Any:
+    one = _OF_TYPE[str(param.type)]
+    return one if param.length == 1 else (one,) * max(1, param.length)
+
+
+def sample_of_range(range_: str) -> Value | None:
+    """Returns a value that a property of that range may have; None where none comes to mind."""
+    for value in _OF_TYPE.values():
+        try:
+            return DATATYPES[range_].check(value)
+        except ValueError:
+            continue
+    return None

@@ -10,20 +10,23 @@ from types import MappingProxyType
 
 from skiros_py.catalogue.loading import load_catalogue
 from skiros_py.catalogue.survey import survey
+from skiros_py.checking.cases import Ground
 from skiros_py.checking.contract import Contract, check_contract, is_testable
-from skiros_py.checking.grounds import scene_grounds
 from skiros_py.checking.parts import Part, parts_of, sources_of
 from skiros_py.checking.simulated import check_simulated, is_simulable
-from skiros_py.config import find_scene, ontology_paths
-from skiros_py.errors import UnknownName
+from skiros_py.config import find_scene, ontology_paths, scene_names
+from skiros_py.errors import SkirosError, UnknownName
 from skiros_py.plugins import Entry, PluginFault, installation
 from skiros_py.plugins.installation import canonical
 from skiros_py.plugins.origin import authors_line
 from skiros_py.skills.lint import DOES_NOT_LOAD, RULES, Finding, Known, Rule, Severity, Spot, check, title
 from skiros_py.skills.lint.rules.calls import MISSING_PARAMETER
 from skiros_py.skills.skill import Skill
-from skiros_py.world.ontology import load_installed
+from skiros_py.world.ontology import Ontology, load_installed
 from skiros_py.world.reasoners.plugins import load_reasoners
+from skiros_py.world.reasoners.registry import Reasoners
+from skiros_py.world.scene import load_scene
+from skiros_py.world.world import World
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,3 +204,24 @@ def _run(contracts: Mapping[str, Callable[[], Contract]], progress: Callable[[st
     for name, run in contracts.items():
         progress(f"trying {name}")
         yield run()
+
+
+# ---------------------------------------------------------------- the worlds that trials start from: the scenes at hand
+
+
+def scene_grounds(ontology: Ontology, reasoners: Reasoners, first: Collection[str] = ()) -> tuple[Ground, ...]:
+    """Returns all scenes, those of the given names first."""
+    names = sorted(scene_names(), key=lambda name: (name not in first, name))
+    return tuple(_grounds(names, ontology, reasoners))
+
+
+def _grounds(names: Collection[str], ontology: Ontology, reasoners: Reasoners) -> Iterator[Ground]:
+    for name in names:
+        try:
+            yield Ground(name, partial(_open, ontology, find_scene(name), reasoners))
+        except SkirosError:
+            continue  # a broken scene of a plug-in is reported as such
+
+
+def _open(ontology: Ontology, file: Path, reasoners: Reasoners) -> World:
+    return load_scene(ontology, file, ontology_paths(), reasoners=reasoners)

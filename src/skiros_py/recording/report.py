@@ -12,9 +12,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, UndefinedError
 
 from skiros_py.errors import FileError
-from skiros_py.recording.drawing import draw
 from skiros_py.recording.reader import Picture, Recording
-from skiros_py.recording.timeline import lanes, span
+from skiros_py.recording.timeline import draw, lanes, span
 from skiros_py.world.scene import describe
 
 _MOST_PICTURES = 120

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import Any
 
 from skiros_py.errors import PlanningError, UsageError
 from skiros_py.planning.domain.literals import expand
-from skiros_py.scaffold.calls import calls_of
 from skiros_py.scaffold.declared import Declared, Wanted
 from skiros_py.scaffold.description import Described, NewSkill, described
 from skiros_py.scaffold.draft import Draft
@@ -23,7 +22,7 @@ from skiros_py.scaffold.spelling import check_distinct, constant_name, module_na
 from skiros_py.scaffold.stage import Stage
 from skiros_py.scaffold.trial import open_questions, tried
 from skiros_py.skills.conditions import Condition, Not, Related
-from skiros_py.skills.parameters import Kind
+from skiros_py.skills.parameters import Kind, Param
 
 __all__ = ["NewSkill", "draft_skill"]
 
@@ -165,3 +164,46 @@ def _tried(known: Knowledge, said: NewSkill, skill: Described, stage: Stage, cas
         "places": [list(map(literal, place)) for place in stage.left_to_robot],
         "arguments": [f"{key}={literal(value)}" for key, value in given],
     }
+
+
+# ---------------------------------------------------------------- how its body calls primitives
+
+
+def calls_of(known: Knowledge, primitives: Sequence[str], params: Sequence[Declared]) -> list[list[str]]:
+    """Returns the arguments of one ``Do.of`` per primitive.
+
+    A parameter of a primitive gets the skill's of the same name, whatever its capitals, else the only one of a class
+    that fits.
+
+    Raises:
+        UnknownName: There is no such primitive.
+        UsageError: Nothing fits a parameter that must be given, or several do.
+    """
+    return [[literal(name), *_arguments(known, name, params)] for name in primitives]
+
+
+def _arguments(known: Knowledge, primitive: str, params: Sequence[Declared]) -> Iterator[str]:
+    for param in known.primitive(primitive):
+        found = _fitting(known, param, params)
+        if len(found) == 1:
+            yield f"{param.key}=P({literal(found[0].key)})"
+        elif param.kind in (Kind.ONLINE, Kind.HARDWARE, Kind.PLANNING):
+            fit = f"{', '.join(p.key for p in found)} all fit" if found else "no parameter of the skill fits"
+            raise UsageError(
+                f"--do {primitive}: it needs {param.key} ({param.type}: {param.help}), and {fit}; declare --param"
+                f" {param.key}:{param.type}"
+            )
+
+
+def _fitting(known: Knowledge, param: Param, params: Sequence[Declared]) -> list[Declared]:
+    able = [p for p in params if _fits(known, p, param)]
+    named = [p for p in able if p.key.casefold() == param.key.casefold()]
+    return named or (able if param.is_element else [])
+
+
+def _fits(known: Knowledge, own: Declared, param: Param) -> bool:
+    if not isinstance(param.type, str):
+        return False
+    if own.is_element and param.is_element:
+        return known.ontology.is_a(own.type, param.type)
+    return own.type == param.type

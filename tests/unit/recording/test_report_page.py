@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from skiros_py.errors import FileError
 from skiros_py.recording import Recording, RecordingWriter, Schema, Topic, report_page
-from skiros_py.recording.drawing import draw
 from skiros_py.recording.pictures import OVERVIEW
-from skiros_py.recording.timeline import lanes, span
+from skiros_py.recording.timeline import draw, lanes, span
 from skiros_py.world.change import Change, ElementEdit, PropertyEdit
 from skiros_py.world.element import Element
 

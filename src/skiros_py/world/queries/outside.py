@@ -94,7 +94,7 @@ class OutsideQueries:
         entailed: bool = False,
         time_limit: float | None = None,
     ) -> Result:
-        """Runs a query of any form; see :func:`~skiros_py.world.queries.queries.query`.
+        """Runs a query of any form; see :func:`~skiros_py.world.queries.answering.query`.
 
         Args:
             sparql: The query.
