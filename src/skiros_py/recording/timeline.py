@@ -1,4 +1,4 @@
-"""The timeline of a report: a lane for each subsystem, its skills as bars, their parts below; and where they are drawn."""
+"""The timeline of a report: lanes of subsystems, with skills as bars and their parts below; and how it is drawn."""
 
 from __future__ import annotations
 

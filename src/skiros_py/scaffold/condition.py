@@ -9,7 +9,6 @@ from skiros_py.errors import DescriptionError, UnknownName, UsageError
 from skiros_py.scaffold.declared import Declared, read_constant, read_parameter
 from skiros_py.scaffold.draft import Draft
 from skiros_py.scaffold.knowledge import Knowledge
-from skiros_py.scaffold.layout import folder_files
 from skiros_py.scaffold.rendering import literal, render
 from skiros_py.scaffold.spelling import check_distinct, class_name, constant_name, sentence, snake_case, words_of
 from skiros_py.scaffold.stage import Stage
@@ -62,7 +61,7 @@ def draft_condition(known: Knowledge, said: NewCondition) -> Draft:
     values = {"name": name, "help": help_, "stem": stem, "module": module, "constant": constant_name(name)}
     answers = {"fact": not isinstance(pattern, Computed), "yes": _quoted(yes), "no": _quoted(no)}
     new = {
-        **folder_files(known.project, "conditions"),
+        **known.project.init_file("conditions"),
         f"src/{package}/conditions/{stem}.py": _module(values, roles, pattern, abstract=said.abstract),
         f"tests/conditions/test_{stem}.py": render("condition_test.py", **values, **answers),
         f"tests/conditions/scenes/{stem}.ttl": stage.turtle(f"Something of which {name} holds."),

@@ -10,7 +10,6 @@ from skiros_py.errors import UsageError
 from skiros_py.scaffold.declared import VALUE_TYPES, Declared, read_parameter
 from skiros_py.scaffold.draft import Draft
 from skiros_py.scaffold.knowledge import Knowledge
-from skiros_py.scaffold.layout import folder_files
 from skiros_py.scaffold.rendering import literal, render
 from skiros_py.scaffold.robots import find_robot
 from skiros_py.scaffold.spelling import check_distinct, joined, module_name, sentence, words_of
@@ -77,7 +76,7 @@ def draft_primitive(known: Knowledge, said: NewPrimitive) -> Draft:
     values = {"name": name, "help": help_, "stem": name, "module": module, "class_name": class_}
     arguments = list(_trial_arguments(params, stage))
     new = {
-        **folder_files(known.project, "primitives"),
+        **known.project.init_file("primitives"),
         f"src/{package}/primitives/{name}.py": _module(values, params),
         f"tests/primitives/test_{name}.py": render("primitive_test.py", **values, arguments=arguments),
         f"tests/primitives/scenes/{name}.ttl": stage.turtle(f"A robot that can {words_of(name)}."),

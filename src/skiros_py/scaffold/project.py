@@ -17,6 +17,11 @@ from skiros_py.errors import FileError, UsageError
 from skiros_py.plugins import as_if_installed
 
 _FILE = "pyproject.toml"
+_FOLDERS = {
+    "conditions": "The words in which goals and skills are stated, one in a file.",
+    "primitives": "What a robot does, one in a file.",
+    "skills": "What can be planned, one in a file.",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +116,11 @@ class Project:
         document = tomlkit.parse(self.text)
         document["project"]["dependencies"].append(requirement)
         return Project(self.root, self.package, tomlkit.dumps(document))
+
+    def init_file(self, folder: str) -> dict[str, str]:
+        """Returns what makes a folder a Python package, by path; nothing where it is one already."""
+        path = f"src/{self.package}/{folder}/__init__.py"
+        return {} if (self.root / path).exists() else {path: f'"""{_FOLDERS[folder]}"""\n'}
 
     def changes(self, before: Project) -> dict[str, str]:
         """Returns the text of the file where it is another than before."""

@@ -13,7 +13,6 @@ from skiros_py.scaffold.declared import Declared, Wanted
 from skiros_py.scaffold.description import Described, NewSkill, described
 from skiros_py.scaffold.draft import Draft
 from skiros_py.scaffold.knowledge import Knowledge
-from skiros_py.scaffold.layout import folder_files
 from skiros_py.scaffold.primitive import SAMPLES
 from skiros_py.scaffold.project import Project
 from skiros_py.scaffold.rendering import literal, render
@@ -59,7 +58,7 @@ def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     left = open_questions(tried(known, scene, f"scene of skill '{name}'"), stage, wanted, cast)
     trial = _tried(known, said, skill, stage, cast)
     new = {
-        **folder_files(known.project, "skills"),
+        **known.project.init_file("skills"),
         f"src/{package}/skills/{name}.py": _module(values, known, skill),
         f"tests/skills/test_{name}.py": render("skill_test.py", **values, **trial),
         f"tests/skills/scenes/{name}.ttl": scene,
