@@ -23,8 +23,6 @@ from skiros_py.scaffold.trial import open_questions, tried
 from skiros_py.skills.conditions import Condition, Not, Related
 from skiros_py.skills.parameters import Kind, Param
 
-__all__ = ["NewSkill", "draft_skill"]
-
 
 def draft_skill(known: Knowledge, said: NewSkill) -> Draft:
     """Writes a skill with an implementation for the fake robot and, of primitives, one for every other; and its test.
