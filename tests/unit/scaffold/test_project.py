@@ -37,7 +37,7 @@ def package(folder: Path, text: str = TEXT) -> Project:
 def test_it_is_found_from_any_folder_in_it(tmp_path: Path) -> None:
     project = package(tmp_path)
 
-    assert (project.root, project.package, project.name, project.version) == (tmp_path, "my_things", "my-things", "0.2")
+    assert (project.root, project.package, project.name) == (tmp_path, "my_things", "my-things")
 
 
 def test_what_is_added_leaves_every_other_line_as_it_was(tmp_path: Path) -> None:

@@ -116,7 +116,7 @@ def test_drives(run_skill):
             "*assert <pick failed: *",
             "*skiros: <drive succeeded: pretended>*",
             "*At(robot_1, box_a) (holds)*",
-            "*robot_1 sk:at box_a*",
+            "*~ robot_1 sk:at unknown_location -> sk:at box_a*",
             "*skiros: <pick failed: *",
             "*Holding(gripper_1, ball_1) (does not hold)*",
             "*skill pick: error*",

@@ -112,7 +112,7 @@ class OutsideQueries:
         if not 0.0 < limit <= LONGEST_TIME:
             raise UsageError(f"a time limit is more than 0 and at most {LONGEST_TIME:g} s, not {limit:g}")
         most = AnswerLimits(self.limits.rows, self.limits.bytes)
-        order = Order(sparql, bindings, entailed, limit, self.limits.memory, most)
+        order = Order(sparql, dict(bindings), entailed, limit, self.limits.memory, most)
         if not self._turns.acquire(timeout=limit):
             raise UsageError(f"{self.limits.at_once} queries are running already, and none ended within {limit:g} s")
         try:
