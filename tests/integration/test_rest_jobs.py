@@ -20,9 +20,8 @@ from skiros_py.world.element import Placement
 HOLDS = {"goal": "EmptyHanded(gripper_1)"}
 """Nothing has to be done for it."""
 OTHER = {"goal": "LocationEmpty(kit_1_b)"}
-HOPELESS = {
-    "goal": "InKit(Starter, kit_1) and LocationEmpty(kit_1_a) and LocationEmpty(kit_1_b) and LocationEmpty(kit_1_c)"
-}
+HOPELESS = {"goal": " and ".join(["InKit(Starter, kit_1)", *(f"LocationEmpty(kit_1_{one})" for one in "abcd")])}
+"""The kit has no other compartments."""
 LATER = {"not_before": "2100-01-01T00:00:00Z"}
 STORE = {"start": "false"}
 TAKEN = {"return_status": 1}

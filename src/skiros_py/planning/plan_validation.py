@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from skiros_py.errors import PlanningError
 from skiros_py.planning.domain.needs import needs_of, passed_keys, with_defaults
@@ -13,7 +14,7 @@ from skiros_py.planning.planners.planner import Solved
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.regrounding import pddl_plan
 from skiros_py.planning.sequence import Round
-from skiros_py.skills.conditions import Condition, Verdict, effects_of, judge, suppose_effects
+from skiros_py.skills.conditions import Condition, Effect, Pattern, Verdict, effects_of, judge, suppose_effects
 from skiros_py.skills.inference import applying
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.overlay import Overlay
@@ -38,6 +39,74 @@ class Flaw:
     verdict: Verdict
 
 
+class StepConditions(Mapping[str, SkillDescription]):
+    """Skills by name; what each step of them needs and brings about is worked out once.
+
+    Args:
+        skills: The skills by name.
+    """
+
+    def __init__(self, skills: Mapping[str, SkillDescription]) -> None:
+        self._skills = skills
+        self._bound: dict[tuple[object, ...], _BoundStep] = {}
+
+    def __getitem__(self, name: str) -> SkillDescription:
+        return self._skills[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._skills)
+
+    def __len__(self) -> int:
+        return len(self._skills)
+
+    def of(self, step: Step) -> _BoundStep:
+        """Returns the conditions of a step with its elements in them."""
+        key = (step.skill, *step.arguments.items())
+        if key not in self._bound:
+            self._bound[key] = _BoundStep(self._skills[step.skill], step)
+        return self._bound[key]
+
+
+class _BoundStep:
+    def __init__(self, skill: SkillDescription, step: Step) -> None:
+        self.skill = skill
+        self.values = with_defaults(skill, step.arguments)
+        self.needs = tuple(_Bound(c.bind(self.values)) for c in applying(needs_of(skill), self.values))
+        self.post = tuple(_Bound(c.bind(self.values)) for c in applying(skill.post, self.values))
+
+    @cached_property
+    def effects(self) -> list[Iterable[Effect]]:
+        return [effects_of(bound.condition) for bound in self.post]
+
+    def apply(self, overlay: Overlay) -> None:
+        for effects in self.effects:
+            suppose_effects(overlay, effects)
+
+
+class _Bound:
+    """A condition of a step, which is evaluated again and again."""
+
+    def __init__(self, condition: Condition) -> None:
+        self.condition = condition
+        self._pattern: Pattern | None = None
+        self._binding = {argument: argument for argument in condition.arguments}
+
+    def broken(self, view: WorldView) -> Verdict | None:
+        """Returns why it does not hold; None where it does.
+
+        Once it held, its elements are known to exist, and its pattern alone tells; where that fails, the whole
+        condition says why.
+        """
+        if self._pattern is not None and self._pattern.evaluate(view, self._binding):
+            return None
+        verdict = judge(self.condition, view)
+        if not verdict:
+            return verdict
+        if type(self.condition).evaluate is Condition.evaluate:
+            self._pattern = self.condition.closed_pattern(view.ontology)
+        return None
+
+
 def replay(
     view: WorldView,
     steps: Sequence[Step],
@@ -52,26 +121,26 @@ def replay(
         view: The world.
         steps: The plan.
         goal: What it is for.
-        skills: What is known of the skills, by name.
+        skills: What is known of the skills, by name; as :class:`StepConditions` where more than one plan is replayed.
         reached: The highest sequence number that each robot has visited in this task.
 
     Returns:
         The first flaw, or None when every precondition holds in its turn, every postcondition follows, the scene's
         sequence numbers are kept to, and the goal is reached at the end.
     """
+    conditions = skills if isinstance(skills, StepConditions) else StepConditions(skills)
     overlay, round_ = Overlay(view), Round(view, goal, reached)
     for index, step in enumerate(steps):
-        skill = skills[step.skill]
-        values = with_defaults(skill, step.arguments)
-        broken = _first_broken(overlay, needs_of(skill), values)
+        bound = conditions.of(step)
+        broken = _first_broken(overlay, bound.needs)
         if broken is None:
-            broken = round_.take(overlay, skill, values)
+            broken = round_.take(overlay, bound.skill, bound.values)
         if broken is None:
-            apply_effects(overlay, skill.post, values)
-            broken = _first_broken(overlay, skill.post, values)
+            bound.apply(overlay)
+            broken = _first_broken(overlay, bound.post)
         if broken is not None:
             return Flaw(index, broken)
-    return next((Flaw(None, v) for v in (judge(c, overlay) for c in goal) if not v), None)
+    return next((Flaw(None, verdict) for c in goal if not (verdict := judge(c, overlay))), None)
 
 
 def out_of_sequence(
@@ -91,9 +160,8 @@ def out_of_sequence(
     return "" if flaw is None else f"no plan keeps to the sequence numbers of this scene: {flaw.verdict.text}"
 
 
-def _first_broken(view: WorldView, conditions: Sequence[Condition], values: Mapping[str, str]) -> Verdict | None:
-    verdicts = (judge(condition, view, values) for condition in applying(conditions, values))
-    return next((verdict for verdict in verdicts if not verdict), None)
+def _first_broken(view: WorldView, conditions: Iterable[_Bound]) -> Verdict | None:
+    return next((verdict for bound in conditions if (verdict := bound.broken(view)) is not None), None)
 
 
 def apply_effects(overlay: Overlay, post: Sequence[Condition], arguments: Mapping[str, str]) -> None:
@@ -154,7 +222,7 @@ def validate(
     if len(answer.steps) > _LONGEST:
         raise PlanningError(f"the planner answered with {len(answer.steps)} steps: no plan is that long")
     _check_objects(texts, answer)
-    skills = {c.skill.name: c.skill for c in task.capabilities}
+    skills = StepConditions({c.skill.name: c.skill for c in task.capabilities})
     keys = {name: passed_keys(skill) for name, skill in skills.items()}
     steps = read_plan(answer.steps, texts, keys)
     flaw = replay(view, steps, task.conditions, skills, reached=reached)
@@ -180,29 +248,19 @@ def _without_detours(
     view: WorldView,
     steps: tuple[Step, ...],
     goal: Sequence[Condition],
-    skills: Mapping[str, SkillDescription],
+    skills: StepConditions,
     reached: Mapping[str, int] | None,
 ) -> tuple[Step, ...]:
     """Leaves out steps without which the plan still survives the replay (a satisficing planner may wander)."""
+    overlay, round_ = Overlay(view), Round(view, goal, reached)
+    moments = []  # each step with the world, and the sequence numbers reached, just before it
+    for step in steps:
+        moments.append((step, overlay.copy(), dict(round_.reached)))
+        bound = skills.of(step)
+        round_.take(overlay, bound.skill, bound.values)
+        bound.apply(overlay)
     kept: tuple[Step, ...] = ()
-    for step, before, already in reversed(list(_moments(view, steps, goal, skills, reached))):
+    for step, before, already in reversed(moments):
         if replay(before, kept, goal, skills, reached=already) is not None:
             kept = (step, *kept)
     return kept
-
-
-def _moments(
-    view: WorldView,
-    steps: Sequence[Step],
-    goal: Sequence[Condition],
-    skills: Mapping[str, SkillDescription],
-    reached: Mapping[str, int] | None,
-) -> Iterator[tuple[Step, Overlay, Mapping[str, int]]]:
-    """Yields each step with the world, and the sequence numbers reached, just before it."""
-    overlay, round_ = Overlay(view), Round(view, goal, reached)
-    for step in steps:
-        yield step, overlay.copy(), dict(round_.reached)
-        skill = skills[step.skill]
-        values = with_defaults(skill, step.arguments)
-        round_.take(overlay, skill, values)
-        apply_effects(overlay, skill.post, values)

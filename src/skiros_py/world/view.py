@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 from skiros_py.world.element import Element, Placement, Value
@@ -119,7 +120,7 @@ class ForwardingView(WorldView):
 
     _base: WorldView
 
-    @property
+    @cached_property
     def ontology(self) -> Ontology:
         """The classes and relations."""
         return self._base.ontology

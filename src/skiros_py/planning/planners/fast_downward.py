@@ -64,6 +64,7 @@ class FastDownward(ProgramPlanner):
 
     name = "fast-downward"
     title = "Fast Downward"
+    is_alone = True
     supports = frozenset(
         {
             ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions",

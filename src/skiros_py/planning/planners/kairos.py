@@ -53,6 +53,7 @@ class Kairos(CommandLinePlanner):
 
     name = "kairos"
     title = "Kairos"
+    is_alone = True
     supports = frozenset(
         {
             ":strips", ":typing", ":equality", ":negative-preconditions", ":disjunctive-preconditions",

@@ -63,12 +63,14 @@ class ProgramPlanner(ABC):
         name: What people ask for.
         title: What messages call it.
         supports: The PDDL requirements it can take.
+        is_alone: True where it is known to start no programs that leave its process group.
         limits: What each call may take.
     """
 
     name: str
     title: str
     supports: frozenset[str]
+    is_alone = False
 
     def __init__(self, limits: Limits = USUAL_LIMITS) -> None:
         self.limits = limits
@@ -126,7 +128,9 @@ class ProgramPlanner(ABC):
         (folder / PROBLEM).write_text(problem, encoding="utf-8")
         self.prepare(folder)
         start = partial(self.start, folder)
-        ended = run_program(self.title, start, self.limits, lambda: self._closed or stop.is_set())
+        ended = run_program(
+            self.title, start, self.limits, lambda: self._closed or stop.is_set(), is_alone=self.is_alone
+        )
         return self.read(ended, folder)
 
 

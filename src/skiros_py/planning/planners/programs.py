@@ -151,7 +151,12 @@ class Child:
 
 
 def run_program(
-    title: str, start: Callable[[Mapping[str, str]], Running], limits: Limits, stopped: Callable[[], bool]
+    title: str,
+    start: Callable[[Mapping[str, str]], Running],
+    limits: Limits,
+    stopped: Callable[[], bool],
+    *,
+    is_alone: bool = False,
 ) -> Ended:
     """Runs a program to its end; afterwards neither it nor what can be found of its children is there any more.
 
@@ -160,6 +165,7 @@ def run_program(
         start: Starts it with an environment.
         limits: What it may take.
         stopped: Asked again and again whether it shall be killed.
+        is_alone: True where it is known to start no programs that leave its process group.
 
     Raises:
         PlanningError: It cannot be started, takes more than it may, or was stopped.
@@ -171,7 +177,8 @@ def run_program(
     try:
         output = _attended(title, running, limits, stopped)
     finally:
-        kill_marked(_MARK, mark)
+        if not is_alone:
+            kill_marked(_MARK, mark)
         code = running.kill()
     return Ended(code, output, limits.memory)
 
@@ -254,9 +261,9 @@ def kill_marked(name: str, value: str) -> None:
         name: The variable.
         value: How its value begins.
     """
-    word = f"{name}={value}".encode()
+    word = f"\0{name}={value}".encode()
     deadline = time.monotonic() + _DYING
-    while found := [pid for pid in _all_processes() if any(one.startswith(word) for one in _environment(pid))]:
+    while found := [pid for pid in _all_processes() if word in _environment(pid)]:
         for pid in found:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.kill(pid, signal.SIGKILL)
@@ -271,11 +278,11 @@ def _all_processes() -> list[int]:
     return []
 
 
-def _environment(pid: int) -> list[bytes]:
-    """Returns the environment that a process was started with; empty where it is over or somebody else's."""
+def _environment(pid: int) -> bytes:
+    """Returns the environment that a process was started with, each variable after a zero; empty where it is over."""
     with contextlib.suppress(OSError):
-        return Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
-    return []
+        return b"\0" + Path(f"/proc/{pid}/environ").read_bytes()
+    return b""
 
 
 def _without_stacks(output: str) -> list[str]:

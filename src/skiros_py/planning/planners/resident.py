@@ -9,7 +9,8 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+import weakref
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
@@ -39,7 +40,7 @@ class Run:
 
 
 class Resident:
-    """Starts runs in a resident program, which starts with the first of them. Any thread may start runs.
+    """Starts runs in a resident program, which starts with the first of them. Any thread may start runs. Close it.
 
     Args:
         title: What people call it.
@@ -52,8 +53,8 @@ class Resident:
         self._search_path = search_path
         self._modules = modules
         self._lock = Lock()
-        self._process: subprocess.Popen[bytes] | None = None
         self._orders: socket.socket | None = None
+        self._end: Callable[[], object] = lambda: None
 
     def start(self, run: Run, folder: Path, limits: Limits, environment: Mapping[str, str]) -> ResidentRun:
         """Starts a run; where the resident program has died, it is started again.
@@ -106,7 +107,7 @@ class Resident:
             ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             program = str(Path(__file__).with_name("resident_program.py"))
             with theirs:
-                self._process = subprocess.Popen(
+                process = subprocess.Popen(
                     # -S: no packages that are installed; -P: not what lies beside the program
                     [sys.executable, "-S", "-P", program, str(theirs.fileno()), *self._modules],
                     env=os.environ | {"PYTHONPATH": str(self._search_path)},
@@ -117,17 +118,21 @@ class Resident:
                     start_new_session=True,
                 )
             self._orders = ours
+            self._end = weakref.finalize(self, _end, process, ours)
         return self._orders
 
     def _drop(self) -> None:
-        if self._orders is not None and self._process is not None:
-            self._orders.close()
-            self._orders = None
-            try:
-                self._process.wait(_ENDING)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+        self._orders = None
+        self._end()
+
+
+def _end(process: subprocess.Popen[bytes], orders: socket.socket) -> None:
+    orders.close()
+    try:
+        process.wait(_ENDING)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 class ResidentRun:

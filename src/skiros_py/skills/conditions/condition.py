@@ -138,7 +138,7 @@ class Condition:
             view: The world as believed, a snapshot, or an overlay.
             binding: Element ids by parameter key; None when the arguments are ids or classes already.
         """
-        grounded = self.bind(binding or {})
+        grounded = self.bind(binding) if binding else self
         gone = [a for a in grounded.arguments if a not in view.ontology.classes and not view.has(a)]
         if gone:
             return Verdict(self.negated, str(grounded), (Verdict(False, f"there is no {' and no '.join(gone)}"),))
