@@ -47,3 +47,7 @@ class Control:
         with self._guard:
             if self.stop is None:
                 self.stop = reason
+
+
+class StopWanted(Exception):
+    """Somebody wants the task to end; its text says why."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 from skiros_py.errors import UsageError, WorldError
@@ -13,7 +14,6 @@ from skiros_py.planning.problem.stock import tokens_of
 from skiros_py.skills.outcome import BROKEN_OFF, Failure, Outcome
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.active import Active
 from skiros_py.tasks.agenda import Agenda
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.control import Mode
@@ -300,3 +300,27 @@ class Dispatcher:
         if robot_of(self._context.world, self.telling.agent(step)) == one.robot:
             return True
         return not set(one.step.arguments.values()).isdisjoint(step.arguments.values())
+
+
+@dataclass(slots=True, eq=False)
+class Active:
+    """A step that runs.
+
+    Attributes:
+        index: Its index in the present agenda.
+        run: The step, its number and who does it.
+        robot: Id of the robot of that.
+        running: What runs.
+        leaving: Why it was broken off; empty while it is wanted.
+    """
+
+    index: int
+    run: StepRun
+    robot: str
+    running: Running
+    leaving: str = ""
+
+    @property
+    def step(self) -> Step:
+        """The skill with its arguments."""
+        return self.run.step

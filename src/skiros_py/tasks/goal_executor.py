@@ -15,7 +15,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
-from skiros_py.tasks.control import Mode
+from skiros_py.tasks.control import Mode, StopWanted
 from skiros_py.tasks.dispatcher import Dispatcher
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
@@ -24,7 +24,6 @@ from skiros_py.tasks.plan_monitor import PlanMonitor
 from skiros_py.tasks.replanner import Replanner
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report_builder import ReportBuilder
-from skiros_py.tasks.stop import StopWanted
 from skiros_py.tasks.trace import Happening
 
 T = TypeVar("T")

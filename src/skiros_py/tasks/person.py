@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterable
 from contextlib import suppress
 
 from skiros_py.errors import DescriptionError, SkirosError
 from skiros_py.planning.problem.stock import believed
-from skiros_py.skills.conditions import Condition
+from skiros_py.skills.conditions import Condition, effects_of, write_effects
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.questions import QuestionKind
-from skiros_py.tasks.by_hand import write_by_hand
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
+from skiros_py.world.change import Writer
+from skiros_py.world.world import World
 
 
 class Choice(enum.StrEnum):
@@ -71,3 +73,21 @@ def believe_done(context: TaskContext, condition: Condition, by: str) -> Failure
 
 def _able(context: TaskContext) -> frozenset[tuple[str, str]]:
     return frozenset((agent, skill) for agent, manager in context.managers.items() for skill in manager.descriptions)
+
+
+def write_by_hand(world: World, conditions: Iterable[Condition], by: str, what: str = "done by hand") -> None:
+    """Makes conditions true in the world model, all of them or none.
+
+    Args:
+        world: The live world model.
+        conditions: What is so now.
+        by: Who says so.
+        what: What was done, for the record of changes.
+
+    Raises:
+        DescriptionError: Nobody can say what a condition changes ("one of these").
+        WorldError: It cannot be so.
+    """
+    effects = [effect for condition in conditions for effect in effects_of(condition)]
+    with world.transaction("operator", f"{what}, says {by}", writer=Writer.PERSON) as tx:
+        write_effects(tx, world.ontology, effects)

@@ -13,11 +13,10 @@ from skiros_py.skills.conditions import Condition, Verdict
 from skiros_py.skills.conditions.reads import Key, touched_by
 from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.active import Active
 from skiros_py.tasks.agenda import Agenda
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.control import Control
-from skiros_py.tasks.dispatcher import Dispatcher
+from skiros_py.tasks.dispatcher import Active, Dispatcher
 from skiros_py.tasks.history import History
 from skiros_py.world.change import Change
 from skiros_py.world.world import World

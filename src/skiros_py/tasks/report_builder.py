@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import time
+from collections.abc import Mapping, Sequence
 
+from skiros_py.execution.cycle import ControlCycle
 from skiros_py.planning.problem.stock import believed
 from skiros_py.skills.conditions import Condition
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
-from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.world.world import World
 
 
 class ReportBuilder:
@@ -92,3 +94,47 @@ def end_before_beginning(task: TaskHandle, context: TaskContext) -> None:
     task.report = GoalReport(conditions, (), 0.0, 0.0, stopped=not why, fault=why)
     task.trace.add(TraceEntry(now, Happening.BEGUN, task.name))
     task.trace.add(TraceEntry(now, Happening.FINISHED, f"{task.name}: {task.report.outcome}"))
+
+
+class Moments:
+    """Notes when each condition of a goal came to be believed for good.
+
+    Args:
+        world: The live world model.
+        goal: The conditions.
+        cycle: Gives the time.
+    """
+
+    def __init__(self, world: World, goal: Sequence[Condition], cycle: ControlCycle) -> None:
+        self._world = world
+        self._goal = goal
+        self._cycle = cycle
+        self._start = cycle.board.snapshot.time, time.perf_counter()
+        self._since: dict[Condition, tuple[float, float]] = {}
+        self._version = -1
+        self.note()
+
+    @property
+    def used(self) -> tuple[float, float]:
+        """Simulated and wall time since the start [s]."""
+        return self._cycle.board.snapshot.time - self._start[0], time.perf_counter() - self._start[1]
+
+    def held(self, condition: Condition) -> bool:
+        """Tells whether a condition was believed when the world was last looked at."""
+        return condition in self._since
+
+    def since(self, condition: Condition) -> tuple[float | None, float | None]:
+        """Returns simulated and wall time at which a condition that is believed came to be so [s]."""
+        self.note()
+        return self._since.get(condition, (None, None))
+
+    def note(self) -> None:
+        """Looks at the conditions, if the world has changed."""
+        if self._version == self._world.version:
+            return
+        self._version = self._world.version
+        for condition in self._goal:
+            if not believed(condition, self._world):
+                self._since.pop(condition, None)
+            elif condition not in self._since:
+                self._since[condition] = self.used

@@ -14,15 +14,15 @@ from skiros_py.skills.primitive import Execution
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.agenda import Agenda
 from skiros_py.tasks.context import TaskContext
+from skiros_py.tasks.control import StopWanted
 from skiros_py.tasks.dispatcher import Dispatcher
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
-from skiros_py.tasks.moments import Moments
 from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.report_builder import Moments
 from skiros_py.tasks.sequences import StepCheck, StepsCheck
-from skiros_py.tasks.stop import StopWanted
+from skiros_py.tasks.telling import short_step
 from skiros_py.tasks.trace import Happening
-from skiros_py.tasks.wording import short_step
 
 T = TypeVar("T")
 

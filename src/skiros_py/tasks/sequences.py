@@ -8,17 +8,18 @@ from types import MappingProxyType
 from typing import Any
 
 from skiros_py.errors import SkirosError, UnknownName, UsageError
-from skiros_py.planning.domain.needs import needs_of
+from skiros_py.execution.contained import contained
+from skiros_py.planning.domain.needs import needs_of, with_defaults
 from skiros_py.planning.plan import Plan, Step
 from skiros_py.planning.plan_validation import apply_effects
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.problem.stock import tokens_of, with_stock
 from skiros_py.skills.conditions import judge
-from skiros_py.skills.inference import applying
+from skiros_py.skills.inference import Inferred, Missing, applying, infer
+from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.casting import Cast, cast
-from skiros_py.tasks.wording import short_step
+from skiros_py.tasks.telling import short_step
 from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView
@@ -241,3 +242,48 @@ def _problems(overlay: Overlay, skill: SkillDescription, found: Cast) -> list[st
         return [*problems, str(error)]
     after = [judge(c, overlay, values) for c in applying(skill.post, values)]
     return problems + [f"{v.text} does not follow" for v in after if not v and not problems]
+
+
+@dataclass(frozen=True, slots=True)
+class Cast:
+    """The elements of a step.
+
+    Attributes:
+        values: Element ids by parameter key, as far as they are known.
+        open: Why something stays open, one sentence each.
+    """
+
+    values: Mapping[str, str]
+    open: tuple[str, ...] = ()
+
+
+def cast(step: Step, skill: SkillDescription, view: WorldView, able: Collection[str] | None = None) -> Cast:
+    """Finds what a step leaves out.
+
+    Args:
+        step: The step.
+        skill: What is known of its skill.
+        view: The world just before the step.
+        able: The subsystems whose skill managers have the skill; None where it is enough that there could be one. Whom
+            inference would take comes first, then the others by id.
+    """
+    given = with_defaults(skill, step.arguments)
+    found = _inferred(skill, given, view, None)
+    if able is None or skill.agent in given or found.values.get(skill.agent) in able:
+        return found
+    each = [_inferred(skill, given, view, agent) for agent in sorted(able)]
+    return next((one for one in each if not one.open), each[0] if each else _nobody(skill, given))
+
+
+def _inferred(skill: SkillDescription, given: Mapping[str, str], view: WorldView, agent: str | None) -> Cast:
+    """Asks inference; where an author's condition breaks in it, what was left out stays open."""
+    found: Inferred | Missing | Failure = contained("inference", lambda: infer(skill, given, view, agent))
+    if isinstance(found, Failure):
+        return Cast(given, (found.reason,))
+    elements = {p.key for p in skill.params if p.is_element}
+    values = {key: value for key, value in found.values.items() if key in elements and value is not None}
+    return Cast(values, tuple(v.text for v in found.verdicts.values()) if isinstance(found, Missing) else ())
+
+
+def _nobody(skill: SkillDescription, given: Mapping[str, str]) -> Cast:
+    return Cast(given, (f"nobody has the skill {skill.name} any more",))

@@ -7,11 +7,11 @@ from typing import Any
 
 from skiros_py.execution.monitor import ModuleEvent, Status
 from skiros_py.planning.plan import Step
+from skiros_py.skills.parameters import Kind
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import StepRun
 from skiros_py.tasks.trace import Happening, Trace, TraceEntry, step_id
-from skiros_py.tasks.wording import short_step
 
 
 class Telling:
@@ -70,3 +70,13 @@ class Telling:
     def said(self, step: Step) -> str:
         """Returns a step as people say it: who does what to what."""
         return f"{self.agent(step)}: {short_step(step, self._skills[step.skill])}"
+
+
+def short_step(step: Step, skill: SkillDescription) -> str:
+    """Returns a step as people say it: the skill and what people specify of it, without devices and what follows."""
+    said = [
+        str(step.arguments[p.key])
+        for p in skill.params
+        if p.key in step.arguments and p.kind not in (Kind.HARDWARE, Kind.PLANNING)
+    ]
+    return " ".join((step.skill, *said))

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skiros_py.planning.domain.goals import REACHED
-from skiros_py.planning.domain.matching import are_none, bindings
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.plan import NoPlan, Plan
 from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.regrounding import are_none, bindings
 from skiros_py.skills.conditions import (
     AllOf,
     AnyOf,

@@ -9,18 +9,18 @@ not with its combinations; "for all" is said of each element that there is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 
 from skiros_py.errors import PlanningError, UsageError
-from skiros_py.planning.domain.brought import Brought
 from skiros_py.planning.domain.emptiness import emptiness_classes
 from skiros_py.planning.domain.literals import NOT, atom_of
 from skiros_py.planning.domain.model import Action, Atom, Variable
 from skiros_py.planning.domain.normal import is_stored, normal
 from skiros_py.skills.conditions import AllOf, AnyOf, Condition, Exists, Not, Nothing, Pattern, Related
 from skiros_py.skills.references import variables
+from skiros_py.world.ontology import Ontology
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ELEMENT
 
@@ -166,3 +166,28 @@ class _Part:
         return self._view.related(atom.arguments[0], relation, atom.arguments[1]) or self._brought.may_relate(
             relation, *(self._view.element(argument).type for argument in atom.arguments)
         )
+
+
+class Brought:
+    """What a set of skills can bring about.
+
+    Args:
+        actions: The skills.
+        ontology: Their classes.
+    """
+
+    def __init__(self, actions: Iterable[Action], ontology: Ontology) -> None:
+        self._ontology = ontology
+        self._ends: dict[str, dict[tuple[str, ...], None]] = {}
+        for action in actions:
+            types = action.types
+            for atom in action.add:
+                ends = tuple(types[argument] for argument in atom.arguments)
+                self._ends.setdefault(atom.predicate, {})[ends] = None
+
+    def may_relate(self, relation: str, *classes: str) -> bool:
+        """Tells whether a skill could make a relation hold between things of these most specific classes."""
+        return any(all(map(self._fits, classes, ends)) for ends in self._ends.get(relation, ()))
+
+    def _fits(self, class_: str, wanted: str) -> bool:
+        return wanted not in self._ontology.classes or self._ontology.is_a(class_, wanted)

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from skiros_py.planning.domain.literals import CAN
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.contradictions import Contradictions
-from skiros_py.planning.explanation.everyone import with_everyone
 from skiros_py.planning.explanation.facts import is_variable
-from skiros_py.planning.explanation.found import Found
-from skiros_py.planning.explanation.obstacle import Obstacle
+from skiros_py.planning.explanation.found import Found, Obstacle
 from skiros_py.planning.explanation.obstacles import Obstacles
 from skiros_py.planning.explanation.relaxation import Relaxation, relax
-from skiros_py.planning.problem.task import PlanningTask
+from skiros_py.planning.problem.task import Capability, PlanningTask, build_task
 from skiros_py.planning.reasons import Cause, CauseKind
 from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
@@ -105,3 +104,16 @@ def _full(condition: Condition, obstacle: Obstacle, view: WorldView) -> tuple[st
         return ()
     named = (argument for argument in condition.arguments if view.has(argument))
     return tuple(whole for whole in named if set(view.objects(whole, HAS_A)).intersection(obstacle.elements))
+
+
+def with_everyone(task: PlanningTask, view: WorldView) -> PlanningTask:
+    """Returns a task in which whoever is of the right class takes part, with the skill or without it.
+
+    Raises:
+        PlanningError: It cannot be said in PDDL.
+    """
+    everyone = [Capability(c.skill, view.instances(c.skill.agent_class)) for c in task.capabilities]
+    able = {Atom(CAN + c.skill.name, (agent,)) for c in task.capabilities for agent in c.agents}
+    whole = build_task(view, everyone, task.conditions)
+    init = frozenset(atom for atom in whole.problem.init if not atom.predicate.startswith(CAN) or atom in able)
+    return replace(whole, problem=replace(whole.problem, init=init), capabilities=task.capabilities)

@@ -14,7 +14,6 @@ from skiros_py.planning.domain.literals import NOTHING, allows_value, property_o
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.demands import Demand, demands_of, is_exclusive
 from skiros_py.planning.explanation.found import Found, Shortage
-from skiros_py.planning.explanation.matching import short
 from skiros_py.planning.explanation.relaxation import Relaxation
 from skiros_py.planning.explanation.wording import listed
 from skiros_py.planning.reasons import Cause, CauseKind
@@ -248,3 +247,29 @@ def _place(demand: Demand) -> str:
 
 def _is(count: int) -> str:
     return "is" if count == 1 else "are"
+
+
+def short(wanted: Sequence[Iterable[str]]) -> tuple[int, ...]:
+    """Returns demands that together could use fewer resources than they are, by index; empty when all can be served.
+
+    Args:
+        wanted: For each demand the resources of which it needs one.
+    """
+    options = [sorted(each) for each in wanted]
+    taken: dict[str, int] = {}
+    for demand in range(len(options)):
+        seen: set[int] = set()
+        if not _served(demand, options, taken, seen):
+            return tuple(sorted(seen))
+    return ()
+
+
+def _served(demand: int, options: Sequence[Sequence[str]], taken: dict[str, int], seen: set[int]) -> bool:
+    """Gives a demand a resource, moving others to different ones where need be."""
+    seen.add(demand)
+    for resource in options[demand]:
+        holder = taken.get(resource)
+        if holder is None or (holder not in seen and _served(holder, options, taken, seen)):
+            taken[resource] = demand
+            return True
+    return False

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING
 from skiros_py.planning.domain.model import Atom
 from skiros_py.planning.explanation.facts import is_variable
-from skiros_py.planning.explanation.obstacle import Obstacle
+from skiros_py.planning.explanation.found import Obstacle
 from skiros_py.planning.explanation.wording import Wording, listed
 from skiros_py.planning.problem.task import PlanningTask
 from skiros_py.planning.reasons import CauseKind

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from skiros_py.planning.domain.literals import CAN, NOT
 from skiros_py.planning.domain.model import Action, Atom
 from skiros_py.planning.explanation.facts import is_variable
+from skiros_py.planning.explanation.found import Obstacle
 from skiros_py.planning.explanation.leaves import Leaves
-from skiros_py.planning.explanation.obstacle import Obstacle
 from skiros_py.planning.explanation.relaxation import Relaxation
 from skiros_py.planning.explanation.wording import Wording, listed, some
 from skiros_py.planning.reasons import CauseKind

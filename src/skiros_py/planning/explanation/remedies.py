@@ -10,8 +10,7 @@ from skiros_py.planning.domain.literals import CAN, HAS, NOT, NOTHING, VALUE, co
 from skiros_py.planning.explanation.edits import Add, Assign, Move, Relate, Remove, SceneEdit
 from skiros_py.planning.explanation.elsewhere import exchanges
 from skiros_py.planning.explanation.facts import is_variable
-from skiros_py.planning.explanation.found import Found, Shortage
-from skiros_py.planning.explanation.obstacle import Obstacle
+from skiros_py.planning.explanation.found import Found, Obstacle, Shortage
 from skiros_py.planning.explanation.room import Room
 from skiros_py.planning.explanation.wording import listed, some
 from skiros_py.planning.reasons import Cause, CauseKind, Exchange

@@ -14,11 +14,10 @@ from skiros_py.planning.domain.literals import CAN, Asked, asked_literals
 from skiros_py.planning.domain.model import Action, Atom, Domain, Problem
 from skiros_py.planning.domain.needs import needs_of
 from skiros_py.planning.domain.variants import possible_variants
-from skiros_py.planning.problem.facts import Facts
+from skiros_py.planning.problem.facts import Facts, living, supported
 from skiros_py.planning.problem.lifted import Lifted
-from skiros_py.planning.problem.living import living, supported
 from skiros_py.planning.problem.relevance import Relevant, relevant
-from skiros_py.planning.problem.symmetry import superfluous
+from skiros_py.planning.problem.stock import superfluous
 from skiros_py.skills.conditions import Condition, Not
 from skiros_py.skills.skill import SkillDescription
 from skiros_py.world.ontology import Ontology

@@ -11,14 +11,12 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from skiros_py.database import Database
+from skiros_py.database import Database, Schema
 from skiros_py.errors import FileError, UnknownName
 from skiros_py.tasks.jobs.announcements import Announcement, keep_announcement
 from skiros_py.tasks.jobs.job import Intent, Job, Transition
 from skiros_py.tasks.jobs.receipts import Receipt, keep_receipt, leave_receipts
-from skiros_py.tasks.jobs.removals import keep_removal
 from skiros_py.tasks.jobs.states import JobState, Trigger
-from skiros_py.tasks.jobs.tables import SCHEMA
 
 T = TypeVar("T")
 
@@ -303,3 +301,64 @@ def _write(connection: sqlite3.Connection, job: Job, trigger: Trigger | None, co
         entry = Transition(wall=job.changed, trigger=trigger.value, state=job.state, comment=comment)
         connection.execute("INSERT INTO transitions VALUES (?, ?)", (job.id, entry.model_dump_json()))
         keep_announcement(connection, job, data, trigger.value)
+
+
+REMEMBERED = 7 * 24 * 3600.0
+"""How long it is known that there was a job [s]."""
+
+
+def keep_removal(connection: sqlite3.Connection, job: Job) -> None:
+    """Keeps what a job was that is removed: its order and how it ended; and forgets what is old."""
+    brief = job.model_copy(update={"plan": (), "actuals": (), "materials": (), "reasons": (), "choices": ()})
+    connection.execute("DELETE FROM removed WHERE wall < ?", (job.changed - REMEMBERED,))
+    values = (job.id, job.changed, brief.model_dump_json())
+    connection.execute("INSERT OR REPLACE INTO removed (id, wall, data) VALUES (?, ?, ?)", values)
+
+
+_FIRST = """
+CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE transitions (job TEXT NOT NULL, data TEXT NOT NULL);
+CREATE INDEX transitions_by_job ON transitions (job);
+CREATE TABLE intents (job TEXT NOT NULL, number INTEGER NOT NULL, data TEXT NOT NULL, PRIMARY KEY (job, number))
+    WITHOUT ROWID;
+CREATE TABLE trace (job TEXT NOT NULL, data TEXT NOT NULL);
+CREATE INDEX trace_by_job ON trace (job);
+CREATE TABLE numbers (last INTEGER NOT NULL);
+INSERT INTO numbers VALUES (0);
+"""
+
+_SECOND = """
+ALTER TABLE jobs ADD COLUMN state INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN changed REAL NOT NULL DEFAULT 0;
+UPDATE jobs SET
+    state = json_extract(data, '$.state'),
+    changed = coalesce(json_extract(data, '$.ended'), json_extract(data, '$.started'),
+        json_extract(data, '$.ordered'), 0)
+    WHERE json_valid(data);
+CREATE INDEX jobs_by_state ON jobs (state, number);
+CREATE TABLE receipts (caller TEXT NOT NULL, key TEXT NOT NULL, digest TEXT NOT NULL, job TEXT NOT NULL,
+    wall REAL NOT NULL, last TEXT, PRIMARY KEY (caller, key)) WITHOUT ROWID;
+CREATE INDEX receipts_by_job ON receipts (job);
+CREATE INDEX receipts_by_age ON receipts (wall);
+CREATE TABLE announcements (number INTEGER PRIMARY KEY AUTOINCREMENT, wall REAL NOT NULL, trigger TEXT NOT NULL,
+    data TEXT NOT NULL);
+"""
+"""Pages by state without reading all jobs; answers to repeated requests; what is to be told to others.
+
+AUTOINCREMENT: a number is not given again, even where all announcements were passed on and forgotten.
+"""
+
+_THIRD = """
+ALTER TABLE numbers ADD COLUMN version INTEGER NOT NULL DEFAULT 0;
+"""
+"""The greatest version that a job had that was removed: whoever remembers one does not take a later job for it."""
+
+_FOURTH = """
+CREATE TABLE removed (id TEXT PRIMARY KEY, wall REAL NOT NULL, data TEXT NOT NULL) WITHOUT ROWID;
+CREATE INDEX removed_by_age ON removed (wall);
+CREATE INDEX jobs_by_change ON jobs (changed, number, state);
+"""
+"""What was removed; pages of what has changed without reading all jobs."""
+
+SCHEMA = Schema("list of jobs", "a list of jobs", 0x736B6A6F, (_FIRST, _SECOND, _THIRD, _FOURTH))
+"""Such a file is marked "skjo"."""

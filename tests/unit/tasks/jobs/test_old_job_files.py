@@ -9,7 +9,7 @@ import pytest
 
 from skiros_py.errors import FileError
 from skiros_py.tasks.jobs import JobState, JobStore, Trigger
-from skiros_py.tasks.jobs.tables import SCHEMA
+from skiros_py.tasks.jobs.store import SCHEMA
 
 TABLES = """
 CREATE TABLE jobs (id TEXT PRIMARY KEY, number INTEGER NOT NULL UNIQUE, data TEXT NOT NULL) WITHOUT ROWID;
