@@ -62,10 +62,10 @@ def test_a_step_of_a_joint_is_small_and_there_is_one_number_for_each(bench: Benc
     assert joints(bench) == before
 
 
-def test_where_nobody_knows_the_tool_its_joints_are_jogged(bench: Bench) -> None:
+def test_without_an_arm_planner_joints_are_jogged(bench: Bench) -> None:
     outcome = bench.run("jog_tool", translation=[0.0, 0.0, 0.05])
 
-    assert outcome == Failure("nothing here knows where the tool is: jog the joints instead")
+    assert outcome == Failure("there is no planner for the arm: jog the joints instead")
 
 
 def test_a_step_of_the_tool_is_small(bench: Bench) -> None:

@@ -13,10 +13,9 @@ from skiros_primitives.other_robots import bodies, others
 from skiros_primitives.playback import Playback
 from skiros_py.devices.arm import Arm, ArmSpec, ArmTarget
 from skiros_py.devices.gripper import Gripper, GripperSpec, GripperState
-from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.motion import Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
+from skiros_py.ports.motion import ArmPlanner, Held, MotionPlan, MotionRequest, NoMotion, Obstacle, Route, Trajectory
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.surroundings import held_by, obstacles
@@ -61,6 +60,11 @@ class ArmPrimitive(Primitive[Any]):
     def gripper_spec(self) -> GripperSpec:
         """The description of the gripper on the arm."""
         return next(g for g in self.robot.of(GripperSpec) if g.arm == self.params.arm)
+
+    @property
+    def is_planned(self) -> bool:
+        """False in a cell without an arm planner: it has no bodies, so there is nothing to move around."""
+        return self.context.ports.find(ArmPlanner, self.params.arm) is not None
 
     def held(self) -> Held | None:
         """What the arm's gripper is believed to hold."""
@@ -113,9 +117,6 @@ class ArmPrimitive(Primitive[Any]):
     def _planned(
         self, routes: Sequence[Route], *, around: tuple[Obstacle, ...] | None, speed: float
     ) -> Execution[MotionPlan | NoMotion]:
-        planner = self.context.libraries.arm_planner
-        if planner is None:
-            raise DeviceError(f"{self.name} needs an arm planner")
         gripper = self.context.board.snapshot.of(GripperState).get(self.gripper_id)
         request = MotionRequest(
             arm=self.params.arm,
@@ -128,7 +129,7 @@ class ArmPrimitive(Primitive[Any]):
             speed=speed,
             seed=self.seed(),
         )
-        return (yield from self.wait(planner.plan(request)))
+        return (yield from self.wait(self.context.port(ArmPlanner, self.params.arm).plan(request)))
 
     def follow(self, trajectory: Trajectory) -> Execution[NoMotion | None]:
         """Sends a trajectory, one sample per cycle, until the arm stands; returns why it did not get there.
@@ -174,14 +175,6 @@ class ArmPrimitive(Primitive[Any]):
             self.context.floor.stretch(self.params.arm, planned.ends)
         return refusal
 
-    def tool_pose(self) -> Execution[Pose]:
-        """Returns where in the map the arm's tip is now."""
-        frame = yield from self.frame_pose(self.arm.state.positions, self.arm_spec.tip)
-        return self.base_pose @ frame
-
-    def frame_pose(self, positions: tuple[float, ...], frame: str) -> Execution[Pose]:
-        """Returns where a link of the robot is in its base's frame at the given joint angles [rad]."""
-        planner = self.context.libraries.arm_planner
-        if planner is None:
-            raise DeviceError(f"{self.name} needs an arm planner")
-        return (yield from self.wait(planner.frame_pose(self.params.arm, positions, frame)))
+    def tool_pose(self) -> Pose:
+        """Returns the pose of the arm's tip in the map now."""
+        return self.context.frames.at(self.context.board.snapshot).located(self.params.arm)

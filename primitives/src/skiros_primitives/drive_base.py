@@ -10,9 +10,8 @@ from typing import ClassVar
 from skiros_primitives import other_robots
 from skiros_primitives.other_robots import reach
 from skiros_py.devices.base import Base, BaseSpec, BaseTwist
-from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose, wrap_angle
-from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, NoMotion, Obstacle
+from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, BasePlanner, NoMotion, Obstacle
 from skiros_py.skills.floor import Outline, Way
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
@@ -56,7 +55,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
         if isinstance(goal, Failure):
             return goal
         base = Base(self.context.board, self.params.base)
-        outline = yield from self._outline()
+        outline = self._outline()
         deadline = self.context.now + _COURTESY
         while True:
             path = yield from self._plan(base, goal, outline)
@@ -92,7 +91,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
     def _plan(self, base: Base, goal: Pose, outline: Outline) -> Execution[BasePath | NoMotion | None]:
         """Plans around everything that stands; None where there is a way, but for another robot that stands there."""
         margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
-        standing = yield from other_robots.standing(self, self.params.robot, margin=margin)
+        standing = other_robots.standing(self.context, self.params.robot, margin=margin)
         path = yield from self._path(base, goal, standing)
         if not isinstance(path, NoMotion) or not standing:
             return path
@@ -103,9 +102,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
         return None
 
     def _path(self, base: Base, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[BasePath | NoMotion]:
-        planner = self.context.libraries.base_planner
-        if planner is None:
-            raise DeviceError("drive_base needs a base planner")
+        planner = self.context.port(BasePlanner, self.params.base)
         carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self._rides(o.id))
         around = obstacles(self.context, parts=False, without=carried)
         request = BasePathRequest(
@@ -113,12 +110,12 @@ class DriveBase(Primitive["DriveBase.Params"]):
         )
         return (yield from self.wait(planner.plan(request)))
 
-    def _outline(self) -> Execution[Outline]:
+    def _outline(self) -> Outline:
         """What the robot covers while it drives; alone in its cell it need not know."""
         if len(self.context.cell.robots) == 1:
             return self._spec().footprint
         robot = self.context.cell.group_of(self.params.base)
-        return (yield from other_robots.outline(self, robot))
+        return other_robots.outline(self.context, robot)
 
     def _is_free(self, way: Way, deadline: float) -> Execution[bool]:
         """Waits for those who are in the way; not for one who stands there, nor for ever."""

@@ -88,7 +88,7 @@ class Grasp(ArmPrimitive):
             return Failure(refusal.reason)
         self.progress(2, "closing")
         yield from move_fingers(self.context, gripper, 0.0, firm_force(self.gripper_spec))
-        tool = yield from self.tool_pose()
+        tool = self.tool_pose()
         self.progress(3, "lifting")
         self._lifting = True
         refusal = yield from self.follow(up)

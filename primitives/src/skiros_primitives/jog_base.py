@@ -80,7 +80,7 @@ class JogBase(Primitive["JogBase.Params"]):
         before = base.state.pose
         goal = before @ Pose.of(self.params.dx, self.params.dy, 0.0, yaw=self.params.dyaw)
         path = _path(before, goal)
-        touched = yield from self._touched(before, path)
+        touched = self._touched(before, path)
         if touched:
             return Failure(f"{self.params.base} would touch {touched}")
         with self.context.floor.ask(self.params.robot, self._robot.outline, before, path) as way:
@@ -100,14 +100,14 @@ class JogBase(Primitive["JogBase.Params"]):
 
     # ------------------------------------------------------------------ what is in the way
 
-    def _touched(self, start: Pose, path: BasePath) -> Execution[str]:
+    def _touched(self, start: Pose, path: BasePath) -> str:
         """Returns the first thing that would be touched, or come nearer than may be; empty where the way is free.
 
         Folded arms are above everything but other robots.
         """
         things = [o for o in obstacles(self.context, parts=False) if not self._rides(o.id)]
-        robots = yield from other_robots.standing(self, self.params.robot, margin=0.0)
-        outline = yield from other_robots.outline(self, self._robot)
+        robots = other_robots.standing(self.context, self.params.robot, margin=0.0)
+        outline = other_robots.outline(self.context, self._robot)
         near = _nearing(things, self._robot.outline, start, path) + _nearing(robots, outline, start, path)
         return " and ".join(near)
 

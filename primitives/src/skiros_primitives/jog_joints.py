@@ -55,7 +55,7 @@ class JogJoints(ArmPrimitive):
         """Moves, where the straight way is free."""
         before = self.arm.state.positions
         goal = tuple(position + delta for position, delta in zip(before, self.params.deltas, strict=True))
-        if self.context.libraries.arm_planner is None:  # a cell without bodies: there is nothing to touch
+        if not self.is_planned:
             refusal = yield from self.follow(even(before, goal, self.context.board.period))
         else:
             refusal = yield from self._go(goal)

@@ -66,20 +66,20 @@ class JogTool(ArmPrimitive):
             return Failure(
                 f"one step is at most {_FARTHEST:g} m and {_TURN:g} rad long, not {way:.3g} m and {turn:.3g} rad"
             )
-        if self.context.libraries.arm_planner is None:
-            return Failure("nothing here knows where the tool is: jog the joints instead")
+        if not self.is_planned:
+            return Failure("there is no planner for the arm: jog the joints instead")
         if self.params.frame not in ("tool", "base", "map"):
             return self._unplaced(self.params.frame)
         return None
 
     def execute(self) -> Execution[Outcome]:
         """Moves on a line, where that is free."""
-        tool = yield from self.tool_pose()
+        tool = self.tool_pose()
         line = LineMove(self._goal(tool), speed=_SPEED, touching=self._touching())
         refusal = yield from self.go([(line,)], speed=_SHARE)
         if refusal is not None:
             return Failure(f"{self.params.arm} cannot move its tool so: {refusal.reason}")
-        tool = yield from self.tool_pose()
+        tool = self.tool_pose()
         return Success("at {:.3f} {:.3f} {:.3f} m in the map".format(*tool.position))
 
     def _goal(self, tool: Pose) -> Pose:

@@ -7,12 +7,11 @@ import math
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.part_models import part_models
 from skiros_primitives.poses import downward
-from skiros_py.devices.arm import ArmState
 from skiros_py.devices.camera import Camera, CameraSpec
-from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
+from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import NoMotion, PoseMove
-from skiros_py.ports.perception import LookRequest, LookResult, Region
+from skiros_py.ports.perception import LookRequest, LookResult, PartDetector, Region
 from skiros_py.ports.values import DepthImage
 from skiros_py.skills.primitive import Execution
 
@@ -25,13 +24,12 @@ class LookingPrimitive(ArmPrimitive):
 
     def look_for_parts(self, region: Region, x: float, y: float) -> Execution[LookResult | NoMotion]:
         """Searches a region for parts, in a picture from straight above a point of the map [m]."""
-        camera, detector = self.camera_spec(self.params.camera), self.context.libraries.detector
-        if detector is None:
-            raise DeviceError(f"{self.name} needs a part detector")
+        camera = self.camera_spec(self.params.camera)
+        detector = self.context.port(PartDetector, camera.id)
         image = yield from self.look_down(camera, x, y, region.pose.position[2])
         if isinstance(image, NoMotion):
             return image
-        pose = yield from self.camera_pose(camera, image)
+        pose = self.camera_pose(camera, image)
         request = LookRequest(image, pose, region, part_models(self.world), self.seed(), camera.id)
         return (yield from self.wait(detector.detect(request)))
 
@@ -48,7 +46,7 @@ class LookingPrimitive(ArmPrimitive):
             aside: How far to draw the tool back [m]: a part in the gripper hides that side of the picture, so that the
                 point should lie on the other.
         """
-        tool_camera = yield from self._camera_in_tool(camera)
+        tool_camera = self._camera_in_tool(camera)
         answer: NoMotion | None = NoMotion("no height tried")
         for height in _LOOK_HEIGHTS:
             poses = [downward(x, y, surface + height, yaw) @ tool_camera.inverse() for yaw in self._yaws()]
@@ -58,11 +56,9 @@ class LookingPrimitive(ArmPrimitive):
                 return (yield from self.wait(Camera(self.context.board, camera.id).capture()))
         return NoMotion(f"cannot look at ({x:.2f}, {y:.2f}) from above: {answer.reason}" if answer else "")
 
-    def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Execution[Pose]:
-        """Returns where in the map the camera was when it took a picture, as known from joints and localisation."""
-        arm = image.snapshot.state(self.params.arm, ArmState)
-        frame = yield from self.frame_pose(arm.positions, camera.frame)
-        return self.robot.pose(image.snapshot) @ frame
+    def camera_pose(self, camera: CameraSpec, image: DepthImage) -> Pose:
+        """Returns the pose of the camera in the map when it took a picture, as known from joints and localisation."""
+        return self.context.frames.at(image.snapshot).located(camera.id)
 
     def camera_spec(self, camera: str) -> CameraSpec:
         """Returns the description of one of the robot's cameras."""
@@ -71,8 +67,8 @@ class LookingPrimitive(ArmPrimitive):
     def _yaws(self) -> list[float]:
         return [self.base_pose.yaw + quarter * math.pi / 2.0 for quarter in range(4)]
 
-    def _camera_in_tool(self, camera: CameraSpec) -> Execution[Pose]:
-        positions = self.arm.state.positions
-        tool = yield from self.frame_pose(positions, self.arm_spec.tip)
-        optical = yield from self.frame_pose(positions, camera.frame)
+    def _camera_in_tool(self, camera: CameraSpec) -> Pose:
+        kinematics = self.context.port(Kinematics, self.params.arm)
+        positions = dict(zip(self.arm_spec.joints, self.arm.state.positions, strict=True))
+        tool, optical = (kinematics.pose(link, positions) for link in (self.arm_spec.tip, camera.frame))
         return tool.inverse() @ optical

@@ -28,7 +28,7 @@ class MoveArm(ArmPrimitive):
     def execute(self) -> Execution[Outcome]:
         """Plans and moves."""
         home = self.arm_spec.home
-        if self.context.libraries.arm_planner is None:  # a cell without bodies: there is nothing to move around
+        if not self.is_planned:
             refusal = yield from self.follow(even(self.arm.state.positions, home, self.context.board.period))
         else:
             refusal = yield from self.go([(JointMove(home),)])

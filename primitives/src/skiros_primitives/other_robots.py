@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.geometry import Pose, Solid
 from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import Obstacle
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.floor import Outline
-from skiros_py.skills.primitive import Execution, Primitive
 
 _HEIGHT = 1.2
 """How high a base with its folded arm is taken to be [m]."""
@@ -49,23 +48,21 @@ def _block(context: RunContext, robot: RobotSpec, outline: Outline, margin: floa
     return Obstacle(robot.id, Solid.box(*size, _HEIGHT), robot.pose(context.board.snapshot) @ middle)
 
 
-def standing(primitive: Primitive[Any], robot: str, *, margin: float) -> Execution[tuple[Obstacle, ...]]:
+def standing(context: RunContext, robot: str, *, margin: float) -> tuple[Obstacle, ...]:
     """Returns the other robots that do not drive, with their arms as they are stretched out or about to be.
 
     Args:
-        primitive: Who asks.
+        context: The run.
         robot: Id of the robot that is not to touch them.
         margin: By how much each is taken to be wider than it is, on each side [m].
     """
-    context = primitive.context
     there = [other for other in others(context, robot) if not context.floor.is_driving(other.id)]
     found = [_body(context, other, margin) for other in there]
     for other in there:
         taken = {arm.id: context.floor.stretched(arm.id) for arm in other.of(ArmSpec)}
         found += [_block(context, other, outline, margin) for outline in taken.values() if outline]
         resting = replace(other, devices=tuple(arm for arm in other.of(ArmSpec) if not taken[arm.id]))
-        tips = yield from _tips(primitive, resting, now=True)
-        found += [_arm(context, other, tip, margin) for tip in tips]
+        found += [_arm(context, other, tip, margin) for tip in _tips(context, resting, now=True)]
     return tuple(found)
 
 
@@ -78,10 +75,10 @@ def _arm(context: RunContext, robot: RobotSpec, tip: Pose, margin: float) -> Obs
     return Obstacle(robot.id, Solid.box(length, width, _HEIGHT), base @ along)
 
 
-def outline(primitive: Primitive[Any], robot: RobotSpec) -> Execution[Outline]:
+def outline(context: RunContext, robot: RobotSpec) -> Outline:
     """Returns what a robot covers of the floor while it drives: its base, and its hands in their travelling posture."""
     points = list(robot.outline)
-    for tip in (yield from _tips(primitive, robot, now=False)):
+    for tip in _tips(context, robot, now=False):
         turns = (2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS))
         points += [(tip.position[0] + _HAND * math.cos(t), tip.position[1] + _HAND * math.sin(t)) for t in turns]
     return points
@@ -92,13 +89,13 @@ def reach(points: Outline) -> float:
     return max(math.hypot(x, y) for x, y in points)
 
 
-def _tips(primitive: Primitive[Any], robot: RobotSpec, *, now: bool) -> Execution[list[Pose]]:
-    """Returns where the tips of a robot's arms are in the frame of its base, now or at home."""
-    planner, states = primitive.context.libraries.arm_planner, primitive.context.board.snapshot.of(ArmState)
+def _tips(context: RunContext, robot: RobotSpec, *, now: bool) -> list[Pose]:
+    """Returns the poses of the tips of a robot's arms in the frame of its base, now or at home, as far as known."""
+    states = context.board.snapshot.of(ArmState)
     tips: list[Pose] = []
-    if planner is None:
-        return tips
     for arm in robot.of(ArmSpec):
-        positions = states[arm.id].positions if now else arm.home
-        tips.append((yield from primitive.wait(planner.frame_pose(arm.id, positions, arm.tip))))
+        kinematics = context.ports.find(Kinematics, arm.id)
+        if kinematics is not None:
+            positions = states[arm.id].positions if now else arm.home
+            tips.append(kinematics.pose(arm.tip, dict(zip(arm.joints, positions, strict=True))))
     return tips

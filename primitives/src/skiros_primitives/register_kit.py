@@ -9,7 +9,7 @@ from skiros_primitives.looking import LookingPrimitive
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.motion import NoMotion
-from skiros_py.ports.perception import RegistrationRequest, RegistrationResult
+from skiros_py.ports.perception import Registrar, RegistrationRequest, RegistrationResult
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
@@ -50,14 +50,14 @@ class RegisterKit(LookingPrimitive):
         return Failure(f"{self.params.kit} is not recognised where it should be: {why}")
 
     def _look(self, believed: Pose, aside: float) -> Execution[RegistrationResult | NoMotion]:
-        registrar, solid = self.context.libraries.registrar, solid_of(self.world, self.params.kit)
-        if registrar is None or solid is None:
-            raise DeviceError(f"register_kit needs a registrar, and a shape of {self.params.kit}")
-        camera = self.camera_spec(self.params.camera)
+        camera, solid = self.camera_spec(self.params.camera), solid_of(self.world, self.params.kit)
+        registrar = self.context.port(Registrar, camera.id)
+        if solid is None:
+            raise DeviceError(f"register_kit needs a shape of {self.params.kit}")
         image = yield from self.look_down(camera, *believed.position, aside=aside)
         if isinstance(image, NoMotion):
             return image
-        pose = yield from self.camera_pose(camera, image)
+        pose = self.camera_pose(camera, image)
         request = RegistrationRequest(image, pose, solid, believed, self.seed(), camera.id, self.params.kit)
         return (yield from self.wait(registrar.register(request)))
 

@@ -7,11 +7,10 @@ from typing import ClassVar
 
 from skiros_primitives.arm_moves import ArmPrimitive
 from skiros_primitives.teaching import keep, other_class
-from skiros_py.geometry import Pose
 from skiros_py.skills.outcome import Failure, Outcome
 from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution
-from skiros_py.skills.surroundings import held_by, map_pose
+from skiros_py.skills.surroundings import map_pose
 from skiros_py.world.vocabulary import ARM, CONTAINER, GRIPPER, MANIPULATABLE, PLACING_POSE, TAUGHT_PLACING_POSE
 
 
@@ -38,17 +37,10 @@ class TeachPlacingPose(ArmPrimitive):
 
     def execute(self) -> Execution[Outcome]:
         """Writes down where the part is in the container."""
-        container = map_pose(self.context, self.params.container)
-        part = yield from self._part_pose()
+        yield from ()  # it takes no time
+        container, part = (map_pose(self.context, one) for one in (self.params.container, self.params.part))
         if container is None or part is None:
             unknown = self.params.container if container is None else self.params.part
             return Failure(f"nobody knows exactly where {unknown} is")
         lesson = TAUGHT_PLACING_POSE, self.params.container, self.params.type
         return keep(self.world, *lesson, {PLACING_POSE: container.inverse() @ part}, author=self.name)
-
-    def _part_pose(self) -> Execution[Pose | None]:
-        holding = held_by(self.context, self.params.gripper)
-        if holding is None or holding[0] != self.params.part:
-            return map_pose(self.context, self.params.part)
-        tool = yield from self.tool_pose()
-        return tool @ holding[1].pose

@@ -12,6 +12,7 @@ from typing import Any
 from skiros_py.behaviours.document import DocumentKind
 from skiros_py.errors import SkirosError
 from skiros_py.plugins import Plugin
+from skiros_py.ports.adapters import Adapter, adapter_problem
 from skiros_py.ports.device import DeviceSpec
 from skiros_py.ports.kinds import device_problem
 from skiros_py.ports.models import RobotModel
@@ -151,6 +152,7 @@ KINDS: Mapping[str, Kind] = {
             lambda value: isinstance(value, type) and issubclass(value, DeviceSpec),
             device_problem,
         ),
+        Kind("skiros.adapters", "an Adapter", lambda value: isinstance(value, Adapter), adapter_problem),
         Kind("skiros.drivers", "what makes a CellDriver when it is called", callable),
         Kind("skiros.signals", "a function of the cell that returns signal providers", callable),
         Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),

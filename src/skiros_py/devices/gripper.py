@@ -108,6 +108,11 @@ class GripperSpec(DeviceSpec[GripperState, GripperTarget]):
         """Returns how far each finger is from the middle [m]."""
         return (state.gap / 2.0,) * len(self.joints)
 
+    @property
+    def mounted_on(self) -> str:
+        """Its arm: what it holds has its pose in the frame of the arm's tip."""
+        return self.arm
+
     def noisy(self, state: GripperState, sigma: float, rng: np.random.Generator) -> GripperState:
         """Returns a state with noise on the gap [m]."""
         return replace(state, gap=max(0.0, state.gap + rng.normal(0.0, sigma)))

@@ -32,7 +32,7 @@ class Managers(Mapping[str, SkillManager]):
     Args:
         skills: All skills found.
         primitives: All primitives found, by name.
-        context: World, devices, libraries.
+        context: World, devices, adapters.
         cycle: Runs everything.
         monitor: Takes module events.
         driver: Kind of cell driver.

@@ -18,11 +18,13 @@ from skiros_py.execution.managers import Managers
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.watchdog import Watchdog
+from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.frames import Frames
 from skiros_py.ports.signals import SignalProvider
-from skiros_py.skills.context import Libraries, RunContext
+from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.questions import Questions
 from skiros_py.skills.skill import Skill
@@ -46,7 +48,7 @@ class RuntimeOptions:
         kind: Kind of cell driver whose implementations of skills are used; the driver's own where left out.
         seed: Seed of every random choice.
         pace: Simulated seconds per wall second; None for lockstep, as fast as possible.
-        libraries: Motion and perception.
+        ports: The adapters for motion and perception.
         config: Values of configuration parameters by "module.key".
         signals: What computes signals from those of the devices.
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
@@ -55,7 +57,7 @@ class RuntimeOptions:
     kind: str | None = None
     seed: int | Sequence[int] = 0
     pace: float | None = None
-    libraries: Libraries = field(default_factory=Libraries)
+    ports: Ports = NO_PORTS
     config: Mapping[str, Any] = field(default_factory=dict)
     signals: Sequence[SignalProvider] = ()
     overrun: float | None = None
@@ -79,7 +81,7 @@ class Runtime:
         context: What modules may reach.
         managers: The skill managers by the id of their subsystem.
         monitor: Module events.
-        asked: What modules ask motion and perception.
+        asked: What modules ask of adapters.
         questions: What the robots ask a person.
         watchdog: Interrupts what holds the control cycle.
 
@@ -101,7 +103,7 @@ class Runtime:
         world.clock = lambda: board.snapshot.time
         self.world = world
         self.monitor = Monitor()
-        self.asked = LibraryMonitor(options.libraries)
+        self.asked = LibraryMonitor(options.ports)
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
         self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.pulse)
@@ -109,8 +111,9 @@ class Runtime:
         self.context = RunContext(
             world=world,
             board=board,
-            libraries=self.asked.libraries,
+            ports=self.asked,
             cell=spec,
+            frames=Frames(spec, options.ports),
             rng=np.random.default_rng(options.seed),
             lockstep=options.pace is None,
             report=lambda _module, _code, _text: None,

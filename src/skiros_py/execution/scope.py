@@ -62,7 +62,7 @@ class Scope:
     """What a node of a running skill runs in; implements :class:`skiros_py.skills.behaviour.Scope`.
 
     Attributes:
-        context: World, devices, libraries, the run's clock.
+        context: World, devices, adapters, the run's clock.
         modules: Runs what is called.
         watches: Conditions that are looked at again when something they read has changed.
         monitor: Takes module events.

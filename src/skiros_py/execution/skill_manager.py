@@ -87,7 +87,7 @@ class SkillManager:
         agent: Id of the subsystem.
         skills: All skills found; those for its class and its driver are taken.
         primitives: All primitives found, by name.
-        context: World, devices, libraries.
+        context: World, devices, adapters.
         cycle: Runs everything.
         monitor: Takes module events.
         driver: Kind of cell driver; a fake one gets the implementations that only pretend.

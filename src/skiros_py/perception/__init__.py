@@ -2,7 +2,3 @@
 
 Open3D is imported in the worker process only; importing this package costs nothing.
 """
-
-from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
-
-__all__ = ["Open3dPartDetector", "Open3dRegistrar", "start_perception"]

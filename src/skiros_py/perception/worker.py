@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+from skiros_py.ports.adapters import Adapter
 from skiros_py.ports.pending import Pending
-from skiros_py.ports.perception import LookRequest, LookResult, RegistrationRequest, RegistrationResult
+from skiros_py.ports.perception import (
+    LookRequest,
+    LookResult,
+    PartDetector,
+    Registrar,
+    RegistrationRequest,
+    RegistrationResult,
+)
 from skiros_py.workers import Worker
 
 LATENCY = 0.15
@@ -17,49 +25,32 @@ class _Perception:
         from skiros_py.perception.detector import detect
         from skiros_py.perception.registration import register
 
-        self._detect = detect
-        self._register = register
-
-    def detect(self, request: LookRequest) -> LookResult:
-        return self._detect(request)
-
-    def register(self, request: RegistrationRequest) -> RegistrationResult:
-        return self._register(request)
+        self.detect = detect
+        self.register = register
 
 
-def start_perception() -> Worker:
-    """Starts the worker process and returns at once; Open3D is imported over there meanwhile.
+class Open3dPerception:
+    """Finds parts on a flat support, and the exact pose of a known body near a guess.
 
-    The caller closes it.
-    """
-    return Worker("perception", _Perception)
-
-
-class Open3dPartDetector:
-    """Finds and tells apart parts on a flat support; a :class:`skiros_py.ports.perception.PartDetector`.
-
-    Args:
-        worker: From :func:`start_perception`; shared with :class:`Open3dRegistrar`.
+    A :class:`skiros_py.ports.perception.PartDetector` and :class:`skiros_py.ports.perception.Registrar`. Its process
+    starts at once and imports Open3D meanwhile.
     """
 
-    def __init__(self, worker: Worker) -> None:
-        self._worker = worker
+    def __init__(self) -> None:
+        self._worker = Worker("perception", _Perception)
 
     def detect(self, request: LookRequest) -> Pending[LookResult]:
         """Searches one image."""
         return self._worker.call("detect", request, latency=LATENCY)
 
-
-class Open3dRegistrar:
-    """Finds the exact pose of a known body near a guess; a :class:`skiros_py.ports.perception.Registrar`.
-
-    Args:
-        worker: From :func:`start_perception`; shared with :class:`Open3dPartDetector`.
-    """
-
-    def __init__(self, worker: Worker) -> None:
-        self._worker = worker
-
     def register(self, request: RegistrationRequest) -> Pending[RegistrationResult]:
         """Registers one body."""
         return self._worker.call("register", request, latency=LATENCY)
+
+    def close(self) -> None:
+        """Ends the worker process."""
+        self._worker.close()
+
+
+PERCEPTION = Adapter((PartDetector, Registrar), lambda _request: Open3dPerception())
+"""Shared by all cameras; answers in the order of asking."""

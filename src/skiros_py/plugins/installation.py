@@ -18,9 +18,8 @@ from typing import NamedTuple
 from skiros_py.plugins.plugin import Distribution, Entry, PluginFault
 
 _KINDS = (
-    "skills", "primitives", "behaviours", "documents", "conditions", "reasoners", "planners", "devices", "drivers",
-    "engines", "signals", "ontologies", "robots", "scenes", "pages",
-    "topics",
+    "skills", "primitives", "behaviours", "documents", "conditions", "reasoners", "planners", "devices", "adapters",
+    "drivers", "engines", "signals", "ontologies", "robots", "scenes", "pages", "topics",
 )  # fmt: skip
 GROUPS = tuple(f"skiros.{kind}" for kind in _KINDS)
 """The groups of entry points by which this platform is extended."""

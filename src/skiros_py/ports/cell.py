@@ -109,11 +109,6 @@ class RobotSpec:
         carrier = self.carrier
         return self.place if carrier is None else carrier.pose(snapshot.devices[carrier.id])
 
-    def platform(self, device: DeviceSpec[Any, Any], snapshot: Snapshot) -> Pose:
-        """Returns where in the map one of its devices is that carries bodies, as localised."""
-        state = snapshot.devices[device.id]
-        return device.pose(state) if isinstance(device, MobileSpec) else self.pose(snapshot) @ device.platform(state)
-
     def still(self, snapshot: Snapshot) -> bool:
         """Returns True when nothing moves it through the map."""
         carrier = self.carrier
@@ -177,15 +172,6 @@ class CellSpec:
         if id_ not in found:
             raise UnknownName(getattr(type_, "kind", "device"), id_, found, where="in this cell")
         return found[id_]
-
-    def platforms(self, snapshot: Snapshot) -> dict[str, Pose]:
-        """Returns where in the map the devices are that carry bodies, by device id."""
-        return {
-            device.id: group.platform(device, snapshot)
-            for group in self.groups
-            for device in group.devices
-            if device.carries
-        }
 
     def group_of(self, device: str) -> RobotSpec:
         """Returns the robot that a device belongs to, or the group of a device that stands by itself.

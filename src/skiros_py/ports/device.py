@@ -228,6 +228,11 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         """Links of the robot's model that others may ask for: its tip, its optical frame."""
         return ()
 
+    @property
+    def mounted_on(self) -> str:
+        """Id of the device whose frame it shares, where it names no link of its own: a gripper's arm."""
+        return ""
+
     # ------------------------------------------------------------------ what stands on it
 
     @property
@@ -240,9 +245,9 @@ class DeviceSpec(ABC, Generic[StateT, TargetT]):
         """Pose of that link in the frame of the robot, at the start."""
         return Pose()
 
-    def platform(self, state: StateT) -> Pose:  # noqa: ARG002 - for kinds that carry something
-        """Returns the pose of that link in the frame of the robot."""
-        return Pose()
+    def platform(self, state: StateT) -> Pose | None:  # noqa: ARG002 - for kinds that know it themselves
+        """Returns the pose of that link in the frame of the robot; None to have it from the robot's kinematics."""
+        return None
 
     # ------------------------------------------------------------------ plain data, faults
 

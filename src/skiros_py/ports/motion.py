@@ -1,4 +1,4 @@
-"""Ports to motion libraries: kinematics, arm motion planning, base path planning."""
+"""Ports to motion libraries: arm motion planning, base path planning."""
 
 from __future__ import annotations
 
@@ -125,14 +125,10 @@ class NoMotion:
 
 
 class ArmPlanner(Protocol):
-    """Kinematics and collision-free motions of the arms of one robot."""
+    """Collision-free motions of arms."""
 
     def plan(self, request: MotionRequest) -> Pending[MotionPlan | NoMotion]:
         """Plans one request."""
-        ...
-
-    def frame_pose(self, arm: str, positions: tuple[float, ...], frame: str) -> Pending[Pose]:
-        """Returns the pose of a URDF link in the robot's base frame at the given joint angles [rad]."""
         ...
 
 

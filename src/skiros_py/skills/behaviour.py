@@ -119,7 +119,7 @@ class Scope(Protocol):
 
     @property
     def context(self) -> RunContext:
-        """World, devices, libraries, the run's clock."""
+        """World, devices, adapters, the run's clock."""
         ...
 
     @property

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
+from skiros_py.ports.adapters import Ports
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.motion import ArmPlanner, BasePlanner
-from skiros_py.ports.perception import PartDetector, Registrar
+from skiros_py.ports.frames import Frames
 from skiros_py.ports.signals import NO_SIGNALS, SignalReader
 from skiros_py.skills.floor import Floor, OpenFloor
 from skiros_py.skills.questions import Questions
@@ -27,15 +27,7 @@ from skiros_py.errors import UnknownName
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.conditions.effects import effects_of, write_effects
 
-
-@dataclass(frozen=True, slots=True)
-class Libraries:
-    """Adapters to motion and perception libraries; None where the cell (a fake) has no use for them."""
-
-    arm_planner: ArmPlanner | None = None
-    base_planner: BasePlanner | None = None
-    detector: PartDetector | None = None
-    registrar: Registrar | None = None
+T = TypeVar("T")
 
 
 class Clock(Protocol):
@@ -61,13 +53,14 @@ def _nobody(module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:  #
 
 @dataclass(frozen=True, slots=True)
 class RunContext:
-    """One run: its world, devices, libraries, random numbers.
+    """One run: its world, devices, adapters, random numbers.
 
     Attributes:
         world: The live world model.
         board: Snapshot and commands of the present cycle.
-        libraries: Motion and perception.
+        ports: The adapters; see :meth:`port`.
         cell: The cell's description (limits, joints, footprint) as brought up.
+        frames: Where robots, links and devices are in a cycle.
         rng: Random numbers of this run; every random choice comes from here.
         lockstep: True when simulated time waits for workers.
         report: Takes (module, progress code, text).
@@ -83,8 +76,9 @@ class RunContext:
 
     world: World
     board: DeviceBoard
-    libraries: Libraries
+    ports: Ports
     cell: CellSpec
+    frames: Frames
     rng: np.random.Generator
     lockstep: bool
     report: Callable[[str, int, str], None]
@@ -101,6 +95,18 @@ class RunContext:
     def now(self) -> float:
         """Time of this run [s]: it stands still while the run is paused, so that a trajectory waits, too."""
         return self.clock.now
+
+    def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
+        """Returns the adapter for a device: ``context.port(ArmPlanner, "panda_1")``.
+
+        Args:
+            protocol: The port's protocol.
+            device: Id of the device; None for an adapter that needs none.
+
+        Raises:
+            DeviceError: None of the installed adapters serves it, or the cell is without physics and has none.
+        """
+        return self.ports.port(protocol, device)
 
 
 class Effects:

@@ -26,11 +26,11 @@ from skiros_py.world.vocabulary import (
 def map_pose(context: RunContext, element: str) -> Pose | None:
     """Returns the believed pose of an element in the map, or None when it has none.
 
-    A pose may be given in the frame of another element; the pose of what carries things comes from its sensors.
+    A pose may be given in the frame of another element; where a device is, its sensors say.
     """
-    device = context.board.devices.get(element)
-    if device is not None and device.carries:
-        return context.cell.group_of(element).platform(device, context.board.snapshot)
+    device = context.frames.at(context.board.snapshot).device(element)
+    if device is not None:
+        return device
     pose = context.world.value(element, POSE)
     if not isinstance(pose, Pose):
         return None

@@ -10,11 +10,11 @@ from skiros_py.catalogue import Catalogue, choose_planners
 from skiros_py.planning.process import PlanningProcess
 from skiros_py.planning.requests import PlanningHost
 from skiros_py.planning.thread_host import ThreadHost
+from skiros_py.ports.adapters import InstalledPorts
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.composite import CompositeDriver
 from skiros_py.ports.connection import Connection
 from skiros_py.ports.driver import CellDriver
-from skiros_py.skills.context import Libraries
 from skiros_py.system import check_system_libraries, require_extra
 from skiros_py.world.world import World
 
@@ -22,22 +22,18 @@ if TYPE_CHECKING:
     from skiros_py.station.session import Options
 
 
-def start_libraries(stack: ExitStack, spec: CellSpec) -> Libraries:
-    """Starts the worker processes of motion and perception; their imports take seconds and run side by side.
+def start_ports(stack: ExitStack, spec: CellSpec, *, physics: bool) -> InstalledPorts:
+    """Finds the adapters of the cell.
 
-    Each robot plans its arms' motions in a process of its own; base paths and perception are shared, and answer in
-    the order of asking.
+    With physics, those with worker processes start at once: their imports take seconds and run side by side.
     """
-    require_extra("physics", "a simulated run without --fake")
-    check_system_libraries()
-    from skiros_py.motion.arm_planner import ArmPlanners
-    from skiros_py.motion.base_paths import ShapelyBasePlanner
-    from skiros_py.perception.worker import Open3dPartDetector, Open3dRegistrar, start_perception
-
-    perception = stack.enter_context(closing(start_perception()))
-    arm_planner = stack.enter_context(closing(ArmPlanners(spec.robots)))
-    base_planner = stack.enter_context(closing(ShapelyBasePlanner()))
-    return Libraries(arm_planner, base_planner, Open3dPartDetector(perception), Open3dRegistrar(perception))
+    if physics:
+        require_extra("physics", "a simulated run without --fake")
+        check_system_libraries()
+    ports = stack.enter_context(closing(InstalledPorts(spec.groups, physics=physics)))
+    if physics:
+        ports.start()
+    return ports
 
 
 def start_cell(stack: ExitStack, spec: CellSpec, catalogue: Catalogue, options: Options) -> CellDriver:

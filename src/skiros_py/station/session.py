@@ -21,15 +21,15 @@ from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
+from skiros_py.ports.adapters import Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.composite import CompositeDriver
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
-from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.respawn import respawn
 from skiros_py.skills.skill import Skill
-from skiros_py.station.adapters import start_cell, start_libraries, start_planning
+from skiros_py.station.adapters import start_cell, start_planning, start_ports
 from skiros_py.station.worlds import load_world, open_directory, warn
 from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.handle import TaskHandle
@@ -153,10 +153,10 @@ class Session:
         warn(self.catalogue.faults)
         self.goal = self._own_goal()
         self.spec = self._read_cell()
-        libraries = Libraries() if self.options.fake else start_libraries(self._stack, self.spec)
+        ports = start_ports(self._stack, self.spec, physics=not self.options.fake)
         self.cell = start_cell(self._stack, self.spec, self.catalogue, self.options)
         self.world.subscribe(self._digest.add_change)
-        self._set_up(libraries)
+        self._set_up(ports)
         self._watch()
         self.planning = start_planning(self._stack, self.world, self.catalogue, self.options)
         title = self._source.stem
@@ -232,14 +232,14 @@ class Session:
             raise UnknownName("robot", wanted, robots, where=f"in scene '{self.scene}'")
         return (by_name[wanted],)
 
-    def _set_up(self, libraries: Libraries) -> None:
+    def _set_up(self, ports: Ports) -> None:
         """Brings control cycle, skill managers and watchdog up."""
         skills = self._skills()
         seed = (self.options.seed, _STREAM)
         options = RuntimeOptions(
             seed=seed,
             pace=self.options.pace,
-            libraries=libraries,
+            ports=ports,
             config=self.options.config,
             signals=self.catalogue.signal_providers(self.spec),
             overrun=self.options.overrun,

@@ -15,13 +15,13 @@ from skiros_py.planning.planners.planner import Planner
 from skiros_py.planning.requests import PlanningHost
 from skiros_py.planning.service import Planned
 from skiros_py.planning.thread_host import ThreadHost
+from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.ports.signals import SignalProvider
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition, ConditionType
-from skiros_py.skills.context import Libraries
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
@@ -50,7 +50,7 @@ class Bench:
         attempts: How often a skill may fail on one target.
         cell: Brings the cell up; the fake one where left out.
         driver: Kind of cell driver whose implementations of skills are used.
-        libraries: Motion and perception, for primitives that use them.
+        ports: Adapters, for primitives that use them; see :class:`skiros_py.ports.adapters.GivenPorts`.
         config: Values of configuration parameters by "module.key".
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
         signals: Makes signal providers of the cell.
@@ -79,7 +79,7 @@ class Bench:
         attempts: int = 3,
         cell: Cell = FakeCell,
         driver: str = "fake",
-        libraries: Libraries | None = None,
+        ports: Ports = NO_PORTS,
         config: Mapping[str, Any] | None = None,
         overrun: float | None = None,
         signals: Callable[[CellSpec], Sequence[SignalProvider]] | None = None,
@@ -93,7 +93,7 @@ class Bench:
         named = primitives if isinstance(primitives, Mapping) else {one.name: one for one in primitives}
         options = RuntimeOptions(
             driver,
-            libraries=libraries or Libraries(),
+            ports=ports,
             config=config or {},
             signals=signals(spec) if signals is not None else (),
             overrun=overrun,

@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 from skiros_py.catalogue import load_catalogue
+from skiros_py.ports.adapters import NO_PORTS, Ports
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.driver import CellDriver
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.conditions import Condition, Verdict
-from skiros_py.skills.context import Libraries
 from skiros_py.skills.primitive import Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.testing.answering import Answers
@@ -43,7 +43,7 @@ def run_skill(
     driver: Driver = "fake",
     faults: Sequence[Fault] = (),
     answers: Mapping[str, str] | None = None,
-    libraries: Libraries | None = None,
+    ports: Ports = NO_PORTS,
     config: Mapping[str, Any] | None = None,
     limit: float = _LIMIT,
     **arguments: Any,
@@ -60,7 +60,7 @@ def run_skill(
         driver: Kind of cell: "fake", "pybullet", the name of a plug-in's driver, or what brings one up.
         faults: What goes wrong, of devices and primitives.
         answers: What a person says; see :func:`skiros_py.testing.answers`.
-        libraries: Motion and perception, for primitives that use them.
+        ports: Adapters, for primitives that use them; see :class:`skiros_py.ports.adapters.GivenPorts`.
         config: Values of configuration parameters by "module.key".
         limit: Longest time of the run [s]; then it is stopped, which is a failure.
         **arguments: Values by parameter key; what is left out is inferred.
@@ -70,7 +70,7 @@ def run_skill(
         DeviceError: The cell broke (:class:`~skiros_py.testing.Dies`).
     """
     offered = [replace(one, driver=None) for one in (skill, *skills)]
-    with _bench(world, offered, primitives, driver, faults, libraries, config) as bench:
+    with _bench(world, offered, primitives, driver, faults, ports, config) as bench:
         trial, values = _try(bench, skill.description.name, arguments, answers or {}, limit)
     return replace(trial, verdicts=tuple(_verdict(post, world, values) for post in skill.description.post))
 
@@ -83,7 +83,7 @@ def run_primitive(
     driver: Driver = "fake",
     faults: Sequence[Fault] = (),
     answers: Mapping[str, str] | None = None,
-    libraries: Libraries | None = None,
+    ports: Ports = NO_PORTS,
     config: Mapping[str, Any] | None = None,
     limit: float = _LIMIT,
     **params: Any,
@@ -99,12 +99,12 @@ def run_primitive(
         driver: Kind of cell: "fake", "pybullet", the name of a plug-in's driver, or what brings one up.
         faults: What goes wrong, of devices and primitives.
         answers: What a person says.
-        libraries: Motion and perception, for primitives that use them.
+        ports: Adapters, for primitives that use them; see :class:`skiros_py.ports.adapters.GivenPorts`.
         config: Values of configuration parameters by "module.key".
         limit: Longest time of the run [s]; then it is stopped, which is a failure.
         **params: Its parameters; devices that are left out are those of the robot.
     """
-    with _bench(world, (), (primitive, *primitives), driver, faults, libraries, config) as bench:
+    with _bench(world, (), (primitive, *primitives), driver, faults, ports, config) as bench:
         return _try(bench, primitive.name, params, answers or {}, limit)[0]
 
 
@@ -114,7 +114,7 @@ def _bench(
     primitives: Sequence[type[Primitive[Any]]],
     driver: Driver,
     faults: Sequence[Fault],
-    libraries: Libraries | None,
+    ports: Ports,
     config: Mapping[str, Any] | None,
 ) -> Bench:
     of_modules = [fault for fault in faults if isinstance(fault, ModuleFault)]
@@ -126,7 +126,7 @@ def _bench(
         cell=lambda spec: _cell(driver, spec, of_devices),
         driver=_ANY,
         planner=GivenPlanner(),
-        libraries=libraries,
+        ports=ports,
         config=config,
     )
 

@@ -1,17 +1,27 @@
-"""Those who look on hear what modules ask of libraries, and change nothing by that."""
+"""Observers get what modules ask of adapters, and change nothing."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from skiros_py.errors import DeviceError
 from skiros_py.execution.library_monitor import LibraryCall, LibraryMonitor
 from skiros_py.geometry import Pose, Solid
-from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
+from skiros_py.ports.adapters import NO_PORTS, GivenPorts
+from skiros_py.ports.kinematics import Kinematics
+from skiros_py.ports.motion import ArmPlanner, BasePath, BasePathRequest, BasePlanner, MotionPlan, MotionRequest
 from skiros_py.ports.pending import Done
-from skiros_py.ports.perception import LookRequest, LookResult, Region, RegistrationRequest, RegistrationResult
+from skiros_py.ports.perception import (
+    LookRequest,
+    LookResult,
+    PartDetector,
+    Region,
+    Registrar,
+    RegistrationRequest,
+    RegistrationResult,
+)
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
-from skiros_py.skills.context import Libraries
 
 IMAGE = DepthImage(
     Snapshot(0, 0.0),
@@ -26,19 +36,18 @@ PATH = BasePathRequest(Pose(), Pose(), (), ())
 
 
 class Everything:
-    """All four libraries, which answer at once."""
+    """All adapters, which answer at once."""
 
     def __init__(self, motion: MotionPlan | BasePath) -> None:
         self.motion = Done(motion, latency=0.5)
         self.look = Done(LookResult(None, (), 1.0))
         self.registration = Done(RegistrationResult(None, 0.0, "not there"))
-        self.frame = Done(Pose.of(1.0, 2.0, 3.0))
 
     def plan(self, _request: object) -> Done[MotionPlan | BasePath]:
         return self.motion
 
-    def frame_pose(self, _arm: str, _positions: object, _frame: str) -> Done[Pose]:
-        return self.frame
+    def pose(self, _link: str, _positions: object) -> Pose:
+        return Pose.of(1.0, 2.0, 3.0)
 
     def detect(self, _request: object) -> Done[LookResult]:
         return self.look
@@ -51,44 +60,38 @@ ARMS, REST = Everything(MotionPlan(0, ())), Everything(BasePath((), 0.0))
 
 
 def monitored() -> LibraryMonitor:
-    return LibraryMonitor(Libraries(ARMS, REST, REST, REST))
+    given = {ArmPlanner: ARMS, Kinematics: ARMS, BasePlanner: REST, PartDetector: REST, Registrar: REST}
+    return LibraryMonitor(GivenPorts(given))
 
 
-def ask_all(libraries: Libraries) -> list[object]:
-    arms, bases, parts, kits = (
-        libraries.arm_planner,
-        libraries.base_planner,
-        libraries.detector,
-        libraries.registrar,
-    )
-    assert arms is not None
-    assert bases is not None
-    assert parts is not None
-    assert kits is not None
-    return [arms.plan(MOTION), bases.plan(PATH), parts.detect(LOOK), kits.register(REGISTRATION)]
+def ask_all(ports: LibraryMonitor) -> list[object]:
+    return [
+        ports.port(ArmPlanner, "arm_1").plan(MOTION),
+        ports.port(BasePlanner).plan(PATH),
+        ports.port(PartDetector).detect(LOOK),
+        ports.port(Registrar).register(REGISTRATION),
+    ]
 
 
 def test_what_modules_ask_is_heard_with_the_very_answers_that_they_get() -> None:
     monitor, heard = monitored(), list[LibraryCall]()
     monitor.subscribe(heard.append)
-    answers = ask_all(monitor.libraries)
+    answers = ask_all(monitor)
     assert [call.request for call in heard] == [MOTION, PATH, LOOK, REGISTRATION]
     assert [call.answer for call in heard] == answers == [ARMS.motion, REST.motion, REST.look, REST.registration]
 
 
-def test_frames_are_answered_and_not_told_of() -> None:
+def test_what_is_answered_at_once_is_not_published() -> None:
     monitor, heard = monitored(), list[LibraryCall]()
     monitor.subscribe(heard.append)
-    planner = monitor.libraries.arm_planner
-    assert planner is not None
-    assert planner.frame_pose("arm_1", (0.0,), "tip").result() == Pose.of(1.0, 2.0, 3.0)
+    assert monitor.port(Kinematics, "arm_1").pose("tip", {}) == Pose.of(1.0, 2.0, 3.0)
     assert heard == []
 
 
 def test_whoever_has_left_hears_no_more() -> None:
     monitor, heard = monitored(), list[LibraryCall]()
     monitor.subscribe(heard.append)()
-    ask_all(monitor.libraries)
+    ask_all(monitor)
     assert heard == []
 
 
@@ -100,9 +103,12 @@ def test_a_listener_that_breaks_keeps_nobody_from_an_answer(caplog: pytest.LogCa
 
     monitor.subscribe(broken)
     monitor.subscribe(heard.append)
-    assert len(ask_all(monitor.libraries)) == len(heard) == 4
-    assert "a listener of what libraries are asked broke" in caplog.text
+    assert len(ask_all(monitor)) == len(heard) == 4
+    assert "a listener of requests to adapters broke" in caplog.text
 
 
-def test_libraries_that_are_not_there_stay_so() -> None:
-    assert LibraryMonitor(Libraries()).libraries == Libraries()
+def test_an_adapter_that_is_not_there_is_refused_by_the_name_of_its_port() -> None:
+    monitor = LibraryMonitor(NO_PORTS)
+    assert monitor.find(ArmPlanner, "arm_1") is None
+    with pytest.raises(DeviceError, match="no adapter for ArmPlanner of arm_1"):
+        monitor.port(ArmPlanner, "arm_1")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -37,14 +38,6 @@ def test_plans_come_from_the_worker_with_the_declared_latency(
     assert np.array_equal(plan.legs[-1].positions, here.legs[-1].positions)
 
 
-def test_frames_are_known_at_once(planner: ArmPlanner, bench: SimpleNamespace) -> None:
-    call = planner.frame_pose("arm", bench.HOME, "tcp")
-
-    assert call.latency == 0.0
-    assert call.result().position == pytest.approx((0.22, 0.391, 0.833), abs=0.5)
-    assert call.result().position[0] > 0.5  # joint 1 at -90 degrees points to the front
-
-
 def test_faults_of_the_worker_reach_the_caller(planner: ArmPlanner, bench: SimpleNamespace) -> None:
-    with pytest.raises(UnknownName, match="panda_hand"):
-        planner.frame_pose("arm", bench.HOME, "hand").result()
+    with pytest.raises(UnknownName, match="leg"):
+        planner.plan(replace(bench.pick("relay", Pose.of(0.7, 0.0, 0.5), 0.5), arm="leg")).result()

@@ -10,8 +10,9 @@ import pytest
 
 from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
+from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
-from skiros_py.motion.pinocchio.ik import IkSolver
+from skiros_py.motion.pinocchio.ik import IkSolver, solutions
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.models import write_robot_urdf
 
@@ -22,12 +23,16 @@ def arm(robot: RobotSpec, tmp_path_factory: pytest.TempPathFactory) -> ArmModel:
     return ArmModel(write_robot_urdf(robot.model, directory), robot.of(ArmSpec)[0], robot.of(GripperSpec))
 
 
+def limits(arm: ArmModel) -> tuple[Array, Array]:
+    return arm.lower, arm.upper
+
+
 def test_it_solves_reachable_poses_within_the_limits(arm: ArmModel) -> None:
     rng, solver, solved = np.random.default_rng(11), IkSolver(arm), 0
     for _ in range(1000):
         target = arm.tip_pose(rng.uniform(arm.lower, arm.upper))
 
-        for q in solver.solutions(target, np.array(arm.spec.home), rng, count=1):
+        for q in solutions(solver, target.homogeneous, np.array(arm.spec.home), limits(arm), rng, count=1):
             error = pin.log6(arm.tip_pose(q).actInv(target)).vector
             close = np.linalg.norm(error[:3]) < 2e-4 and np.linalg.norm(error[3:]) < 1e-3
             solved += close and bool(np.all((arm.lower <= q) & (q <= arm.upper)))
@@ -40,7 +45,7 @@ def test_several_distinct_solutions_come_nearest_first(arm: ArmModel) -> None:
     home = np.array(arm.spec.home)
     target = arm.tip_pose(home + 0.2)
 
-    found = IkSolver(arm).solutions(target, home, np.random.default_rng(0), count=6)
+    found = solutions(IkSolver(arm), target.homogeneous, home, limits(arm), np.random.default_rng(0), count=6)
 
     assert len(found) >= 6
     assert all(np.abs(a - b).max() > 0.3 for i, a in enumerate(found) for b in found[:i])
@@ -49,9 +54,11 @@ def test_several_distinct_solutions_come_nearest_first(arm: ArmModel) -> None:
 
 
 def test_an_unreachable_pose_has_no_solution(arm: ArmModel) -> None:
-    away = pin.SE3(np.eye(3), np.array([3.0, 0.0, 0.5]))
+    away, home = pin.SE3(np.eye(3), np.array([3.0, 0.0, 0.5])).homogeneous, np.array(arm.spec.home)
 
-    assert IkSolver(arm).solutions(away, np.array(arm.spec.home), np.random.default_rng(0), restarts=5) == []
+    found = solutions(IkSolver(arm), away, home, limits(arm), np.random.default_rng(0), restarts=5)
+
+    assert found == []
 
 
 def test_the_gripper_is_what_moves_with_the_tip(arm: ArmModel) -> None:

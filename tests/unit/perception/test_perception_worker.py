@@ -11,31 +11,30 @@ import numpy as np
 import pytest
 
 from skiros_py.geometry import Pose
-from skiros_py.perception import Open3dPartDetector, Open3dRegistrar, start_perception
 from skiros_py.perception.detector import detect
 from skiros_py.perception.registration import register
+from skiros_py.perception.worker import Open3dPerception
 from skiros_py.ports.perception import Region, RegistrationRequest
-from skiros_py.workers import Worker
 
 if TYPE_CHECKING:
     from conftest import Studio
 
 
 @pytest.fixture(scope="module")
-def worker() -> Iterator[Worker]:
-    worker = start_perception()
-    yield worker
-    worker.close()
+def perception() -> Iterator[Open3dPerception]:
+    perception = Open3dPerception()
+    yield perception
+    perception.close()
 
 
 def test_importing_the_package_does_not_import_open3d() -> None:
-    code = "import sys, skiros_py.perception; sys.exit('open3d' in sys.modules)"
+    code = "import sys, skiros_py.perception.worker; sys.exit('open3d' in sys.modules)"
 
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_the_worker_answers_what_the_functions_answer_after_the_declared_latency(
-    studio: Studio, worker: Worker
+    studio: Studio, perception: Open3dPerception
 ) -> None:
     camera, rng = studio.over(0.0, 0.0, 0.94), np.random.default_rng(1)
     kit, guess = Pose.of(0.0, 0.0, 0.5, yaw=0.1), Pose.of(0.01, 0.01, 0.5)
@@ -49,8 +48,8 @@ def test_the_worker_answers_what_the_functions_answer_after_the_declared_latency
         studio.shoot([studio.table(0.5), (studio.kit, kit)], camera, rng), camera, studio.kit, guess
     )
 
-    seen = Open3dPartDetector(worker).detect(look)
-    registered = Open3dRegistrar(worker).register(registration)
+    seen = perception.detect(look)
+    registered = perception.register(registration)
 
     assert seen.latency == registered.latency == pytest.approx(0.15)
     assert seen.result() == detect(look)

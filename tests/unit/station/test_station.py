@@ -123,6 +123,6 @@ def test_a_program_is_told_the_code_of_what_is_refused(opened: Opened) -> None:
     station = opened()
 
     with pytest.raises(Refused) as refused:
-        station.simulation.bodies()
+        station.simulation.true_bodies()
     assert refused.value.code == "NoSimulation"
     assert station.goals.check(GoalOrder(goal=["InKit(Starter, kit_1)"])).conditions

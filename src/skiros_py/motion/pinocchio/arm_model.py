@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from skiros_py.devices.arm import ArmSpec
 from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import UnknownName
 from skiros_py.geometry import Array, Pose
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.models import write_robot_urdf
 
 _ACCELERATION = 5.0  # [rad/s²] a URDF has no such limit; gentle for what is held by friction
 
@@ -45,7 +48,10 @@ class ArmModel:
         self._grippers = tuple(gripper for gripper in grippers if gripper.arm == arm.id)
         self.model, _ = self._reduced(0.0)
         self._data = self.model.createData()
-        self.tip = self._frame_id(arm.tip)
+        if not self.model.existFrame(arm.tip):
+            links = [frame.name for frame in self.model.frames if frame.type == pin.FrameType.BODY]
+            raise UnknownName("link", arm.tip, links)
+        self.tip = int(self.model.getFrameId(arm.tip))
         self.lower: Array = np.array(self.model.lowerPositionLimit)
         self.upper: Array = np.array(self.model.upperPositionLimit)
         self.velocity: Array = np.array(self.model.velocityLimit)
@@ -62,16 +68,6 @@ class ArmModel:
         pin.computeJointJacobians(self.model, self._data, q)
         pose = pin.updateFramePlacement(self.model, self._data, self.tip)
         return pose, pin.getFrameJacobian(self.model, self._data, self.tip, pin.LOCAL)
-
-    def frame_pose(self, q: Array, link: str) -> Pose:
-        """Returns the pose of a link at joint angles [rad].
-
-        Raises:
-            UnknownName: The robot has no such link.
-        """
-        frame = self._frame_id(link)
-        pin.framesForwardKinematics(self.model, self._data, q)
-        return Pose.from_matrix(self._data.oMf[frame].homogeneous)
 
     def joint_places(self, q: Array) -> Array:
         """Returns where the joints are at joint angles [rad], in the frame of the base [m], shape (n, 3)."""
@@ -107,12 +103,6 @@ class ArmModel:
     def _limits(self, joint: Any) -> tuple[float, float]:
         return self._full.lowerPositionLimit[joint.idx_q], self._full.upperPositionLimit[joint.idx_q]
 
-    def _frame_id(self, link: str) -> int:
-        if not self.model.existFrame(link):
-            links = [frame.name for frame in self.model.frames if frame.type == pin.FrameType.BODY]
-            raise UnknownName("link", link, links)
-        return int(self.model.getFrameId(link))
-
     def _chain_length(self) -> float:
         steps = [placement.translation for placement in list(self.model.jointPlacements)[3:]]
         steps.append(self.model.frames[self.tip].placement.translation)
@@ -128,6 +118,22 @@ class ArmModel:
             frame = self._full.frames[frame.parentFrame]
             names.add(frame.name)
         return names
+
+
+@lru_cache
+def _loaded(model: str, arm: ArmSpec, grippers: tuple[GripperSpec, ...]) -> ArmModel:
+    with TemporaryDirectory(prefix="skiros-motion-") as directory:
+        return ArmModel(write_robot_urdf(model, Path(directory)), arm, grippers)
+
+
+def arm_model(robot: RobotSpec, arm: ArmSpec) -> ArmModel:
+    """Returns the model of an arm of a robot; it is built once.
+
+    Raises:
+        UnknownName: No distribution brings the robot's model.
+        SkirosError: The model cannot be read.
+    """
+    return _loaded(robot.model, arm, robot.of(GripperSpec))
 
 
 def _convex_shapes(model: pin.Model, urdf: Path) -> pin.GeometryModel:

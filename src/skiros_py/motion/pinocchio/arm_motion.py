@@ -2,39 +2,35 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
-
 import numpy as np
 
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.devices.gripper import GripperSpec
 from skiros_py.errors import UnknownName
-from skiros_py.geometry import Array, Pose
-from skiros_py.motion.pinocchio.arm_model import ArmModel
+from skiros_py.geometry import Array
+from skiros_py.motion.pinocchio.arm_model import ArmModel, arm_model
 from skiros_py.motion.pinocchio.collision import CollisionScene, self_collision_pairs
 from skiros_py.motion.pinocchio.coverage import covered
-from skiros_py.motion.pinocchio.ik import IkSolver
 from skiros_py.motion.pinocchio.route_search import Chain, FreeLeg, Refusal, RouteSearch
 from skiros_py.motion.timing import JointLimits, time_path
+from skiros_py.ports.adapters import InstalledPorts
 from skiros_py.ports.cell import RobotSpec
-from skiros_py.ports.models import write_robot_urdf
+from skiros_py.ports.kinematics import InverseKinematics
 from skiros_py.ports.motion import MotionPlan, MotionRequest, NoMotion, Trajectory
 
 _START_SLACK = 0.05  # [rad] a sensed start may lie this far outside the limits
 
 
 class ArmMotion:
-    """Kinematics and motion planning of the arms of one robot.
+    """Motion planning of the arms of one robot.
 
     Args:
         spec: The robot.
     """
 
     def __init__(self, spec: RobotSpec) -> None:
-        with TemporaryDirectory(prefix="skiros-motion-") as directory:
-            urdf = write_robot_urdf(spec.model, Path(directory))
-            self._arms = {arm.id: ArmModel(urdf, arm, spec.of(GripperSpec)) for arm in spec.of(ArmSpec)}
+        self._arms = {arm.id: arm_model(spec, arm) for arm in spec.of(ArmSpec)}
+        ports = InstalledPorts((spec,))
+        self._solvers = {name: ports.port(InverseKinematics, name) for name in self._arms}
         self._self_pairs = {name: self_collision_pairs(arm) for name, arm in self._arms.items()}
 
     def plan(self, request: MotionRequest) -> MotionPlan | NoMotion:
@@ -50,7 +46,7 @@ class ArmMotion:
         scene = CollisionScene(
             arm, self._self_pairs[request.arm], request.base, request.obstacles, request.held, request.gap
         )
-        search = RouteSearch(arm, IkSolver(arm), scene, request.base, request.seed)
+        search = RouteSearch(arm, self._solvers[request.arm], scene, request.base, request.seed)
         found = search.find(np.clip(start, arm.lower, arm.upper), request.routes)
         if isinstance(found, Refusal):
             return NoMotion(found.text(len(request.routes)))
@@ -59,14 +55,6 @@ class ArmMotion:
         postures = np.vstack([start, *(leg.positions for leg in legs)])
         covers, ends = (covered(arm, some, request.held) for some in (postures, postures[-1:]))
         return MotionPlan(found.route, legs, covers, ends)
-
-    def frame_pose(self, arm: str, positions: tuple[float, ...], frame: str) -> Pose:
-        """Returns the pose of a URDF link in the robot's base frame at joint angles [rad].
-
-        Raises:
-            UnknownName: The robot has no such arm or link.
-        """
-        return self._arm(arm).frame_pose(np.array(positions), frame)
 
     def _arm(self, name: str) -> ArmModel:
         if name not in self._arms:

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 import shapely
 
-from skiros_py.geometry import Array
+from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.ports.motion import Held
 
@@ -40,7 +40,7 @@ def covered(arm: ArmModel, postures: Array, held: Held | None) -> Corners:
 
 def _points(arm: ArmModel, posture: Array, body: Array) -> Array:
     """Returns the joints, the tip and the corners of what it holds [m]."""
-    return np.vstack([arm.joint_places(posture), arm.frame_pose(posture, arm.spec.tip).apply(body)])
+    return np.vstack([arm.joint_places(posture), Pose.from_matrix(arm.tip_pose(posture).homogeneous).apply(body)])
 
 
 def _body(held: Held | None) -> Array:

@@ -1,4 +1,4 @@
-"""Inverse kinematics: damped least squares from several seeds, inside the joint limits."""
+"""Inverse kinematics by damped least squares, inside the joint limits."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ import pinocchio as pin
 
 from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
+from skiros_py.ports.kinematics import InverseKinematics
 
 _ITERATIONS = 40
 _POSITION_TOLERANCE = 1e-6  # [m] the last step converges quadratically, so being exact costs one more iteration
 _ANGLE_TOLERANCE = 1e-5  # [rad]
 _CLAMPED_JOINTS = 3  # joints at their limit that the others may make up for in one step
-_SETTLING = 15  # iterations that draw a solution to the reference
+_SETTLING = 15  # iterations that move a solution towards the reference
+_DISTINCT = 0.3  # [rad] two solutions closer than this in every joint are one
 _STRENGTH = 0.2  # share of the difference made up by each
 _LARGEST_STEP = 0.6  # [rad] per iteration
-_DISTINCT = 0.3  # [rad] two solutions closer than this in every joint are one
 
 
 class IkSolver:
-    """Finds joint angles that bring the tip to a pose.
+    """Damped least squares; a :class:`skiros_py.ports.kinematics.InverseKinematics`.
 
     Args:
         arm: The kinematic model.
@@ -31,7 +32,7 @@ class IkSolver:
 
     def solve(
         self,
-        target: pin.SE3,
+        target: Array,
         seed: Array,
         *,
         towards: Array | None = None,
@@ -39,56 +40,18 @@ class IkSolver:
         strength: float = _STRENGTH,
         iterations: int = _ITERATIONS,
     ) -> Array | None:
-        """Iterates from one seed.
-
-        Args:
-            target: Pose of the tip in the robot's base frame.
-            seed: Joint angles to begin with [rad].
-            towards: Joint angles to draw near where the pose leaves freedom [rad], or None.
-            pulls: How many iterations draw there.
-            strength: Share of the difference made up by one of them, 0 to 1.
-            iterations: Bound of the effort.
-
-        Returns:
-            Joint angles within the limits [rad], or None: not found from this seed.
-        """
+        """Iterates from one seed; returns joint angles within the limits [rad], or None where it finds none."""
+        goal = pin.SE3(target)
         q, nowhere = seed.copy(), np.zeros(len(seed))
         for iteration in range(iterations):
             pose, jacobian = self._arm.tip_jacobian(q)
-            error = pin.log6(pose.actInv(target)).vector
+            error = pin.log6(pose.actInv(goal)).vector
             pulled = towards is not None and iteration < pulls
             if not pulled and _small(error):
                 return q
             drift = strength * (towards - q) if towards is not None and pulled else nowhere
             q = self._step(q, jacobian, error, drift)
         return None
-
-    def solutions(
-        self, target: pin.SE3, reference: Array, rng: np.random.Generator, *, count: int = 6, restarts: int = 50
-    ) -> list[Array]:
-        """Returns distinct solutions, the one nearest to a reference first.
-
-        Each is also moved, elbow by elbow, as near to the reference as its pose allows; both are returned.
-
-        Args:
-            target: Pose of the tip in the robot's base frame.
-            reference: Joint angles from where the arm comes [rad]; also the first seed.
-            rng: Source of the other seeds.
-            count: Stop after as many solutions.
-            restarts: Bound of the effort: number of seeds.
-        """
-        found: list[Array] = []
-        for attempt in range(restarts):
-            seed = reference if attempt == 0 else rng.uniform(self._arm.lower, self._arm.upper)
-            raw = self.solve(target, seed)
-            if raw is None:
-                continue
-            for q in (self.solve(target, raw, towards=reference, pulls=_SETTLING), raw):
-                if q is not None and all(np.abs(q - other).max() > _DISTINCT for other in found):
-                    found.append(q)
-            if len(found) >= count:
-                break
-        return sorted(found, key=lambda q: float(np.linalg.norm(q - reference)))
 
     def _step(self, q: Array, jacobian: Array, error: Array, drift: Array) -> Array:
         """Moves towards the target; for a joint that would leave its range the others make up."""
@@ -108,6 +71,42 @@ class IkSolver:
         step: Array = drift + jacobian.T @ np.linalg.solve(square, error - jacobian @ drift)
         largest = float(np.abs(step).max())
         return step if largest <= _LARGEST_STEP else step * (_LARGEST_STEP / largest)
+
+
+def solutions(
+    solver: InverseKinematics,
+    target: Array,
+    reference: Array,
+    limits: tuple[Array, Array],
+    rng: np.random.Generator,
+    *,
+    count: int = 6,
+    restarts: int = 50,
+) -> list[Array]:
+    """Returns distinct solutions, the one nearest to a reference first.
+
+    Each is also moved, elbow by elbow, as near to the reference as its pose allows; both are returned.
+
+    Args:
+        solver: What finds one.
+        target: Pose of the tip in the robot's base frame, shape (4, 4).
+        reference: Joint angles from where the arm comes [rad]; also the first seed.
+        limits: Lowest and highest joint angles [rad].
+        rng: Source of the other seeds.
+        count: Stop after as many solutions.
+        restarts: Bound of the effort: number of seeds.
+    """
+    found: list[Array] = []
+    for attempt in range(restarts):
+        raw = solver.solve(target, reference if attempt == 0 else rng.uniform(*limits))
+        if raw is None:
+            continue
+        for q in (solver.solve(target, raw, towards=reference, pulls=_SETTLING), raw):
+            if q is not None and all(np.abs(q - other).max() > _DISTINCT for other in found):
+                found.append(q)
+        if len(found) >= count:
+            break
+    return sorted(found, key=lambda q: float(np.linalg.norm(q - reference)))
 
 
 def _small(error: Array) -> bool:

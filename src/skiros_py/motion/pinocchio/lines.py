@@ -11,7 +11,7 @@ import pinocchio as pin
 from skiros_py.geometry import Array
 from skiros_py.motion.pinocchio.arm_model import ArmModel
 from skiros_py.motion.pinocchio.collision import Checker
-from skiros_py.motion.pinocchio.ik import IkSolver
+from skiros_py.ports.kinematics import InverseKinematics
 
 _STEP = 0.005  # [m] between postures
 _TURN_STEP = math.radians(2.0)  # [rad] between postures
@@ -41,7 +41,7 @@ class LineFollower:
         solver: Inverse kinematics.
     """
 
-    def __init__(self, arm: ArmModel, solver: IkSolver) -> None:
+    def __init__(self, arm: ArmModel, solver: InverseKinematics) -> None:
         self._arm = arm
         self._solver = solver
         self._middle = (arm.lower + arm.upper) / 2.0
@@ -68,7 +68,9 @@ class LineFollower:
         return Line(np.array(postures), length)
 
     def _next(self, previous: Array, target: pin.SE3, checker: Checker) -> Array | str:
-        posture = self._solver.solve(target, previous, towards=self._middle, strength=_CENTRING, iterations=_ITERATIONS)
+        posture = self._solver.solve(
+            target.homogeneous, previous, towards=self._middle, strength=_CENTRING, iterations=_ITERATIONS
+        )
         if posture is None:
             return "the arm cannot follow it (a joint limit or the end of its reach)"
         if np.abs(posture - previous).max() > _LARGEST_JUMP:

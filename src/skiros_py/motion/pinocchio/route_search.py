@@ -18,9 +18,10 @@ from skiros_py.geometry import Array, Pose
 from skiros_py.motion.pinocchio.arm_model import ArmModel, se3
 from skiros_py.motion.pinocchio.collision import Checker, CollisionScene
 from skiros_py.motion.pinocchio.free_moves import Effort, FreeMoves
-from skiros_py.motion.pinocchio.ik import IkSolver
+from skiros_py.motion.pinocchio.ik import solutions
 from skiros_py.motion.pinocchio.lines import Line, LineFollower
 from skiros_py.motion.smoothing import round_corners
+from skiros_py.ports.kinematics import InverseKinematics
 from skiros_py.ports.motion import JointMove, LineMove, Move, PoseMove, Route
 
 _FREE_MARGIN = 0.005  # [m] kept from everything on free moves
@@ -106,7 +107,7 @@ class RouteSearch:
         seed: Of all random choices.
     """
 
-    def __init__(self, arm: ArmModel, solver: IkSolver, scene: CollisionScene, base: Pose, seed: int) -> None:
+    def __init__(self, arm: ArmModel, solver: InverseKinematics, scene: CollisionScene, base: Pose, seed: int) -> None:
         self._arm = arm
         self._solver = solver
         self._scene = scene
@@ -176,8 +177,11 @@ class RouteSearch:
     def _postures(self, pose: Pose, target: pin.SE3, end: Array) -> list[Array]:
         """Returns postures for a pose; those from random seeds are found once, whatever chain leads there."""
         if pose not in self._known:
-            self._known[pose] = self._solver.solutions(target, end, self._rng, count=_POSTURES, restarts=_SEEDS)
-        near = self._solver.solve(target, end)
+            limits = self._arm.lower, self._arm.upper
+            self._known[pose] = solutions(
+                self._solver, target.homogeneous, end, limits, self._rng, count=_POSTURES, restarts=_SEEDS
+            )
+        near = self._solver.solve(target.homogeneous, end)
         found = self._known[pose] if near is None else [near, *self._known[pose]]
         return sorted(found, key=lambda posture: float(np.linalg.norm(posture - end)))[:_POSTURES]
 

@@ -9,7 +9,6 @@ from skiros_py.devices.base import BaseState
 from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Pose
 from skiros_py.station.events.event import as_text
-from skiros_py.station.robots.kinematics import known_model
 from skiros_py.station.robots.looks import Looks
 from skiros_py.station.robots.motions import Motions
 from skiros_py.station.session import Session
@@ -39,7 +38,7 @@ class LiveState:
     def open(self, session: Session) -> None:
         """Shows another session from now on."""
         for robot in session.spec.robots:
-            known_model(robot.model)  # read now, and not when somebody wants to look
+            session.runtime.context.frames.kinematics(robot)  # loaded now, not when the first client asks
         self._session = session
 
     def close(self, _session: Session) -> None:
@@ -103,17 +102,9 @@ def _live_state(session: Session) -> dict[str, Any]:
 
 def _tools(session: Session) -> dict[str, dict[str, tuple[float, ...]]]:
     """Returns where the tips of the arms are in the map, as far as the robots' models are known."""
-    snapshot = session.cycle.board.snapshot
-    found = {}
-    for robot in session.spec.robots:
-        model, base = known_model(robot.model), robot.pose(snapshot)
-        if model is None:
-            continue
-        for arm in robot.of(ArmSpec):
-            tip = model.tool(arm, snapshot.state(arm.id, ArmState).positions)
-            if tip is not None:
-                found[arm.id] = _pose(base @ tip)
-    return found
+    frames = session.runtime.context.frames.at(session.cycle.board.snapshot)
+    tips = {arm.id: frames.device(arm.id) for arm in session.spec.of(ArmSpec)}
+    return {arm: _pose(tip) for arm, tip in tips.items() if tip is not None}
 
 
 def _held(index: Index, gripper: str) -> str | None:

@@ -18,7 +18,6 @@ from skiros_py.ports.models import write_robot_urdf
 from skiros_py.recording import RUNS, SUFFIX, Recorder, RecordingWriter
 from skiros_py.recording.pictures import record_pictures
 from skiros_py.station.recordings.sources import camera_of, frames_of, record_looks, record_view
-from skiros_py.station.robots.kinematics import known_model
 from skiros_py.station.session import Session
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.scene.writer import scene_turtle
@@ -61,9 +60,9 @@ def _attach_models(session: Session) -> Callable[[Recorder], None]:
     def attach(recorder: Recorder) -> None:
         index = session.world.snapshot()
         recorder.writer.attach("scene.ttl", "text/turtle", lambda: scene_turtle(index).encode())
-        for model in {robot.model for robot in session.spec.robots}:
-            if known_model(model) is not None:
-                recorder.writer.attach(f"{model}.urdf", "application/xml", partial(_urdf, model))
+        for robot in session.spec.robots:
+            if session.runtime.context.frames.kinematics(robot) is not None:
+                recorder.writer.attach(f"{robot.model}.urdf", "application/xml", partial(_urdf, robot.model))
 
     return attach
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -10,10 +10,9 @@ import numpy as np
 
 from skiros_py.api.view import ViewElement, WorldView
 from skiros_py.devices.base import BaseState
-from skiros_py.devices.gripper import GripperSpec
 from skiros_py.execution.library_monitor import LibraryCall
 from skiros_py.geometry import Pose
-from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.frames import MAP, FrameTree
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.perception import LookRequest, RegistrationRequest
 from skiros_py.ports.values import Snapshot
@@ -35,15 +34,12 @@ from skiros_py.recording.pictures import HEIGHT, WIDTH, Camera, over_the_shoulde
 from skiros_py.recording.recorder import Frames, Recorder
 from skiros_py.recording.topics import Topic
 from skiros_py.recording.writer import Write
-from skiros_py.station.robots.kinematics import known_model
 from skiros_py.station.robots.looks import points_of
 from skiros_py.station.session import Session
 from skiros_py.station.world.view import view_of
 from skiros_py.world.change import Change
 from skiros_py.world.index import Index
 
-_BASE = "base_link"
-_MAP = "map"
 _MOST_POINTS = 5000
 """Points of one look, before those close to each other are left out."""
 _CUBE = 0.02
@@ -62,46 +58,9 @@ _GREY = (0.62, 0.66, 0.71, 1.0)
 
 
 def frames_of(session: Session) -> Frames:
-    """Returns the frame tree of a session's robots: links named "robot/link" below the frame of the robot's base."""
-    models = [(robot, known_model(robot.model)) for robot in session.spec.groups]
-    links = [(robot, model.below(_BASE)) for robot, model in models if model is not None]
-    fixed = [Transform(_MAP, robot.id, robot.place) for robot, _ in models if robot.carrier is None]
-    fixed += [Transform(f"{robot.id}/{link}", name, Pose()) for robot, _ in links for name, link in _mounts(robot)]
-
-    def frames(snapshot: Snapshot) -> list[Transform]:
-        found = [Transform(_MAP, one.id, robot.pose(snapshot)) for robot, _ in models if (one := robot.carrier)]
-        for robot, joints in links:
-            root, at = _root(robot), _joint_positions(robot, snapshot)
-            for link, joint in joints:
-                parent = root if joint.parent == _BASE else f"{robot.id}/{joint.parent}"
-                found.append(Transform(parent, f"{robot.id}/{link}", joint.pose(at.get(joint.name, 0.0))))
-        return found + fixed
-
-    return frames
-
-
-def _root(robot: RobotSpec) -> str:
-    """Returns the name of the frame of a robot's base."""
-    return robot.id if robot.carrier is None else robot.carrier.id
-
-
-def _mounts(robot: RobotSpec) -> Iterator[tuple[str, str]]:
-    """Yields the devices that are frames of their own, each with its link: cameras, and the tools of arms."""
-    tips = {device.id: device.frame_names[0] for device in robot.devices if device.frame_names}
-    for device in robot.devices:
-        if device.joint_names and isinstance(device, GripperSpec):
-            yield device.id, tips[device.arm]
-        elif not device.joint_names and device.id in tips:
-            yield device.id, tips[device.id]
-
-
-def _joint_positions(robot: RobotSpec, snapshot: Snapshot) -> dict[str, float]:
-    """Returns the positions of a robot's joints by their names [rad or m]."""
-    at: dict[str, float] = {}
-    for device in robot.devices:
-        if device.id in snapshot.devices:
-            at |= zip(device.joint_names, device.joint_positions(snapshot.devices[device.id]), strict=True)
-    return at
+    """Returns what makes the frame tree of a snapshot: links are named "robot/link", devices by their ids."""
+    spec, ports = session.spec, session.runtime.context.ports
+    return lambda snapshot: [Transform(*one) for one in FrameTree(spec, snapshot, ports).transforms()]
 
 
 # ---------------------------------------------------------------------- the scene
@@ -174,7 +133,7 @@ class Scene:
 
 def _entity(element: ViewElement, blocks: Any) -> Json:
     """Returns an element as Foxglove draws it."""
-    frame, pose = element.carrier or _MAP, element.pose
+    frame, pose = element.carrier or MAP, element.pose
     if element.held_by is not None:
         frame, pose = element.held_by, element.in_hand
     at = Pose() if pose is None else Pose(pose.position, pose.orientation)
@@ -232,4 +191,4 @@ def _image(time: float, request: LookRequest | RegistrationRequest) -> Json:
 def _points(time: float, request: LookRequest | RegistrationRequest) -> Json:
     points, colours = points_of(request.image, request.camera_pose, _MOST_POINTS)
     _, kept = np.unique(np.floor(points / _CUBE).astype(np.int32), axis=0, return_index=True)
-    return point_cloud(time, _MAP, points[kept], colours[kept])
+    return point_cloud(time, MAP, points[kept], colours[kept])

@@ -19,9 +19,9 @@ from skiros_py.execution.task import Task
 from skiros_py.geometry import wrap_angle
 from skiros_py.ports.board import Commander
 from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import BasePath, BasePathRequest, MotionPlan, MotionRequest
 from skiros_py.ports.values import Snapshot
-from skiros_py.station.robots.kinematics import known_model
 from skiros_py.station.session import Session
 
 MOST_POINTS = 60
@@ -114,8 +114,20 @@ class Motions:
             if isinstance(request, BasePathRequest):
                 base = _waypoints(request, answer)
             elif isinstance(request, MotionRequest):
-                arms.append(ArmWay(arm=way.device, points=_tips(robot, request, answer)))
+                arms.append(ArmWay(arm=way.device, points=self._tips(request, answer)))
         return RobotMotion(number=number, base=base, arms=tuple(arms))
+
+    def _tips(self, request: MotionRequest, plan: MotionPlan) -> tuple[tuple[float, float, float], ...]:
+        """Returns the positions of an arm's tip on its way, in the map [m]; none without kinematics of the robot."""
+        rows = [row for leg in plan.legs for row in leg.positions.tolist()]
+        if self._session is None or not rows:
+            return ()
+        arm = self._session.spec.device(request.arm, ArmSpec)
+        kinematics = self._session.runtime.context.ports.find(Kinematics, arm.id)
+        if kinematics is None:
+            return ()
+        postures = [dict(zip(arm.joints, rows[index], strict=True)) for index in _spread(len(rows))]
+        return tuple((request.base @ kinematics.pose(arm.tip, posture)).position for posture in postures)
 
     def _note(self, call: LibraryCall) -> None:
         """Keeps what was asked; in the control thread."""
@@ -176,20 +188,6 @@ def _waypoints(request: BasePathRequest, path: BasePath) -> tuple[Waypoint, ...]
         points.append(Waypoint(x=x, y=y, heading=wrap_angle(heading)))
     points.append(Waypoint(x=x, y=y, heading=path.heading))
     return tuple(points)
-
-
-def _tips(robot: RobotSpec, request: MotionRequest, plan: MotionPlan) -> tuple[tuple[float, float, float], ...]:
-    """Returns where the tip of an arm goes, in the map [m]; nothing where nobody knows the robot's model."""
-    model, arm = known_model(robot.model), _arm(robot, request.arm)
-    rows = [row for leg in plan.legs for row in leg.positions.tolist()]
-    if model is None or arm is None or not rows:
-        return ()
-    tips = [model.tool(arm, rows[index]) for index in _spread(len(rows))]
-    return tuple((request.base @ tip).position for tip in tips if tip is not None)
-
-
-def _arm(robot: RobotSpec, arm: str) -> ArmSpec | None:
-    return next((one for one in robot.of(ArmSpec) if one.id == arm), None)
 
 
 def _spread(count: int) -> list[int]:

@@ -22,17 +22,20 @@ from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.base import BaseSpec, BaseState
 from skiros_py.devices.camera import CameraSpec
 from skiros_py.devices.gripper import GripperSpec, GripperState
-from skiros_py.errors import SkirosError, UnknownName, UsageError, WrongState
+from skiros_py.errors import UnknownName, UsageError, WrongState
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.frames import FrameTree
+from skiros_py.ports.kinematics import JointRange, Kinematics
 from skiros_py.ports.models import BASE_JOINTS
 from skiros_py.ports.values import Snapshot
 from skiros_py.skills.surroundings import owner
 from skiros_py.station.modules.runs import ModuleRun, ModuleRuns, Wish
-from skiros_py.station.robots.kinematics import RobotModel, robot_model
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.world.vocabulary import HELD_BY
+
+_UNLIMITED = JointRange(None, None, None)
 
 # ---------------------------------------------------------------------- what there is
 
@@ -51,7 +54,7 @@ def robot_of(session: Session, id_: str) -> RobotSpec:
 
 def info(session: Session, robot: RobotSpec) -> RobotInfo:
     """Describes a robot; in any thread."""
-    model, view = _model(robot), session.world.snapshot()
+    model, view = session.runtime.context.frames.kinematics(robot), session.world.snapshot()
     return RobotInfo(
         id=robot.id,
         label=view.element(robot.id).label if view.has(robot.id) else "",
@@ -72,11 +75,11 @@ def info(session: Session, robot: RobotSpec) -> RobotInfo:
     )
 
 
-def _base(robot: RobotSpec, model: RobotModel | None) -> BaseDescription | None:
+def _base(robot: RobotSpec, model: Kinematics | None) -> BaseDescription | None:
     for base in robot.of(BaseSpec):
         return BaseDescription(
             id=base.id,
-            joints=tuple(name for name in BASE_JOINTS if model is not None and model.joint(name) is not None),
+            joints=tuple(name for name in BASE_JOINTS if model is not None and name in model.joints),
             max_linear=base.max_linear,
             max_angular=base.max_angular,
             footprint=base.footprint,
@@ -84,22 +87,12 @@ def _base(robot: RobotSpec, model: RobotModel | None) -> BaseDescription | None:
     return None
 
 
-def _model(robot: RobotSpec) -> RobotModel | None:
-    """The model, where it is one that can be read: cells of plug-ins may have robots of their own."""
-    try:
-        return robot_model(robot.model)
-    except SkirosError:
-        return None
-
-
-def _arm(arm: ArmSpec, model: RobotModel | None) -> ArmDescription:
+def _arm(arm: ArmSpec, model: Kinematics | None) -> ArmDescription:
     return ArmDescription(id=arm.id, joints=tuple(_joint(n, model) for n in arm.joints), home=arm.home, tip=arm.tip)
 
 
-def _joint(name: str, model: RobotModel | None) -> JointDescription:
-    joint = model.joint(name) if model is not None else None
-    if joint is None:
-        return JointDescription(name=name, lower=None, upper=None, velocity=None)
+def _joint(name: str, model: Kinematics | None) -> JointDescription:
+    joint = _UNLIMITED if model is None else model.joints.get(name, _UNLIMITED)
     return JointDescription(name=name, lower=joint.lower, upper=joint.upper, velocity=joint.velocity)
 
 
@@ -114,7 +107,6 @@ def _agents(session: Session, robot: RobotSpec) -> tuple[str, ...]:
 def reading(session: Session, robot: RobotSpec) -> RobotReading:
     """Tells where a robot is at this moment; quick, and for any thread."""
     snapshot, view = session.cycle.board.snapshot, session.world.snapshot()
-    place = robot.pose(snapshot)
     placement = view.placement(robot.id) if view.has(robot.id) else None
     grippers = {g.id: snapshot.state(g.id, GripperState) for g in robot.of(GripperSpec)}
     return RobotReading(
@@ -124,8 +116,8 @@ def reading(session: Session, robot: RobotSpec) -> RobotReading:
         halted=session.cycle.halted,
         at=placement.place if placement else "",
         base=_base_reading(robot, snapshot),
-        pose=_pose(place),
-        arms={arm.id: _arm_reading(arm, robot, snapshot.state(arm.id, ArmState), place) for arm in robot.of(ArmSpec)},
+        pose=_pose(robot.pose(snapshot)),
+        arms={arm.id: _arm_reading(arm.id, session.runtime.context.frames.at(snapshot)) for arm in robot.of(ArmSpec)},
         grippers={
             id_: GripperInfo(
                 gap=g.gap, force=g.force, still=g.still, holds=next(iter(view.subjects(HELD_BY, id_)), None)
@@ -142,14 +134,13 @@ def _base_reading(robot: RobotSpec, snapshot: Snapshot) -> BaseInfo | None:
     return None
 
 
-def _arm_reading(arm: ArmSpec, robot: RobotSpec, state: ArmState, place: Pose) -> ArmReading:
-    model = _model(robot)
-    tool = model.tool(arm, state.positions) if model is not None else None
+def _arm_reading(arm: str, frames: FrameTree) -> ArmReading:
+    state, tool = frames.snapshot.state(arm, ArmState), frames.device(arm)
     return ArmReading(
         positions=state.positions,
         velocities=state.velocities,
         still=state.still,
-        tool=_pose(place @ tool) if tool is not None else None,
+        tool=_pose(tool) if tool is not None else None,
     )
 
 

@@ -10,7 +10,16 @@ How that goes, port by port, is told in ``docs/how-to/driver.md``. Needs pytest.
 import pytest
 
 # Before they are imported: a failing claim shall say which values did not fit.
-for _name in ("arm_planner", "base_planner", "cell_driver", "device_kind", "engine", "pending", "planner"):
+for _name in (
+    "arm_planner",
+    "base_planner",
+    "cell_driver",
+    "device_kind",
+    "engine",
+    "kinematics",
+    "pending",
+    "planner",
+):
     pytest.register_assert_rewrite(f"{__name__}.{_name}")
 
 from skiros_py.testing.conformance.arm_planner import ArmPlannerContract  # noqa: E402
@@ -19,6 +28,7 @@ from skiros_py.testing.conformance.cell_driver import CellDriverContract  # noqa
 from skiros_py.testing.conformance.cells import small_cell  # noqa: E402
 from skiros_py.testing.conformance.device_kind import DeviceKindContract  # noqa: E402
 from skiros_py.testing.conformance.engine import EngineContract  # noqa: E402
+from skiros_py.testing.conformance.kinematics import KinematicsContract  # noqa: E402
 from skiros_py.testing.conformance.pending import PendingContract  # noqa: E402
 from skiros_py.testing.conformance.planner import PlannerContract  # noqa: E402
 
@@ -28,6 +38,7 @@ __all__ = [
     "CellDriverContract",
     "DeviceKindContract",
     "EngineContract",
+    "KinematicsContract",
     "PendingContract",
     "PlannerContract",
     "small_cell",

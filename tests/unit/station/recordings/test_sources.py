@@ -13,7 +13,6 @@ from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 
 from skiros_py.devices.arm import ArmSpec
-from skiros_py.devices.gripper import GripperSpec
 from skiros_py.geometry import Pose
 from skiros_py.recording import Recording
 from skiros_py.station.recordings.runs import run_recorder
@@ -43,15 +42,12 @@ def poses(frames: dict[str, Any]) -> dict[str, Pose]:
     return {name: pose(name) for name in parents}
 
 
-def test_recorded_frames_are_those_of_forward_kinematics_at_the_time(
-    recorded: tuple[Session, Path], tmp_path: Path
-) -> None:
-    from skiros_py.motion.pinocchio.arm_model import ArmModel
-    from skiros_py.ports.models import write_robot_urdf
+def test_recorded_frames_are_those_of_forward_kinematics_at_the_time(recorded: tuple[Session, Path]) -> None:
+    from skiros_py.motion.pinocchio.kinematics import kinematics_of
 
     (robot,) = recorded[0].spec.robots
     (arm,) = robot.of(ArmSpec)
-    model = ArmModel(write_robot_urdf(robot.model, tmp_path), arm, robot.of(GripperSpec))
+    model = kinematics_of(robot.model)
     with Recording(recorded[1]) as recording:
         frames = {time: message for _, time, message in recording.messages("/frames")}
         states = {frame.time: frame.devices for frame in recording.frames()}
@@ -59,10 +55,10 @@ def test_recorded_frames_are_those_of_forward_kinematics_at_the_time(
     assert frames.keys() == states.keys()
     for time, message in frames.items():
         found, base = poses(message), states[time]["base_1"]["pose"]
-        positions = np.array(states[time]["arm_1"]["positions"])
+        positions = dict(zip(arm.joints, states[time]["arm_1"]["positions"], strict=True))
         robot_pose = Pose(tuple(base["position"]), tuple(base["orientation"]))
         for link in ("panda_link4", "panda_hand", arm.tip):
-            expected = robot_pose @ model.frame_pose(positions, link)
+            expected = robot_pose @ model.pose(link, positions)
             assert np.allclose(found[f"robot_1/{link}"].matrix(), expected.matrix(), atol=1e-4), link
         assert found["gripper_1"] == found[f"robot_1/{arm.tip}"]
 

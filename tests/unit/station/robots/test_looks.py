@@ -13,11 +13,19 @@ import pytest
 from skiros_py.errors import DeviceError
 from skiros_py.execution.library_monitor import LibraryMonitor
 from skiros_py.geometry import Pose, Solid
+from skiros_py.ports.adapters import GivenPorts
 from skiros_py.ports.pending import Done
-from skiros_py.ports.perception import Detection, LookRequest, LookResult, Region, RegistrationRequest
+from skiros_py.ports.perception import (
+    Detection,
+    LookRequest,
+    LookResult,
+    PartDetector,
+    Region,
+    Registrar,
+    RegistrationRequest,
+)
 from skiros_py.ports.perception import RegistrationResult as Registered
 from skiros_py.ports.values import CameraIntrinsics, DepthImage, Snapshot
-from skiros_py.skills.context import Libraries
 from skiros_py.station.robots.looks import MOST_POINTS, Looks
 from skiros_py.station.session import Options, Session
 
@@ -75,15 +83,14 @@ class Station:
     def __init__(self, session: Session) -> None:
         self.perception = Perception()
         self.robot = session.spec.robots[0]
-        session.runtime.asked = LibraryMonitor(Libraries(None, None, self.perception, self.perception))
-        self.libraries = session.runtime.asked.libraries
+        given = GivenPorts({PartDetector: self.perception, Registrar: self.perception})
+        self.ports = session.runtime.asked = LibraryMonitor(given)
         self.looks = Looks()
         self.looks.open(session)
 
     def see(self, image: DepthImage, answer: Done[Any] = Perception.answer, camera: str = "camera_1") -> None:
         self.perception.answer = answer
-        assert self.libraries.detector is not None
-        self.libraries.detector.detect(request(image, camera))
+        self.ports.port(PartDetector).detect(request(image, camera))
 
     def look(self) -> Any:
         return self.looks.look(self.robot, "camera_1")
@@ -143,13 +150,12 @@ def test_a_look_whose_worker_died_shows_what_was_seen_and_makes_nothing_out(stat
 
 def test_a_registered_body_is_told_with_its_class_and_size(station: Station) -> None:
     station.perception.answer = Done(Registered(Pose.of(1.0, 2.0, 0.5), 0.0007))
-    assert station.libraries.registrar is not None
     asked = RegistrationRequest(shot(10, 20), DOWN, Solid.box(0.3, 0.2, 0.1), Pose(), camera="camera_1", body="kit_1")
-    station.libraries.registrar.register(asked)
-    station.libraries.registrar.register(replace(asked, body="nobody"))
+    station.ports.port(Registrar).register(asked)
+    station.ports.port(Registrar).register(replace(asked, body="nobody"))
     (seen,) = station.look().seen
     assert (seen.type, seen.size, station.look().purpose) == (None, (0.3, 0.2, 0.1), "kit")
-    station.libraries.registrar.register(asked)
+    station.ports.port(Registrar).register(asked)
     (seen,) = station.look().seen
     assert (seen.type, seen.cost) == ("kitting:Kit", 0.0007)
 

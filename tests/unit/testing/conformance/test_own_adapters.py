@@ -6,12 +6,14 @@ import pytest
 
 from skiros_py.motion.arm_planner import WorkerArmPlanner
 from skiros_py.motion.base_paths import ShapelyBasePlanner
+from skiros_py.motion.pinocchio.kinematics import kinematics_of
 from skiros_py.planning.planners.command import CommandPlanner
 from skiros_py.planning.planners.fast_downward import FastDownward
 from skiros_py.planning.planners.kairos import Kairos
 from skiros_py.planning.planners.planner import Planner
 from skiros_py.ports.cell import CellSpec, RobotSpec
 from skiros_py.ports.driver import CellDriver
+from skiros_py.ports.kinematics import Kinematics
 from skiros_py.ports.motion import ArmPlanner, BasePlanner
 from skiros_py.ports.pending import Done, Pending
 from skiros_py.simulation.cell import SimulatedCell
@@ -21,6 +23,7 @@ from skiros_py.testing.conformance import (
     ArmPlannerContract,
     BasePlannerContract,
     CellDriverContract,
+    KinematicsContract,
     PendingContract,
     PlannerContract,
 )
@@ -51,6 +54,11 @@ class TestSimulatedCell(CellDriverContract):
 class TestWorkerArmPlanner(ArmPlannerContract):
     def make(self, robot: RobotSpec) -> ArmPlanner:
         return WorkerArmPlanner(robot)
+
+
+class TestPinocchioKinematics(KinematicsContract):
+    def make(self, robot: RobotSpec) -> Kinematics:
+        return kinematics_of(robot.model)
 
 
 class TestShapelyBasePlanner(BasePlannerContract):

@@ -1,0 +1,230 @@
+"""Adapters: implementations of ports, found by the entry-point group ``skiros.adapters`` and asked for by protocol.
+
+A motion planner, kinematics, a part detector: modules name the protocol and the device, never the library behind it.
+Adapters of other distributions take precedence over the built-in ones.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, TypeVar
+
+from skiros_py.errors import DeviceError, UnknownName, UsageError
+from skiros_py.plugins import OWN_NAME, Plugin, PluginFault, load_plugins
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.device import DeviceSpec
+
+GROUP = "skiros.adapters"
+"""Entry points of this group name objects of class :class:`Adapter`."""
+
+T = TypeVar("T")
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What an adapter is made for.
+
+    Attributes:
+        groups: The robots, and the devices without one, that it will serve: one, or all of the cell.
+        device: The device that it will serve; None for an adapter of a robot or of the whole cell.
+        ports: Where it finds the adapters that it needs itself.
+    """
+
+    groups: tuple[RobotSpec, ...]
+    device: DeviceSpec[Any, Any] | None
+    ports: Ports
+
+
+@dataclass(frozen=True, slots=True)
+class Adapter:
+    """How to make an implementation of a port.
+
+    Attributes:
+        ports: The protocols that it implements.
+        make: Makes the implementation; where that has a ``close``, it is called at the end.
+        serves: Tells whether it can serve a device.
+        one_for: What shares an implementation: the whole cell, one robot, or one device.
+        eager: True for one that takes long to start: it is made when the session opens, and ``make`` returns at once.
+        without_physics: True for one that cells without physics use, too.
+    """
+
+    ports: tuple[type, ...]
+    make: Callable[[Request], object]
+    serves: Callable[[DeviceSpec[Any, Any]], bool] = lambda _device: True
+    one_for: Literal["cell", "robot", "device"] = "cell"
+    eager: bool = True
+    without_physics: bool = False
+
+
+class Ports(Protocol):
+    """Finds adapters by protocol."""
+
+    def find(self, protocol: Callable[..., T], device: str | None = None) -> T | None:
+        """Returns the adapter for a device, or for the cell; None where there is none.
+
+        Args:
+            protocol: The port's protocol (``ArmPlanner``).
+            device: Id of the device; None for an adapter that needs none.
+        """
+        ...
+
+    def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
+        """Returns the adapter for a device, or for the cell.
+
+        Raises:
+            DeviceError: There is none; the message names the port and the device.
+        """
+        ...
+
+
+class GivenPorts:
+    """Adapters that are given as objects, for any device; for tests and for cells that need none.
+
+    Args:
+        adapters: By protocol.
+    """
+
+    def __init__(self, adapters: Mapping[Any, object] | None = None) -> None:
+        self._adapters = dict(adapters or {})
+
+    def find(self, protocol: Callable[..., T], device: str | None = None) -> T | None:  # noqa: ARG002 - one for all
+        """Returns the adapter; None where there is none."""
+        return self._adapters.get(protocol)
+
+    def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
+        """Returns the adapter.
+
+        Raises:
+            DeviceError: There is none.
+        """
+        return require(self.find(protocol, device), protocol, device)
+
+
+class InstalledPorts:
+    """The adapters of a cell that are installed; each is made when it is first asked for.
+
+    Args:
+        groups: The robots and the devices without one.
+        physics: False for a cell without physics.
+
+    Raises:
+        UsageError: Two distributions bring an adapter for the same port and device.
+    """
+
+    def __init__(self, groups: Sequence[RobotSpec], *, physics: bool = True) -> None:
+        self._groups = {device.id: group for group in groups for device in group.devices}
+        self._all = tuple(groups)
+        plugins, faults = load_adapters()
+        for fault in faults:
+            _log.warning("%s", fault)
+        self._plugins = [plugin for plugin in plugins if physics or plugin.value.without_physics]
+        self._made: dict[tuple[str, str], object] = {}
+        self._chosen: dict[tuple[Any, str | None], Plugin | None] = {}
+        for plugin in self._plugins:
+            for protocol in plugin.value.ports:
+                for device in (None, *self._groups):
+                    self._choose(protocol, device)
+
+    def start(self) -> None:
+        """Makes the adapters that take long to start, so that they start side by side."""
+        for (_, device), plugin in tuple(self._chosen.items()):
+            if plugin is not None and plugin.value.eager:
+                self._get(plugin, device)
+
+    def find(self, protocol: Callable[..., T], device: str | None = None) -> T | None:
+        """Returns the adapter for a device, or for the cell; None where there is none."""
+        plugin = self._chosen.get((protocol, device))
+        return None if plugin is None else self._get(plugin, device)  # type: ignore[return-value]
+
+    def port(self, protocol: Callable[..., T], device: str | None = None) -> T:
+        """Returns the adapter for a device, or for the cell.
+
+        Raises:
+            DeviceError: There is none, or it cannot be made.
+        """
+        return require(self.find(protocol, device), protocol, device)
+
+    def close(self) -> None:
+        """Closes all adapters, the last one first; may be called twice."""
+        while self._made:
+            _, adapter = self._made.popitem()
+            close = getattr(adapter, "close", None)
+            if close is not None:
+                close()
+
+    def _choose(self, protocol: Any, device: str | None) -> None:
+        if (protocol, device) in self._chosen:
+            return
+        fitting = [
+            plugin for plugin in self._plugins if protocol in plugin.value.ports and self._serves(plugin, device)
+        ]
+        foreign = [plugin for plugin in fitting if not _is_own(plugin)]
+        if len(foreign) > 1:
+            names = " and ".join(f"{plugin.name} of {plugin.distribution}" for plugin in foreign)
+            raise UsageError(f"more than one adapter for {_name(protocol, device)}: {names}; uninstall all but one")
+        self._chosen[protocol, device] = next(iter((*foreign, *fitting)), None)
+
+    def _serves(self, plugin: Plugin, device: str | None) -> bool:
+        adapter: Adapter = plugin.value
+        return adapter.one_for == "cell" if device is None else adapter.serves(self._groups[device].device(device))
+
+    def _get(self, plugin: Plugin, device: str | None) -> object:
+        adapter: Adapter = plugin.value
+        group = None if device is None or adapter.one_for == "cell" else self._groups[device]
+        shared_by = "" if group is None else group.id if adapter.one_for == "robot" else device or ""
+        key = plugin.name, shared_by
+        if key not in self._made:
+            spec = group.device(device) if group is not None and device and adapter.one_for == "device" else None
+            try:
+                self._made[key] = adapter.make(Request((group,) if group is not None else self._all, spec, self))
+            except (DeviceError, UnknownName, UsageError):
+                raise
+            except Exception as error:
+                source = f"adapter '{plugin.name}' of {plugin.distribution}"
+                raise DeviceError(f"{source} breaks: {type(error).__name__}: {error}") from error
+        return self._made[key]
+
+
+def load_adapters() -> tuple[tuple[Plugin, ...], tuple[PluginFault, ...]]:
+    """Loads all adapters.
+
+    Returns:
+        Those that can be used, and the faults of the others.
+    """
+    plugins, broken = load_plugins(GROUP)
+    problems = {plugin.name: problem for plugin in plugins if (problem := adapter_problem(plugin))}
+    good = tuple(plugin for plugin in plugins if plugin.name not in problems)
+    return good, (*broken, *(plugin.fault(problems[plugin.name]) for plugin in plugins if plugin.name in problems))
+
+
+def adapter_problem(plugin: Plugin) -> str | None:
+    """Returns why a plug-in is no adapter, or None."""
+    if not isinstance(plugin.value, Adapter):
+        return f"it is a {type(plugin.value).__name__}, nothing for adapters: name an Adapter"
+    return None if plugin.value.ports else "it names no port: ports=(ArmPlanner,)"
+
+
+def require(adapter: T | None, protocol: Any, device: str | None) -> T:
+    """Returns an adapter that must be there.
+
+    Raises:
+        DeviceError: It is not.
+    """
+    if adapter is None:
+        raise DeviceError(f"no adapter for {_name(protocol, device)}: none of those that are installed serves it")
+    return adapter
+
+
+def _name(protocol: Any, device: str | None) -> str:
+    return protocol.__name__ if device is None else f"{protocol.__name__} of {device}"
+
+
+def _is_own(plugin: Plugin) -> bool:
+    return plugin.distribution.startswith(f"{OWN_NAME} ")
+
+
+NO_PORTS = GivenPorts()
+"""Where there are no adapters."""

@@ -1,0 +1,151 @@
+"""The frame tree: where robots, their links and their devices are in one cycle, as their sensors say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from skiros_py.errors import DeviceError
+from skiros_py.geometry import Pose
+from skiros_py.ports.adapters import Ports
+from skiros_py.ports.cell import CellSpec, RobotSpec
+from skiros_py.ports.device import DeviceSpec, MobileSpec
+from skiros_py.ports.kinematics import Kinematics
+from skiros_py.ports.values import Snapshot
+
+MAP = "map"
+"""Name of the frame in which everything is."""
+
+
+class FrameTree:
+    """Where robots, links and devices are in one cycle; each pose is computed when it is first asked for.
+
+    The frame of a device is the platform on which bodies stand, the link that it names first (the tip of an arm, the
+    optical frame of a camera), the frame of the device on which it is mounted, or the place of one without a robot.
+
+    Args:
+        cell: The cell.
+        snapshot: What the devices said in that cycle.
+        ports: Where the kinematics of robots are found.
+
+    Attributes:
+        snapshot: What the devices said in that cycle.
+    """
+
+    def __init__(self, cell: CellSpec, snapshot: Snapshot, ports: Ports) -> None:
+        self.snapshot = snapshot
+        self._cell = cell
+        self._ports = ports
+        self._groups = {device.id: group for group in cell.groups for device in group.devices}
+        self._links: dict[tuple[str, str], Pose | None] = {}
+        self._devices: dict[str, Pose | None] = {}
+
+    def robot(self, device: str) -> Pose:
+        """Returns the pose in the map of the robot that has a device, as localised."""
+        return self._groups[device].pose(self.snapshot)
+
+    def link(self, device: str, link: str) -> Pose | None:
+        """Returns the pose in the map of a link of the robot that has a device; None without kinematics of that robot.
+
+        Raises:
+            UnknownName: The robot has no such link.
+        """
+        group = self._groups[device]
+        if (group.id, link) not in self._links:
+            kinematics = self._ports.find(Kinematics, device)
+            self._links[group.id, link] = (
+                None if kinematics is None else group.pose(self.snapshot) @ kinematics.pose(link, self.joints(group))
+            )
+        return self._links[group.id, link]
+
+    def device(self, id_: str) -> Pose | None:
+        """Returns the pose of a device's frame in the map; None for what is no device, or has no frame of its own."""
+        if id_ not in self._devices:
+            group = self._groups.get(id_)
+            self._devices[id_] = None if group is None else self._frame(group, group.device(id_))
+        return self._devices[id_]
+
+    def located(self, id_: str) -> Pose:
+        """Returns the pose of a device's frame in the map.
+
+        Raises:
+            DeviceError: It is unknown.
+        """
+        pose = self.device(id_)
+        if pose is None:
+            raise DeviceError(f"the place of {id_} is unknown: there are no kinematics of its robot")
+        return pose
+
+    def joints(self, group: RobotSpec) -> dict[str, float]:
+        """Returns the positions of a robot's joints, as its devices say [rad or m]."""
+        found: dict[str, float] = {}
+        for device in group.devices:
+            if device.joint_names and device.id in self.snapshot.devices:
+                state = self.snapshot.devices[device.id]
+                found |= zip(device.joint_names, device.joint_positions(state), strict=True)
+        return found
+
+    def transforms(self) -> Iterator[tuple[str, str, Pose]]:
+        """Yields all frames: the parent, the frame, and its pose in the parent.
+
+        Robots are named by the id of what moves them, else by their own; links "robot/link"; devices by their ids.
+        """
+        for group in self._cell.groups:
+            root = group.id if group.carrier is None else group.carrier.id
+            yield MAP, root, group.pose(self.snapshot)
+            kinematics = self._ports.find(Kinematics, group.devices[0].id) if group.devices else None
+            links = {} if kinematics is None else kinematics.poses(self.joints(group))
+            for link, pose in links.items():
+                yield root, f"{group.id}/{link}", pose
+            for device in group.devices:
+                if device.id != root:
+                    yield from self._mount(group, device, links)
+
+    def _mount(
+        self, group: RobotSpec, device: DeviceSpec[Any, Any], links: Mapping[str, Pose]
+    ) -> Iterator[tuple[str, str, Pose]]:
+        if device.frame_names and device.frame_names[0] in links:
+            yield f"{group.id}/{device.frame_names[0]}", device.id, Pose()
+        elif device.mounted_on:
+            yield device.mounted_on, device.id, Pose()
+        elif (pose := self.device(device.id)) is not None:
+            yield MAP, device.id, pose
+
+    def _frame(self, group: RobotSpec, device: DeviceSpec[Any, Any]) -> Pose | None:
+        if isinstance(device, MobileSpec):
+            return device.pose(self.snapshot.devices[device.id])
+        if device.carries:
+            platform = device.platform(self.snapshot.devices[device.id])
+            if platform is not None:
+                return group.pose(self.snapshot) @ platform
+            return self.link(device.id, device.platform_link) if device.platform_link else self.robot(device.id)
+        if device.frame_names:
+            return self.link(device.id, device.frame_names[0])
+        if device.mounted_on:
+            return self.device(device.mounted_on)
+        return None if group in self._cell.robots else self.robot(device.id)
+
+
+class Frames:
+    """The frame trees of a cell; the last one is kept, so that all behaviours of a cycle share it.
+
+    Args:
+        cell: The cell.
+        ports: Where the kinematics of robots are found.
+    """
+
+    def __init__(self, cell: CellSpec, ports: Ports) -> None:
+        self._cell = cell
+        self._ports = ports
+        self._last: FrameTree | None = None
+
+    def kinematics(self, group: RobotSpec) -> Kinematics | None:
+        """Returns the kinematics of a robot; None where there are none."""
+        return self._ports.find(Kinematics, group.devices[0].id) if group.devices else None
+
+    def at(self, snapshot: Snapshot) -> FrameTree:
+        """Returns the frame tree of the cycle of a snapshot; for any thread."""
+        tree = self._last
+        if tree is None or tree.snapshot is not snapshot:
+            tree = self._last = FrameTree(self._cell, snapshot, self._ports)
+        return tree

@@ -1,0 +1,70 @@
+"""An inverse kinematics of a foreign distribution serves the built-in skills, without a line changed in the core."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skiros_py.station.session import Options, Session
+
+SOLVER = """
+import os
+from pathlib import Path
+
+import numpy as np
+
+from skiros_py.geometry import Pose
+from skiros_py.ports.adapters import Adapter
+from skiros_py.ports.kinematics import InverseKinematics, Kinematics
+
+LOG = Path(__file__).with_name("solved.log")
+
+
+class Transposed:
+    '''Damped least squares on the error of the pose, with the robot's own Jacobian.'''
+
+    def __init__(self, request):
+        self.arm = request.device
+        self.kinematics = request.ports.port(Kinematics, self.arm.id)
+        ranges = [self.kinematics.joints[joint] for joint in self.arm.joints]
+        self.lower, self.upper = np.array([[one.lower, one.upper] for one in ranges]).T
+        LOG.write_text(f"{os.getpid()} {self.arm.id}")
+
+    def solve(self, target, seed, *, towards=None, pulls=1, strength=0.2, iterations=40):
+        goal, q = Pose.from_matrix(target), np.array(seed)
+        for iteration in range(2 * iterations):
+            at = dict(zip(self.arm.joints, q.tolist()))
+            step = self.kinematics.pose(self.arm.tip, at).inverse() @ goal
+            x, y, z, w = step.orientation
+            turn = 2.0 * np.array([x, y, z]) * (1.0 if w >= 0.0 else -1.0)
+            error = np.array([*step.position, *turn])
+            pulled = towards is not None and iteration < pulls
+            if not pulled and np.abs(error).max() < 1e-5:
+                return q
+            jacobian = self.kinematics.jacobian(self.arm.tip, at, self.arm.joints)
+            drift = strength * (towards - q) if pulled else np.zeros(len(q))
+            square = jacobian @ jacobian.T + (1e-9 + 1e-3 * float(error @ error)) * np.eye(6)
+            move = drift + jacobian.T @ np.linalg.solve(square, error - jacobian @ drift)
+            move *= min(1.0, 0.5 / max(1e-9, float(np.abs(move).max())))
+            q = np.clip(q + move, self.lower, self.upper)
+        return None
+
+
+SOLVER = Adapter(
+    (InverseKinematics,), Transposed, serves=lambda device: device.kind == "arm", one_for="device", eager=False
+)
+"""
+
+
+@pytest.mark.physics
+def test_a_part_is_picked_with_the_inverse_kinematics_of_a_foreign_distribution(site: Any) -> None:
+    site.install("sk-solver", {"adapters": {"transposed": "sk_solver:SOLVER"}}, {"sk_solver.py": SOLVER})
+    log = Path(site.folder) / "solved.log"
+
+    with Session("kitting", Options(seed=3, goal="Holding(gripper_1, starter_1)")) as session:
+        report = session.run()
+
+    assert report.reached, report
+    assert log.read_text(encoding="utf-8").endswith("arm_1")

@@ -1,0 +1,110 @@
+"""Adapters: which of those that are installed serves a device, how often it is made, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from skiros_py.devices.arm import ArmSpec
+from skiros_py.errors import DeviceError, UsageError
+from skiros_py.ports.adapters import InstalledPorts
+from skiros_py.ports.cell import RobotSpec
+from skiros_py.ports.motion import ArmPlanner
+
+ADAPTERS = """
+from typing import Protocol
+from skiros_py.ports.adapters import Adapter
+from skiros_py.ports.motion import ArmPlanner
+
+class Tracker(Protocol):
+    pass
+
+class Made:
+    def __init__(self, request):
+        self.groups = [group.id for group in request.groups]
+        self.device = request.device and request.device.id
+        self.closed = False
+    def close(self):
+        self.closed = True
+
+def broken(request):
+    raise ValueError("no camera")
+
+CELL = Adapter((Tracker,), Made)
+ROBOT = Adapter((Tracker,), Made, one_for="robot")
+DEVICE = Adapter((Tracker,), Made, one_for="device")
+LEFT = Adapter((ArmPlanner,), Made, serves=lambda device: device.id == "left", one_for="device", eager=False)
+BROKEN = Adapter((Tracker,), broken)
+FAKE = Adapter((Tracker,), Made, without_physics=True)
+"""
+
+ARMS = [ArmSpec(name, ("j",), "tip", (0.0,)) for name in ("left", "right", "third")]
+ROBOTS = (RobotSpec("one", "", (ARMS[0], ARMS[1])), RobotSpec("two", "", (ARMS[2],)))
+
+
+@pytest.fixture
+def install(site: Any) -> Any:
+    def install(name: str, **adapters: str) -> Any:
+        module = f"{name.replace('-', '_')}_adapters"
+        entries = {entry: f"{module}:{adapter}" for entry, adapter in adapters.items()}
+        site.install(name, {"adapters": entries}, {f"{module}.py": ADAPTERS})
+        return __import__(module)
+
+    return install
+
+
+@pytest.mark.parametrize(("scope", "groups", "device"), [
+    ("CELL", ["one", "two"], None), ("ROBOT", ["one"], None), ("DEVICE", ["one"], "left"),
+])  # fmt: skip
+def test_an_adapter_is_made_once_for_what_shares_it(install: Any, scope: str, groups: list[str], device: Any) -> None:
+    module = install(f"sk-{scope.lower()}", tracker=scope)
+    ports = InstalledPorts(ROBOTS)
+
+    adapters = [ports.port(module.Tracker, arm.id) for arm in ARMS]
+
+    assert (adapters[0].groups, adapters[0].device) == (groups, device)
+    assert len(set(map(id, adapters))) == {"CELL": 1, "ROBOT": 2, "DEVICE": 3}[scope]
+    ports.close()
+    assert all(adapter.closed for adapter in adapters)
+
+
+def test_a_foreign_adapter_takes_precedence_for_the_devices_that_it_serves(install: Any) -> None:
+    module = install("sk-left", left="LEFT")
+    ports = InstalledPorts(ROBOTS)
+    try:
+        assert isinstance(ports.port(ArmPlanner, "left"), module.Made)
+        assert type(ports.port(ArmPlanner, "right")).__module__ == "skiros_py.motion.arm_planner"
+    finally:
+        ports.close()
+
+
+def test_two_foreign_adapters_for_one_port_are_refused_by_name(install: Any) -> None:
+    install("sk-first", first="LEFT")
+    install("sk-second", second="LEFT")
+
+    with pytest.raises(UsageError, match=r"ArmPlanner of left: first of sk-first 0.3 and second of sk-second 0.3"):
+        InstalledPorts(ROBOTS)
+
+
+def test_an_adapter_that_breaks_is_named_with_its_distribution(install: Any) -> None:
+    module = install("sk-broken", broken="BROKEN")
+
+    with pytest.raises(DeviceError, match=r"'broken' of sk-broken 0.3 breaks: ValueError: no camera"):
+        InstalledPorts(ROBOTS).port(module.Tracker)
+
+
+def test_a_cell_without_physics_has_only_the_adapters_that_are_for_it(install: Any) -> None:
+    physical, fake = install("sk-cell", tracker="CELL"), install("sk-fake", tracker2="FAKE")
+    ports = InstalledPorts(ROBOTS, physics=False)
+
+    assert ports.find(physical.Tracker) is None
+    assert ports.find(ArmPlanner, "left") is None
+    assert ports.find(fake.Tracker) is not None
+
+
+def test_what_is_no_adapter_is_left_out_with_a_warning(site: Any, caplog: pytest.LogCaptureFixture) -> None:
+    site.install("sk-number", {"adapters": {"seven": "sk_number:SEVEN"}}, {"sk_number.py": "SEVEN = 7"})
+
+    assert InstalledPorts(ROBOTS).find(int) is None
+    assert "it is a int, nothing for adapters: name an Adapter" in caplog.text
