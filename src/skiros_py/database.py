@@ -1,4 +1,4 @@
-"""One SQLite file, used by one process and any of its threads; its faults are told in words."""
+"""One SQLite file, used by one process and any of its threads; its faults are reported in words."""
 
 from __future__ import annotations
 

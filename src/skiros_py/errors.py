@@ -23,7 +23,7 @@
     ├── Busy                  there is too much to do already: the same request may do later
     └── MissingSystemLibrary  a library that pip cannot install is absent
 
-Beside it stands Interruption: the platform breaks off what runs; only the platform catches it.
+Beside it stands Interruption: the platform cancels what runs; only the platform catches it.
 
 Expected outcomes ("no plan", "part not found", "condition does not hold") are values, never exceptions.
 """
@@ -221,7 +221,7 @@ class Locked(WorldError):
     """Somebody else has locked an element that an edit is about.
 
     Attributes:
-        locks: Of each lock in the way its element, its owner and how long it still lasts [s].
+        locks: Of each lock that prevents it its element, its owner and how long it still lasts [s].
     """
 
     def __init__(self, text: str, locks: tuple[tuple[str, str, float], ...] = ()) -> None:

@@ -1,4 +1,4 @@
-"""What ends code from outside: no faults, and not for authors to catch."""
+"""Exceptions that end code from outside: they are no faults, and authors must not catch them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import signal
 
 
 class Interruption(BaseException):
-    """The platform breaks off what runs, such as code that holds the control cycle."""
+    """The platform cancels what runs, such as code that holds the control cycle."""
 
 
 class UserStop(KeyboardInterrupt):
@@ -14,7 +14,7 @@ class UserStop(KeyboardInterrupt):
 
 
 def by_user(error: BaseException) -> bool:
-    """Tells whether an exception is the user's wish to end; where nobody handles Ctrl-C, each interrupt may be."""
+    """Tells whether an exception comes from the user; without a handler of Ctrl-C, each interrupt counts."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         return isinstance(error, KeyboardInterrupt)
     return isinstance(error, UserStop)

@@ -1,4 +1,4 @@
-"""Makes up a world in which a skill can start: what is missing is added, and what must hold is written."""
+"""Prepares a world in which a skill can start: adds what is missing, and writes what must hold."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def make_up(description: SkillDescription, world: World, given: Mapping[str, Any
         WorldError: The world does not allow it.
     """
     values: dict[str, Any] = {param.key: param.default for param in description.params} | dict(given)
-    with world.transaction("contract test", f"makes up where {description.name} can start") as tx:
+    with world.transaction("contract test", f"prepares where {description.name} can start") as tx:
         for param in description.params:
             if param.is_element and values[param.key] is None and param.kind.is_required:
                 values[param.key] = _added(tx, param, world, is_piece=_is_piece(param.key, description, world))

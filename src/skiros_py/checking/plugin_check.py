@@ -69,7 +69,7 @@ def check_plugins(
         rules: Names of the rules to ask; all where left out.
         run: Whether skills are run by contract tests.
         simulate: Name or path of a scene in which those that are not for fakes are run in physics; None for nowhere.
-        progress: Told what is being done.
+        progress: Called with what is being done.
 
     Raises:
         UnknownName: There is no such distribution with plug-ins, no such rule, or no such scene.

@@ -23,7 +23,7 @@ from skiros_py.world.vocabulary import ROBOT
 from skiros_py.world.world import World
 
 _LONGEST = 600.0
-"""A skill that runs longer than this is broken off [s, simulated]."""
+"""A skill that runs longer than this is cancelled [s, simulated]."""
 
 
 class Rig:
@@ -105,5 +105,5 @@ def fake_rig(
 
 
 def _answer(questions: Questions) -> None:
-    """Lets a person always take the first option."""
+    """Answers each question with its first option."""
     questions.subscribe(lambda question: questions.answer(question.id, question.options[0], by="the contract test"))

@@ -43,11 +43,11 @@ OVERVIEW = "/camera/overview"
 
 
 class _KeyMoments:
-    """Tells when a picture is worth taking: a skill ends, or a primitive that took a while.
+    """Notices when a picture is worth taking: a skill ends, or a primitive that took a while.
 
     Args:
         monitor: Events of modules.
-        tell: Called then with a caption and the device that did it.
+        tell: Called with a caption and the device that did it.
 
     Attributes:
         leave: Ends it.
@@ -76,8 +76,8 @@ def record_pictures(camera: Camera) -> Callable[[Recorder], None]:
         def shoot() -> None:
             """Takes the pictures of this cycle's moments: a skill and its last primitive end in the same one."""
             snapshot = recorder.runtime.cycle.board.snapshot
-            for agent, told in captions.items():
-                topic = Topic(OVERVIEW, _PICTURE, _encoder(agent, ", ".join(told)), every=1.0)
+            for agent, moments in captions.items():
+                topic = Topic(OVERVIEW, _PICTURE, _encoder(agent, ", ".join(moments)), every=1.0)
                 recorder.writer.put_pending(topic, snapshot.time, camera(snapshot, agent))
             captions.clear()
 

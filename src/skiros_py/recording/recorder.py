@@ -152,7 +152,7 @@ class Recorder:
         self.writer.put(topic, self.runtime.cycle.board.snapshot.time if at is None else at, value)
 
     def on_end(self, callback: Callable[[], object]) -> None:
-        """Has something called when the recording ends: whoever subscribes to something must end that, too."""
+        """Calls a function when the recording ends, such as one that ends a subscription."""
         self._stack.callback(callback)
 
     # ------------------------------------------------------------------ tasks

@@ -26,7 +26,7 @@ class Bar:
         kind: "skill", "part" (a skill within a skill), "primitive" or "wait".
         label: What stands on it.
         start, end: Run time [s].
-        how: "good", "bad", "cut" (broken off), "open" (the record ends before it) or "wait".
+        how: "good", "bad", "cut" (cancelled), "open" (the record ends before it) or "wait".
         text: All that is known of it.
         row: Number of its row in its lane, from the top.
     """
@@ -45,7 +45,7 @@ class Lane:
     """What one subsystem did.
 
     Attributes:
-        robot: The robot that it belongs to; empty where nobody knows.
+        robot: The robot that it belongs to; empty where that is not known.
         agent: Its id.
         bars: What it did, in the order of their beginnings.
         rows: Number of rows.
@@ -75,15 +75,15 @@ def lanes(
     """Puts what happened into lanes.
 
     Args:
-        events: What the modules told of themselves, in order.
+        events: Events of the modules, in order.
         trace: What happened in the tasks, in order: what waited.
         robots: The devices and subsystems of each robot.
         end: Run time at which the record ends [s].
     """
     owners = {device: robot for robot, devices in robots.items() for device in devices}
     found: dict[str, Lane] = {}
-    told = list(events)
-    for agent, bar in [*_bars(told, end), *_waits_within(told, end), *_waits(trace, end)]:
+    listed = list(events)
+    for agent, bar in [*_bars(listed, end), *_waits_within(listed, end), *_waits(trace, end)]:
         found.setdefault(agent, Lane(owners.get(agent, ""), agent)).bars.append(bar)
     ordered = sorted(found.values(), key=lambda lane: (lane.robot, lane.agent))
     for lane in ordered:
@@ -114,12 +114,12 @@ def _begun(event: Mapping[str, Any], end: float) -> Bar:
 
 def _end(bar: Bar, event: Mapping[str, Any]) -> None:
     bar.end, bar.how = event["time"], _OVER[event["status"]]
-    said = {"good": "done", "bad": "failed", "cut": "broken off"}[bar.how]
+    said = {"good": "done", "bad": "failed", "cut": "cancelled"}[bar.how]
     bar.text = "\n".join(filter(None, (bar.text, f"{said}: {event['text']}" if event["text"] else said)))
 
 
 def _waits_within(events: Iterable[Mapping[str, Any]], end: float) -> list[tuple[str, Bar]]:
-    """Returns what waited while it ran: until the next thing that its subsystem told."""
+    """Returns what waited while it ran: until the next event of its subsystem."""
     waits: list[tuple[str, Bar]] = []
     open_: dict[str, Bar] = {}
     for event in events:

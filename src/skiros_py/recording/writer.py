@@ -264,7 +264,7 @@ class RecordingWriter:
     def _rewrite(self, before: Recording, keep: Callable[[str, float], bool]) -> None:
         """Replaces the file by one with the messages of it that are to be kept, and goes on writing to that."""
         path = self.path.with_suffix(".part")
-        file = _McapFile(path, anew=True)
+        file = _McapFile(path, replace=True)
         try:
             file.copy(before, keep)
             file.flush()
@@ -294,9 +294,9 @@ def export(recording: Recording, path: Path) -> None:
 class _McapFile:
     """An MCAP file that is being written; see :class:`RecordingWriter` for what is raised."""
 
-    def __init__(self, path: Path, *, anew: bool = False) -> None:
+    def __init__(self, path: Path, *, replace: bool = False) -> None:
         try:
-            self._stream = path.open("wb" if anew else "xb")
+            self._stream = path.open("wb" if replace else "xb")
         except FileExistsError:
             raise FileError(path, "there is a recording already: choose another name") from None
         except OSError as error:

@@ -185,7 +185,7 @@ def _staged(
     """Puts a scene together with one thing for which it holds, and one for which it does not.
 
     Returns:
-        The scene, the arguments for which it holds (which nobody knows where it is computed), and the others.
+        The scene, the arguments for which it holds (unknown where it is computed), and those for which it does not.
     """
     stage = Stage(ontology, name)
     yes = {role.key: stage.cast(role.type, role.key) for role in roles}

@@ -34,7 +34,7 @@ class Declared:
         type: CURIE of an element class, or one of :data:`VALUE_TYPES`.
         help: One sentence for people.
         kind: Who specifies it.
-        default: Value where nobody does; None for none.
+        default: Value where it is not specified; None for none.
         unit: Unit of a number; "1" for one without.
     """
 

@@ -1,4 +1,4 @@
-"""What a skill is told to be, made into a description: its parameters and conditions, checked and completed."""
+"""Makes a skill description of the author's options: parameters and conditions, checked and completed."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _agent(known: Knowledge, said: NewSkill, own: Sequence[Declared]) -> Declare
 
 
 def _missing_devices(known: Knowledge, said: NewSkill, params: Sequence[Declared]) -> Iterator[Declared]:
-    """Yields parameters for the devices that its primitives need and nobody declared."""
+    """Yields parameters for the devices that its primitives need and that are not declared."""
     there = [param.type for param in params if param.is_element]
     for primitive in said.do:
         for param in known.primitive(primitive):

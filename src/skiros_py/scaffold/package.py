@@ -90,7 +90,7 @@ def _first(kind: str, name: str) -> str:
 
 
 _FIRST = {"skill": "inspect", "primitive": "look_at", "condition": "Inspected"}
-"""What those that a package begins with are called, where nobody else's are."""
+"""Names of the first skill, primitive and condition of a package, where they are free."""
 
 
 def _built(root: Path, said: NewPackage) -> Iterator[Draft]:

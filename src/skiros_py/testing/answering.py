@@ -1,4 +1,4 @@
-"""Somebody who answers the questions of a run, in a test."""
+"""Answers the questions of a run in a test."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from skiros_py.skills.questions import Question, Questions
 
 
 class Answers:
-    """What was asked, and what nobody had an answer to.
+    """The questions that were asked, and those without an answer.
 
     Attributes:
         asked: Every question so far.

@@ -1,4 +1,4 @@
-"""A cell that breaks as told: a driver around any other driver."""
+"""A driver around any other driver that adds faults."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ class Fails:
     """A primitive fails at once, for so many calls; then it works. None is always."""
 
     primitive: str
-    reason: str = "it was told to fail"
+    reason: str = "a fault of the test"
     times: int | None = 1
     code: int = -1
 

@@ -1,6 +1,6 @@
-"""What a write may say (checked as it is said) and what a state must be (checked before it is published).
+"""Rules for writes (checked at once) and for states (checked before they are published).
 
-Everything here answers with sentences for the person who wrote; it never raises for what the person did.
+Problems are returned as sentences for the author of the write, not raised.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ _LONGEST = 24 * 3600.0
 
 @dataclass(frozen=True, slots=True)
 class Lock:
-    """Somebody's right to be the only person or job that edits an element.
+    """The right of one person or job to edit an element alone.
 
     Attributes:
         element: Id of the element.
@@ -60,16 +60,16 @@ class Locks:
         self._locks: dict[str, Lock] = {}
 
     def acquire(self, elements: Iterable[str], owner: str, seconds: float, name: str = "") -> tuple[Lock, ...]:
-        """Locks all of the elements or none; who has a lock already makes it last longer.
+        """Locks all of the elements or none; the owner of a lock extends it.
 
         Args:
             elements: Their ids.
-            owner: Who wants them.
+            owner: The owner of the locks.
             seconds: After how long the lock ends by itself [s].
             name: What people call the owner, where that is something else.
 
         Raises:
-            Locked: Somebody else has one of them, or what it is a piece of, or one of its pieces.
+            Locked: Another owner has one of them, or what it is a piece of, or one of its pieces.
             UsageError: The time is not positive or too long, there is no owner, or there is no such element.
         """
         if not isinstance(seconds, int | float) or not 0.0 < seconds <= _LONGEST:
@@ -112,7 +112,7 @@ class Locks:
         return self._guard
 
     def fault(self, elements: Iterable[str], owner: str) -> Locked | None:
-        """Returns the fault of an edit of elements that somebody else has locked; None where nobody has."""
+        """Returns the fault of an edit of elements that another owner has locked; None where there is none."""
         if not self._locks:
             return None
         with self._guard:

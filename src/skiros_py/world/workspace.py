@@ -120,7 +120,7 @@ def remove(work: Workspace, element: str) -> list[tuple[str, str]]:
     """Removes an element and everything that hangs on it, or nothing.
 
     Returns:
-        (element, why it stands in the way), for each that does; empty when the element is gone.
+        (element, why it cannot be removed), for each such element; empty when the element is gone.
     """
     view = work.view
     doomed = reached([element], lambda name: view.objects(name, STRUCTURE))

@@ -1,4 +1,4 @@
-"""The live world: one writer at a time, transactions, and everyone told in order."""
+"""The live world: one writer at a time, transactions, and subscribers that are notified in order."""
 
 from __future__ import annotations
 
@@ -81,9 +81,9 @@ class World(ForwardingView):
         self._writer: tuple[int, str] | None = None
         self._subscribers: dict[int, Callable[[Change], None]] = {}
         self._subscriptions = count()
-        self._untold: deque[tuple[int, Change]] = deque()
-        self._telling = threading.RLock()
-        self._told_by_me = False
+        self._queued: deque[tuple[int, Change]] = deque()
+        self._notify_lock = threading.RLock()
+        self._notifying = False
         self._store: TripleStore | None = None
         self._making_store = threading.Lock()
 
@@ -137,7 +137,7 @@ class World(ForwardingView):
                     self._publish(tx, write)
             finally:
                 self._writer = None
-        self._tell()
+        self._notify()
 
     @property
     def version(self) -> int:
@@ -163,10 +163,10 @@ class World(ForwardingView):
         return self._log.since(version)
 
     def subscribe(self, callback: Callable[[Change], None]) -> Callable[[], None]:
-        """Has each later change told to ``callback``, in order, after it is visible; returns what ends that.
+        """Calls the callback with each later change, in order, once it is visible; returns how to end that.
 
-        A callback that raises is logged. It may write: others are told of that afterwards. It
-        runs in the thread that wrote, so it should be quick, and must never wait for another thread that writes.
+        A callback that raises is logged. It may write: other subscribers are notified of that afterwards. It runs in
+        the thread that wrote, so it must be quick, and must never wait for another thread that writes.
         """
         key = next(self._subscriptions)
         self._subscribers[key] = callback
@@ -249,7 +249,7 @@ class World(ForwardingView):
             for edit in edits:
                 if isinstance(edit, ElementEdit) and edit.new is not None:
                     self._ids.claim(edit.element)  # what came and went in one transaction was never seen
-            self._untold.extend((key, change) for key in tuple(self._subscribers))
+            self._queued.extend((key, change) for key in tuple(self._subscribers))
 
     def _check_outside(self, before: Index, after: Index, edits: Sequence[Edit], write: _Write) -> None:
         """Asks those who may object to a change that the ontology allows: owners of locks, reasoners."""
@@ -263,19 +263,19 @@ class World(ForwardingView):
             if vetoes:
                 raise WorldError(f"refused: {'; '.join(vetoes)}")
 
-    def _tell(self) -> None:
-        with self._telling:
-            if self._told_by_me:  # a callback wrote: the loop that called it tells of that, in order
+    def _notify(self) -> None:
+        with self._notify_lock:
+            if self._notifying:  # a callback wrote: the loop that called it notifies of that, in order
                 return
-            self._told_by_me = True
+            self._notifying = True
             try:
-                while self._untold:
-                    key, change = self._untold.popleft()
+                while self._queued:
+                    key, change = self._queued.popleft()
                     callback = self._subscribers.get(key)
                     if callback is not None:
                         _call(callback, change)
             finally:
-                self._told_by_me = False
+                self._notifying = False
 
 
 _LONGEST_TEXT = 1000
@@ -328,5 +328,5 @@ _SAYS = {"author": "who writes", "reason": "why, in words for people"}
 def _call(callback: Callable[[Change], None], change: Change) -> None:
     try:
         callback(change)
-    except (Exception, SystemExit):  # noqa: BLE001  whatever it is, it is the subscriber's fault and no one else's
+    except (Exception, SystemExit):  # noqa: BLE001  whatever it is, it is the subscriber's fault
         _log.exception("a subscriber failed on change %d of the world", change.number)

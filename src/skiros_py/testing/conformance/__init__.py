@@ -4,7 +4,7 @@
 ...     def make(self, spec):
 ...         return MyDriver(spec)
 
-How that goes, port by port, is told in ``docs/how-to/driver.md``. Needs pytest.
+``docs/how-to/driver.md`` shows how, port by port. Needs pytest.
 """
 
 import pytest

@@ -22,7 +22,7 @@ class PendingContract:
     """Claims about a :class:`~skiros_py.ports.pending.Pending`, such as the answer of a device of one's own."""
 
     def make(self) -> Pending[Any]:
-        """Asks for something that will be answered; each test asks anew."""
+        """Asks for something that will be answered; each test asks once."""
         raise NotImplementedError("say how to ask: def make(self): return device.request()")
 
     @pytest.fixture

@@ -27,7 +27,7 @@ _DOMAIN = """
     :effect (and (out ?d) (not (home ?d)) (free ?h) (not (in ?d ?h)))))
 """
 _ENOUGH_TO_SEARCH = 14
-"""Doves and one hole less: no plan, which nobody finds out soon."""
+"""Doves and one hole less: there is no plan, and proving that takes long."""
 
 
 class PlannerContract:

@@ -167,4 +167,4 @@ def _why(code: int, order: Order) -> str:
         return f"the query needs more than {order.memory >> 20} MiB of memory: ask for less, or bind more of it"
     if code in (-signal.SIGSEGV, -signal.SIGBUS):
         return "the query is too deep or too long for the engine: take it apart"
-    return f"the query was broken off (status {code})"
+    return f"the query was cancelled (status {code})"

@@ -142,7 +142,7 @@ class QueryReplica(Replica):
         assert isinstance(key.fileobj, int)
         os.close(key.fileobj)
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        with contextlib.suppress(BrokenPipeError):  # nobody may wait any more
+        with contextlib.suppress(BrokenPipeError):  # the answer may no longer be wanted
             os.write(status, f"{code}\n".encode())
         os.close(status)
 
@@ -172,7 +172,7 @@ class QueryReplica(Replica):
             return error
         except MemoryError:
             raise
-        except Exception as error:  # noqa: BLE001  a reasoner's: it is for whoever asked
+        except Exception as error:  # noqa: BLE001  a reasoner's fault: it is reported to the caller
             return UsageError(f"the query cannot be answered: {type(error).__name__}: {error}")
 
     def _result(self, order: Order) -> Result:

@@ -32,7 +32,7 @@ class ReplicaProcess:
     """A running replica of a world.
 
     Attributes:
-        version: Number of the last change that it was told of.
+        version: Number of the last change that it was sent.
     """
 
     def __init__(self, version: int, index: Index, program: str = QUERIES, *more: object) -> None:

@@ -19,7 +19,7 @@ _LISTED = re.compile(r'"(?:\\.|[^"\\])*"|\[[^\]]*\]', re.DOTALL)
 _SIGN = re.compile(r'"((?:\\.|[^"\\])+)"|\[(.)[^\]]*\]')
 _WORD = re.compile(r"<[^>\s]*>|[?$]?\w+|\S")
 _BEFORE, _AFTER = 3, 2
-"""How many words around the place are told."""
+"""Words shown around the place."""
 _KINDS = {
     "a variable": ("?", "$"),
     "a name": (":", "<", "_:"),
@@ -32,7 +32,7 @@ _LONGEST = 60
 
 
 def parse_fault(text: str, message: str) -> str:
-    """Returns where a query breaks off, and what could have come; as it is where the engine says something else.
+    """Returns where a query stops to parse and what could follow; the message itself where it says something else.
 
     Columns are left out: names were written out since somebody wrote the query.
 
@@ -165,7 +165,7 @@ class QuadStore:
         self._store.add(quad)
 
     def extend(self, quads: Iterable[ox.Quad]) -> None:
-        """Adds some: all, or, if that breaks off, none."""
+        """Adds some: all or, if that fails, none."""
         self._store.extend(quads)
 
     def remove(self, quads: Iterable[ox.Quad]) -> None:

@@ -64,7 +64,7 @@ def check_ontology(
         reasoner: ``hermit`` needs Java; ``auto`` takes it where there is Java, else (or where it gives no answer)
             the OWL-RL reasoner, which sees less.
         time_limit: Time for each reasoner [s]; it is ended then.
-        progress: Told what is being done.
+        progress: Called with what is being done.
 
     Raises:
         UsageError: There is no file, or HermiT was asked for and there is no Java.

@@ -136,7 +136,7 @@ def _mentions(axiom: Axiom, names: frozenset[str]) -> bool:
 _CONTRADICTIONS = 10
 """Contradictions that are looked for; the rest shows once these are mended."""
 _CLASSES = 50
-"""Classes that nothing can be of that are told one by one; of more of them, only the number."""
+"""Unsatisfiable classes that are reported one by one; of more of them, only the number."""
 _STATEMENTS = 30
 """Statements of an explanation that are shown, should it not be a smallest one."""
 
@@ -196,12 +196,12 @@ class _Reasoning:
         """The classes that nothing can be of: first those that none above them explains."""
         impossible = frozenset(verdict.unsatisfiable)
         above = {class_: self._above(class_, impossible) for class_ in verdict.unsatisfiable}
-        told = sorted(verdict.unsatisfiable, key=lambda class_: above[class_] is not None)
-        for class_ in told[:_CLASSES]:
+        ordered = sorted(verdict.unsatisfiable, key=lambda class_: above[class_] is not None)
+        for class_ in ordered[:_CLASSES]:
             upper = above[class_]
             yield self._excluded(class_, said) if upper is None else self._below(class_, upper)
-        if len(told) > _CLASSES:
-            text = f"nothing can be of {len(told) - _CLASSES} more classes: mend these first"
+        if len(ordered) > _CLASSES:
+            text = f"nothing can be of {len(ordered) - _CLASSES} more classes: mend these first"
             yield Finding(Severity.ERROR, FindingKind.UNSATISFIABLE, "", text)
 
     def _below(self, class_: str, above: str) -> Finding:
