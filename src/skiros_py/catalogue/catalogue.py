@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from skiros_py.behaviours.document import DocumentKind
@@ -68,11 +68,8 @@ class Catalogue:
             lazy.load_all()
 
     def _lazy(self) -> Iterator[LazyPlugins[Any]]:
-        yield from (
-            found
-            for found in (self.primitives, self.planners, self.drivers, self.behaviours, self.signals)
-            if isinstance(found, LazyPlugins)
-        )
+        values = (getattr(self, field.name) for field in fields(self))
+        return (value for value in values if isinstance(value, LazyPlugins))
 
     def planner(self, name: str) -> Planner:
         """Makes a planner; close it.

@@ -108,62 +108,36 @@ def _wrong_behaviour(plugin: Plugin) -> str | None:
     return f"it does not define {', '.join(missing)}" if missing else None
 
 
-def _is_path(value: Any) -> bool:
-    return isinstance(value, Path | Traversable)
+def _instance_of(*types: type) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, types)
 
+
+def _subclass_of(base: type) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, type) and issubclass(value, base)
+
+
+_is_files = _instance_of(Path, Traversable)
+_is_robot = _instance_of(RobotModel, Path, Traversable)
 
 KINDS: Mapping[str, Kind] = {
     kind.group: kind
     for kind in (
         Kind("skiros.skills", "a Skill, or a sequence of them", _is_skill, _wrong_skill),
-        Kind(
-            "skiros.primitives",
-            "a subclass of Primitive",
-            lambda value: isinstance(value, type) and issubclass(value, Primitive),
-            _wrong_primitive,
-        ),
-        Kind(
-            "skiros.behaviours",
-            "a subclass of Behaviour",
-            lambda value: isinstance(value, type) and issubclass(value, Behaviour),
-            _wrong_behaviour,
-        ),
-        Kind(
-            "skiros.documents",
-            "a subclass of DocumentKind",
-            lambda value: isinstance(value, type) and issubclass(value, DocumentKind),
-            _wrong_behaviour,
-        ),
-        Kind(
-            "skiros.conditions",
-            "a ConditionType",
-            lambda value: isinstance(value, ConditionType),
-            _wrong_condition,
-        ),
-        Kind(
-            "skiros.reasoners",
-            "a subclass of Reasoner",
-            lambda value: isinstance(value, type) and issubclass(value, Reasoner),
-        ),
+        Kind("skiros.primitives", "a subclass of Primitive", _subclass_of(Primitive), _wrong_primitive),
+        Kind("skiros.behaviours", "a subclass of Behaviour", _subclass_of(Behaviour), _wrong_behaviour),
+        Kind("skiros.documents", "a subclass of DocumentKind", _subclass_of(DocumentKind), _wrong_behaviour),
+        Kind("skiros.conditions", "a ConditionType", _instance_of(ConditionType), _wrong_condition),
+        Kind("skiros.reasoners", "a subclass of Reasoner", _subclass_of(Reasoner)),
         Kind("skiros.planners", "what makes a Planner when it is called", callable),
-        Kind(
-            "skiros.devices",
-            "a subclass of DeviceSpec",
-            lambda value: isinstance(value, type) and issubclass(value, DeviceSpec),
-            device_problem,
-        ),
-        Kind("skiros.adapters", "an Adapter", lambda value: isinstance(value, Adapter), adapter_problem),
+        Kind("skiros.devices", "a subclass of DeviceSpec", _subclass_of(DeviceSpec), device_problem),
+        Kind("skiros.adapters", "an Adapter", _instance_of(Adapter), adapter_problem),
         Kind("skiros.drivers", "what makes a CellDriver when it is called", callable),
         Kind("skiros.signals", "a function of the cell that returns signal providers", callable),
         Kind("skiros.engines", "what makes a simulation Engine when it is called", callable),
-        Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_path),
-        Kind(
-            "skiros.robots",
-            "a RobotModel, a package with Turtle files, or a Path",
-            lambda value: isinstance(value, RobotModel) or _is_path(value),
-        ),
-        Kind("skiros.scenes", "a package with scene files, or a Path", _is_path),
-        Kind("skiros.pages", "the Path of a folder of built web pages", lambda value: isinstance(value, Path)),
+        Kind("skiros.ontologies", "a package with ontology files, or a Path", _is_files),
+        Kind("skiros.robots", "a RobotModel, a package with Turtle files, or a Path", _is_robot),
+        Kind("skiros.scenes", "a package with scene files, or a Path", _is_files),
+        Kind("skiros.pages", "the Path of a folder of built web pages", _instance_of(Path)),
         Kind("skiros.topics", "a function that takes a Recorder", callable),
     )
 }

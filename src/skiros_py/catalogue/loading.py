@@ -34,12 +34,9 @@ def load_catalogue() -> Catalogue:
     ``skiros.devices``, ``skiros.reasoners`` and ``skiros.ontologies`` are among the faults.
     """
     found = _Found()
-    planners, drivers = found.entries("planners"), found.entries("drivers")
-    signals = found.entries("signals")
-    primitives, behaviours = found.entries("primitives"), found.entries("behaviours")
-    documents = found.entries("documents")
-    skills = found.skills()
-    conditions = found.conditions()
+    lazy = {kind: _lazy(found.entries(kind)) for kind in _LAZY}
+    primitives = found.entries("primitives")
+    skills, conditions = found.skills(), found.conditions()
     of_skills, of_primitives = clashes_of_modules(skills, primitives)
     ontology, misfits = _installed()
     reasoners, unusable = load_reasoners(ontology)
@@ -47,15 +44,14 @@ def load_catalogue() -> Catalogue:
         skills=found.usable(skills, of_skills),
         primitives=_lazy(found.alone(primitives, of_primitives)),
         conditions=found.usable(conditions, clashes_of_conditions(conditions)),
-        planners=_lazy(planners),
         sources=found.sources,
         early=(*installation().faults, *found.faults, *unusable, *load_device_kinds()[1], *misfits),
         reasoners=reasoners,
-        drivers=_lazy(drivers),
-        signals=_lazy(signals),
-        behaviours=_lazy(behaviours),
-        documents=_lazy(documents),
+        **lazy,
     )
+
+
+_LAZY = ("planners", "drivers", "signals", "behaviours", "documents")
 
 
 class _Found:
