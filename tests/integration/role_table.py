@@ -87,6 +87,8 @@ _TABLE = {
         /devices GET
         /devices/{id} GET
         /devices/{id}/state GET
+        /signals GET
+        /signals/values GET
         /robots GET
         /robots/{id} GET
         /robots/{id}/state GET
@@ -127,6 +129,7 @@ _TABLE = {
         /scenes POST
         /scenes/{name} DELETE
         /scene PUT
+        /signals/{name}/value PUT
         /tasks POST
         /tasks/{name}/{command} POST
         /sequences POST

@@ -8,6 +8,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from skiros_py.catalogue.catalogue import Catalogue
 from skiros_py.errors import DeviceError
 from skiros_py.server.services import Services
 from skiros_py.server.serving import Serving, bind, switching_quickly, url_of
@@ -35,7 +36,11 @@ class Served:
 
 @contextmanager
 def serving(
-    scene: str, data: Path, options: Options = _PRETENDING, settings: ServerSettings = _USUAL
+    scene: str,
+    data: Path,
+    options: Options = _PRETENDING,
+    settings: ServerSettings = _USUAL,
+    catalogue: Catalogue | None = None,
 ) -> Iterator[Served]:
     """Serves a scene while the block runs.
 
@@ -44,6 +49,7 @@ def serving(
         data: The data directory.
         options: How to open the session; the pretending robot where left out.
         settings: How the server is set up; the port is any free one.
+        catalogue: Its plug-ins; None for those that are installed.
 
     Yields:
         The server, ready.
@@ -52,7 +58,7 @@ def serving(
     with (
         switching_quickly(),
         closing(bind(replace(settings, port=0))) as listening,
-        Services(lambda: Session(scene, chosen), data, settings) as services,
+        Services(lambda: Session(scene, chosen, catalogue=catalogue), data, settings) as services,
     ):
         ready = threading.Event()
         server = Serving(services, listening, ready.set)

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import pytest
 from support.serving import Served, serving
 
+from skiros_py.catalogue.catalogue import Catalogue
 from skiros_py.server.pages import installed_pages
 from skiros_py.server.settings import ServerSettings
 from skiros_py.station.session import Options
@@ -95,10 +96,15 @@ def station(data: Path) -> Iterator[Station]:
         stations = ExitStack()
 
         def opened(
-            scene: str = "kitting", *, physics: bool = False, pace: float = 3.0, settings: ServerSettings = _USUAL
+            scene: str = "kitting",
+            *,
+            physics: bool = False,
+            pace: float = 3.0,
+            settings: ServerSettings = _USUAL,
+            catalogue: Catalogue | None = None,
         ) -> Served:
             options = Options(fake=not physics, pace=pace, overrun=_PATIENT)
-            return keeper.submit(stations.enter_context, serving(scene, data, options, settings)).result()
+            return keeper.submit(stations.enter_context, serving(scene, data, options, settings, catalogue)).result()
 
         yield opened
         keeper.submit(stations.close).result()

@@ -1,13 +1,14 @@
-"""Devices of any kind: what they are, what they say."""
+"""Devices of any kind, what they say, and the signals of the cell."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field
 
-from skiros_py.api.wire import Answer
+from skiros_py.api.wire import Answer, Request
 
+Number = Annotated[float, Field(allow_inf_nan=False)]
 SignalValue = bool | float | tuple[float, ...]
 """A truth value, a number, or numbers."""
 
@@ -51,3 +52,33 @@ class DeviceReading(Answer):
     signals: dict[str, SignalValue] = Field(
         description="The values that it offers, by name.", examples=[{"gap": 0.051, "force": 30.0}]
     )
+
+
+class CellSignal(SignalInfo):
+    """A signal of the cell: of a device, computed, or set from outside."""
+
+    name: str = Field(description="Its name, as conditions and expressions use it.", examples=["gripper_1.force"])
+    length: int | None = Field(description="Number of values of a computed vector; null for any other.", examples=[3])
+    source: str = Field(description="Device or provider that gives it.", examples=["gripper_1"])
+    input: bool = Field(description="Whether it can be set.", examples=[False])
+
+
+class SignalReading(Answer):
+    """The value of a signal in one cycle."""
+
+    value: SignalValue | None = Field(description="The value; null where it has none.", examples=[30.0])
+    reason: str = Field(description="Why it has no value; empty where it has one.", examples=[""])
+
+
+class SignalReadings(Answer):
+    """Values of signals in one control cycle."""
+
+    time: float = Field(description="Run time [s].", examples=[45.8])
+    cycle: int = Field(description="Number of the control cycle.", examples=[9160])
+    signals: dict[str, SignalReading] = Field(description="The values by the names of the signals.")
+
+
+class SetSignal(Request):
+    """A new value of a signal."""
+
+    value: bool | Number | tuple[Number, ...] = Field(description="The value, in its unit.", examples=[0.3])

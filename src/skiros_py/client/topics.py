@@ -321,6 +321,14 @@ class Devices(Topic[C]):
     close = Method(robots.close_device)
 
 
+class Signals(Topic[C]):
+    """Signals of the cell, read and set."""
+
+    list = Method(robots.list_signals)
+    read = Method(robots.read_signals)
+    set = Method(robots.set_signal)
+
+
 class Sequences(Topic[C]):
     """Sequences of steps that somebody puts together."""
 
@@ -373,6 +381,7 @@ class Topics(Generic[C]):
         plugins: Plug-ins that are installed, and their faults.
         robots: Robots: looked at, moved by hand, taught.
         devices: Devices of any kind, and what they say.
+        signals: Signals of the cell.
         sequences: Sequences of steps that somebody puts together.
         tasks: Goals that are pursued at this moment.
     """
@@ -402,5 +411,6 @@ class Topics(Generic[C]):
         self.plugins = Plugins(client)
         self.robots = Robots(client)
         self.devices = Devices(client)
+        self.signals = Signals(client)
         self.sequences = Sequences(client)
         self.tasks = Tasks(client)

@@ -106,6 +106,19 @@ class Signals:
         provider = self._known(name).provider
         return next(signal for signal in provider.provides if signal.name == name)
 
+    def source(self, name: str) -> str:
+        """Returns the name of the device or provider that gives a signal.
+
+        Raises:
+            UnknownName: There is no such signal.
+        """
+        device, offered = self._offered(name)
+        return device if offered is not None else self._known(name).provider.name
+
+    def is_input(self, name: str) -> bool:
+        """Returns True for a signal that :meth:`set` takes."""
+        return name in self._of and isinstance(self._of[name].provider, Input)
+
     @property
     def faults(self) -> Mapping[str, str]:
         """Why providers were switched off, by provider."""

@@ -40,6 +40,7 @@ from skiros_py.station.scenes.scenes import SceneStore
 from skiros_py.station.scenes.service import SceneService
 from skiros_py.station.scenes.stage import SceneStage
 from skiros_py.station.session import Session
+from skiros_py.station.signals import SignalService
 from skiros_py.station.simulation.bodies import Bodies
 from skiros_py.station.simulation.simulation import Simulation
 from skiros_py.station.stops import Stops
@@ -81,7 +82,7 @@ class Station:
         data: The data directory.
         control: Runs the session.
         alarms, behaviours, devices, elements, goals, jobs, modules, ontology, plugins, previews, recordings, robots,
-            scenes, sequences, simulation, stops, tasks, templates, world: The use cases, by topic.
+            scenes, sequences, signals, simulation, stops, tasks, templates, world: The use cases, by topic.
         events: The log of events.
         live: The present state of the robots.
         looks: What the cameras saw last.
@@ -136,6 +137,7 @@ class Station:
         self.behaviours = DocumentService(self)
         self.control.on_open(self.behaviours.open)
         self.devices = DeviceService(self)
+        self.signals = SignalService(self)
         self.elements = ElementService(self)
         self.goals = GoalService(self)
         self.jobs = JobService(self)

@@ -2,6 +2,7 @@ import { Tabs } from "@mantine/core";
 import { useTranslation } from "react-i18next";
 import { useMay } from "../api/session";
 import { useTab } from "../app/useTab";
+import { DevicesPanel } from "./devices/DevicesPanel";
 import { JogPanel } from "./jog/JogPanel";
 import classes from "./modules.module.css";
 import { TryModules } from "./module/TryModules";
@@ -19,6 +20,7 @@ export default function ModulesTab() {
   const contents: Record<View, () => React.ReactNode> = {
     try: () => <TryModules place={place} show={show} />,
     jog: () => <JogPanel chosen={place.rest[0]} show={show} />,
+    devices: () => <DevicesPanel show={show} />,
     runs: () => <RunHistory chosen={place.rest[0]} show={show} />,
     plugins: () => <Plugins />,
   };

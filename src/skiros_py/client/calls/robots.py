@@ -1,13 +1,13 @@
-"""Robots and devices: looked at, moved by hand, taught, opened, closed and stopped."""
+"""Robots, devices and signals: looked at, moved by hand, taught, opened, closed and stopped."""
 
 from __future__ import annotations
 
-from skiros_py.api.devices import DeviceInfo, DeviceReading
+from skiros_py.api.devices import CellSignal, DeviceInfo, DeviceReading, SignalReadings, SignalValue
 from skiros_py.api.looks import Look, RobotMotion
 from skiros_py.api.modules import ModuleRunInfo
 from skiros_py.api.robots import Jog, RobotInfo, RobotReading, Teach
 from skiros_py.api.stop import StopInfo
-from skiros_py.client.call import Call, path_of
+from skiros_py.client.call import Call, nothing, path_of
 
 
 def list_robots() -> Call[list[RobotInfo]]:
@@ -93,6 +93,21 @@ def close_device(device: str) -> Call[DeviceInfo]:
 def get_device_state(device: str) -> Call[DeviceReading]:
     """Reads a device."""
     return Call("GET", path_of("devices", device, "state"), DeviceReading)
+
+
+def list_signals() -> Call[list[CellSignal]]:
+    """Lists the signals: of devices, computed ones, and inputs."""
+    return Call("GET", "/signals", list[CellSignal])
+
+
+def read_signals(*names: str) -> Call[SignalReadings]:
+    """Reads signals, all in the same control cycle."""
+    return Call("GET", "/signals/values", SignalReadings, query={"name": list(names)})
+
+
+def set_signal(name: str, value: SignalValue) -> Call[None]:
+    """Sets an input; the value counts from the next control cycle on."""
+    return Call("PUT", path_of("signals", name, "value"), nothing, json={"value": value})
 
 
 def stop(reason: str = "") -> Call[StopInfo]:

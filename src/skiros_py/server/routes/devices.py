@@ -1,12 +1,12 @@
-"""Routes: devices of any kind."""
+"""Routes: devices of any kind, and signals."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path
+from fastapi import APIRouter, Path, Query
 
-from skiros_py.api.devices import DeviceInfo, DeviceReading
+from skiros_py.api.devices import CellSignal, DeviceInfo, DeviceReading, SetSignal, SignalReadings
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.services import StationDep
 
@@ -46,3 +46,24 @@ def close_device(id: Id, station: StationDep) -> DeviceInfo:  # noqa: A002
     With its last open device a driver is disconnected. A simulated device stays where it is.
     """
     return station.devices.close(id)
+
+
+@router.get("/signals", summary="List the signals", dependencies=[needs(Role.VIEWER)])
+def list_signals(station: StationDep) -> list[CellSignal]:
+    """All signals of the cell: those of devices, computed ones, and inputs that can be set."""
+    return station.signals.all()
+
+
+@router.get("/signals/values", summary="Read signals", dependencies=[needs(Role.VIEWER)])
+def read_signals(
+    station: StationDep,
+    name: Annotated[list[str], Query(min_length=1, max_length=200, description="Names of the signals.")],
+) -> SignalReadings:
+    """The values of some signals in one control cycle; where one has no value, why."""
+    return station.signals.read(name)
+
+
+@router.put("/signals/{name}/value", status_code=204, summary="Set a signal", dependencies=[needs(Role.OPERATOR)])
+def set_signal(name: Id, request: SetSignal, station: StationDep) -> None:
+    """Sets an input of the cell; the value counts from the next control cycle on."""
+    station.signals.set(name, request.value)

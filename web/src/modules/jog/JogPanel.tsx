@@ -4,12 +4,9 @@ import { useMay } from "../../api/session";
 import { Teach } from "../teach/Teach";
 import { Learned } from "../teach/Learned";
 import type { View } from "../places";
-import { type Robot, useRobots } from "../queries";
-import { BaseJog } from "./BaseJog";
-import { GripperJog } from "./GripperJog";
+import { type Robot, useDevices, useRobots } from "../queries";
 import { HandBar } from "./HandBar";
-import { Joints } from "./Joints";
-import { ToolJog } from "./ToolJog";
+import { panelsOf } from "./panels";
 import { useHindrance } from "./useHindrance";
 
 interface Props {
@@ -46,6 +43,11 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
   const hindrance = useHindrance(robot, alone);
   const may = useMay("jog_robot");
   const disabled = hindrance !== "" || !may;
+  const { data: devices } = useDevices();
+  if (devices === undefined) return null;
+  const own = devices.filter((device) => device.robot === robot.id);
+  const panels = own.flatMap((device) => panelsOf({ device, robot, disabled, t }));
+  const first = robot.arms[0]?.id ?? panels[0]?.device;
   return (
     <Stack gap="xs">
       <HandBar robot={robot} disabled={disabled} />
@@ -56,31 +58,16 @@ function ByHand({ robot, alone }: { robot: Robot; alone: boolean }) {
       )}
       <Accordion
         multiple
-        defaultValue={robot.arms.slice(0, 1).flatMap(({ id }) => [`joints ${id}`, `tool ${id}`])}
+        defaultValue={panels.filter(({ device }) => device === first).map(({ value }) => value)}
         variant="default"
       >
-        {robot.arms.map((arm) => (
-          <Section key={arm.id} value={`joints ${arm.id}`} title={t("jog.joints", { arm: arm.id })}>
-            <Joints robot={robot.id} arm={arm} disabled={disabled} />
+        {panels.map(({ value, title, content }) => (
+          <Section key={value} value={value} title={title}>
+            {content}
           </Section>
         ))}
-        {robot.arms.map((arm) => (
-          <Section key={arm.id} value={`tool ${arm.id}`} title={t("jog.tool", { arm: arm.id })}>
-            <ToolJog robot={robot.id} arm={arm.id} disabled={disabled} />
-          </Section>
-        ))}
-        {robot.grippers.map((gripper) => (
-          <Section key={gripper.id} value={gripper.id} title={t("jog.gripper", { gripper: gripper.id })}>
-            <GripperJog robot={robot.id} gripper={gripper} disabled={disabled} />
-          </Section>
-        ))}
-        {robot.base && (
-          <Section value="base" title={t("jog.base", { base: robot.base.id })}>
-            <BaseJog robot={robot.id} base={robot.base.id} disabled={disabled} />
-          </Section>
-        )}
         <Section value="teach" title={t("teach.title")}>
-          <Teach robot={robot} disabled={disabled} />
+          <Teach robot={robot} devices={own} disabled={disabled} />
         </Section>
         <Section value="learned" title={t("learned.title")}>
           <Learned />

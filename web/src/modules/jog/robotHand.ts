@@ -3,6 +3,7 @@
 import { answer, api, type Schema } from "../../api/client";
 import { onEvent } from "../../live/events";
 import { problemText } from "../../widgets/problems";
+import type { Arguments } from "../../widgets/ArgumentsForm";
 import type { Run } from "../queries";
 import { makeHand, type Step } from "./hand";
 
@@ -40,6 +41,14 @@ export const hand = makeHand({ over, stop }, problemText);
 
 export function jog(robot: string, body: Partial<Schema<"Jog">>): Step {
   return () => answer(api.POST("/api/v1/robots/{id}/jog", { params: { path: { id: robot } }, body }));
+}
+
+export function run(agent: string, module: string, values: Arguments): Step {
+  const [path, body] = [
+    { agent, module },
+    { arguments: values, repeat: 1 },
+  ];
+  return () => answer(api.POST("/api/v1/modules/{agent}/{module}/runs", { params: { path }, body }));
 }
 
 export function home(robot: string): Step {

@@ -4,14 +4,30 @@ import { useState } from "react";
 import { useTranslation } from "react-i18next";
 import { argumentFaults, type Arguments, ArgumentsForm } from "../../widgets/ArgumentsForm";
 import { MayButton } from "../../widgets/MayButton";
+import { ModuleForm } from "../jog/ModuleForm";
 import { hand, teach } from "../jog/robotHand";
-import { type Robot, useModule, useModules } from "../queries";
+import { type Device, type Robot, useModule, useModules } from "../queries";
 
+/** Lessons that the server teaches a robot, with their modules; kinds of device may name further modules. */
 const LESSONS = { grasp: "teach_grasp", "driving-pose": "teach_driving_pose", "placing-pose": "teach_placing_pose" };
 type Lesson = keyof typeof LESSONS;
 
 /** Teaches a robot from how it stands now. */
-export function Teach({ robot, disabled }: { robot: Robot; disabled: boolean }) {
+export function Teach({ robot, devices, disabled }: { robot: Robot; devices: readonly Device[]; disabled: boolean }) {
+  const known: readonly string[] = Object.values(LESSONS);
+  return (
+    <Stack gap="md">
+      <Lessons robot={robot} disabled={disabled} />
+      {devices
+        .filter(({ teach }) => teach !== "" && !known.includes(teach))
+        .map((device) => (
+          <ModuleForm key={device.id} device={device} module={device.teach} disabled={disabled} />
+        ))}
+    </Stack>
+  );
+}
+
+function Lessons({ robot, disabled }: { robot: Robot; disabled: boolean }) {
   const { t } = useTranslation("modules");
   const [lesson, setLesson] = useState<Lesson>("grasp");
   const [values, setValues] = useState<Arguments>({});
