@@ -152,6 +152,7 @@ _TABLE = {
         /modules/{agent}/{module}/panel POST
         /modules/{agent}/{module}/runs POST
         /modules/{agent}/{module}/reset POST
+        /module-runs/{id}/breakpoints PUT
         /module-runs/{id}/{command} POST
         /plugins GET
         /plugins/faults GET

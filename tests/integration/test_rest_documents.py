@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import httpx2
 import pytest
+from click.testing import CliRunner
 from support.serving import serving
+
+from skiros_py.cli.main import cli
 
 TREE = {"type": "sequence", "children": [{"type": "wait", "seconds": 0.05}, {"type": "wait", "seconds": 0.05}]}
 
@@ -79,3 +84,51 @@ def test_the_kinds_tell_the_nodes_that_an_editor_offers(api: httpx2.Client) -> N
     offered = {node["kind"]: node for node in kinds["tree"]["palette"]}
     assert offered["wait"]["fields"] == {"seconds": "float"}
     assert kinds["tree"]["formats"] == ["json"]
+
+
+def test_the_last_fifty_revisions_are_kept(api: httpx2.Client) -> None:
+    first = written(api, "often")
+    seen = first.headers["ETag"]
+    for _ in range(55):
+        seen = written(api, "often", **{"If-Match": seen}).headers["ETag"]
+
+    kept = [one["revision"] for one in api.get("/documents/tree/often/revisions").json()["documents"]]
+    assert len(kept) == 50
+    assert f'"{kept[-1]}"' == seen
+    assert first.json()["revision"] not in kept
+
+
+def test_a_document_is_written_run_and_debugged_from_the_shell(api: httpx2.Client, tmp_path: Path) -> None:
+    url = str(api.base_url).removesuffix("/api/v1/")
+    file = tmp_path / "pauses.json"
+    file.write_text(json.dumps(TREE), encoding="utf-8")
+
+    def said(*arguments: str) -> Any:
+        result = CliRunner().invoke(cli, ("document", *arguments, "--url", url, "--json"), catch_exceptions=False)
+        assert result.exit_code == 0, result.output
+        return json.loads(result.stdout)
+
+    def status(run: str) -> str:
+        answer: str = api.get(f"/module-runs/{run}").json()["status"]
+        return answer
+
+    def wait_for(run: str, wanted: str) -> None:
+        deadline = time.monotonic() + 30
+        while status(run) != wanted:
+            assert time.monotonic() < deadline, f"{status(run)}, not {wanted}"
+            time.sleep(0.02)
+
+    assert said("write", "tree", "by hand", str(file))["module"] == "tree:by hand"
+    assert said("write", "tree", "by hand", str(file))["revision"] > 0
+    assert said("show", "tree", "by hand")["data"] == TREE
+    assert "by hand" in [one["id"] for one in said("list", "tree")["documents"]]
+
+    run = said("run", "tree", "by hand", "--agent", "base_1", "--break", "body/0", "--break", "body/1")["id"]
+    wait_for(run, "paused")
+    assert said("break", run, "body/1")["breakpoints"] == ["tree:by hand/body/1"]
+    said("command", run, "resume")
+    wait_for(run, "paused")
+    assert said("break", run)["breakpoints"] == []
+    said("command", run, "resume")
+    wait_for(run, "succeeded")
+    assert said("remove", "tree", "by hand") == {"removed": "tree:by hand"}

@@ -12,6 +12,7 @@ from skiros_py.api.wire import Answer, Moment, Request
 _LONGEST_KEY = 100
 _MOST_ARGUMENTS = 50
 _MOST_ROUNDS = 1000
+_MOST_BREAKPOINTS = 100
 
 _LONGEST = 20_000
 
@@ -32,6 +33,10 @@ def _sound(values: dict[str, Any]) -> dict[str, Any]:
 
 Arguments = Annotated[dict[Key, Any], Field(max_length=_MOST_ARGUMENTS), AfterValidator(_sound)]
 """Value by parameter key; what is left out, or null, is inferred."""
+Breakpoints = Annotated[
+    tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(max_length=_MOST_BREAKPOINTS)
+]
+_BREAKPOINTS = "Paths of nodes of its implementation before which it is paused."
 ModuleRunStatus = Literal["running", "paused", "stopping", "stopped", "succeeded", "failed"]
 
 
@@ -176,6 +181,13 @@ class RunModule(PanelRequest):
     model_config = ConfigDict(json_schema_extra={"examples": [{"arguments": {}, "repeat": 1}]})
 
     repeat: int = Field(1, ge=1, le=_MOST_ROUNDS, description="How often it is done, one after the other.")
+    breakpoints: Breakpoints = Field(default_factory=tuple, description=_BREAKPOINTS, examples=[["body/1"]])
+
+
+class SetBreakpoints(Request):
+    """Where a run is paused."""
+
+    paths: Breakpoints = Field(description=_BREAKPOINTS, examples=[["body/1"]])
 
 
 class PanelRow(Answer):
@@ -237,6 +249,7 @@ class ModuleRunInfo(Answer):
     given: dict[str, Any] = Field(description="The arguments that were given.")
     arguments: dict[str, Any] = Field(description="All arguments, with what was inferred.")
     repeat: int = Field(description="How often it shall be done.", examples=[1])
+    breakpoints: list[str] = Field(description="Nodes before which it is paused.", examples=[["tree:tidy up/body/1"]])
     done: int = Field(description="How often it has ended.", examples=[1])
     succeeded: int = Field(description="How often it worked.", examples=[1])
     cut_off: bool = Field(

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
 from skiros_py.skills.behaviour import Behaviour, walk
+from skiros_py.skills.parameters import Kind, Param, check_params
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.references import check_references
 
@@ -45,6 +46,19 @@ class PaletteEntry:
     fields: Mapping[str, str]
 
 
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """What a document takes and gives as a module.
+
+    Attributes:
+        params: Its parameters.
+        outputs: Names of the values that its outcome has; nodes write them with :class:`~skiros_py.behaviours.Out`.
+    """
+
+    params: tuple[Param, ...] = ()
+    outputs: tuple[str, ...] = ()
+
+
 class DocumentKind(ABC):
     """A kind of document, found by the entry-point group ``skiros.documents``.
 
@@ -71,11 +85,35 @@ class DocumentKind(ABC):
             DescriptionError: Something in it is wrong; the text begins with the place.
         """
 
+    def interface(self, document: Any) -> Interface:
+        """Returns the parameters and outputs that a document declares; by default in ``parameters`` and ``outputs``.
+
+        A parameter is written as ``{"key": "Speed", "type": "number", "help": "…", "unit": "m/s", "default": 0.2}``;
+        without a default a run must be given a value.
+
+        Raises:
+            DescriptionError: Something in it is wrong; the text begins with the place.
+        """
+        if not isinstance(document, Mapping):
+            return Interface()
+        given, outputs = document.get("parameters", ()), document.get("outputs", ())
+        params = tuple(_param(index, one) for index, one in enumerate(given))
+        check_params(params, "of the document")
+        if not all(isinstance(name, str) and name for name in outputs):
+            raise DescriptionError(f"outputs: names of values, not {outputs!r:.100}")
+        return Interface(params, tuple(outputs))
+
     def check(self, document: Any, reader: Reader) -> tuple[DocumentFault, ...]:
         """Returns what is wrong with a document; nothing where it can run."""
         try:
+            interface = self.interface(document)
             found = self.behaviour(document, reader)
-            check_references(found, {name for node in walk(found) for name in node.uses().writes}, "of the document")
+            written = {name for node in walk(found) for name in node.uses().writes}
+            check_references(found, {*written, *(param.key for param in interface.params)}, "of the document")
+            for index, name in enumerate(interface.outputs):
+                if name not in written:
+                    known = ", ".join(sorted(written)) or "nothing"
+                    raise DescriptionError(f"outputs[{index}]: no node writes '{name}'; written is {known}")
         except DescriptionError as error:
             place, colon, text = str(error).partition(": ")
             return (DocumentFault(place, text) if colon else DocumentFault("", place),)
@@ -121,11 +159,31 @@ class DocumentKind(ABC):
             raise UnknownName("format", format_, self.formats, where=f"of {self.kind} documents")
 
 
+_OPTIONS = ("key", "type", "help", "default", "unit", "length")
+
+
+def _param(index: int, data: Any) -> Param:
+    place = f"parameters[{index}]"
+    if not isinstance(data, Mapping) or not {"key", "type", "help"} <= data.keys():
+        raise DescriptionError(f"{place}: a parameter has a key, a type and a help, not {data!r:.100}")
+    if unknown := [key for key in data if key not in _OPTIONS]:
+        raise DescriptionError(f"{place}: unknown: {', '.join(unknown)}; there is {', '.join(_OPTIONS)}")
+    return Param(**data, kind=Kind.OFFLINE if "default" in data else Kind.ONLINE)
+
+
 class Tree(DocumentKind):
-    """A tree of behaviours of all kinds, written down as they are: ``{"type": "sequence", "children": […]}``."""
+    """A tree of behaviours of all kinds, written down as they are: ``{"type": "sequence", "children": […]}``.
+
+    A tree with parameters or outputs stands in ``body``: ``{"parameters": […], "outputs": […], "body": {…}}``.
+    """
 
     kind: ClassVar[str] = "tree"
 
     def behaviour(self, document: Any, reader: Reader) -> Behaviour:
         """Reads the tree."""
+        if isinstance(document, Mapping) and "body" in document:
+            unknown = sorted(document.keys() - {"parameters", "outputs", "body"})
+            if unknown:
+                raise DescriptionError(f"{unknown[0]}: a tree has parameters, outputs and a body, and nothing else")
+            document = document["body"]
         return reader.behaviour(document)

@@ -27,6 +27,7 @@ _COMMANDS = {
     "reset": ("stop:reset", "Let them start again after that."),
     "manager": ("manager", "Open and close the skill managers of a server while it runs."),
     "device": ("device", "List, open and close the devices of a server while it runs."),
+    "document": ("document", "Write, run and debug the documents of a server: trees, nets and graphs."),
     "report": ("report", "Make a page about a run: timeline, pictures, what happened and why."),
     "plan": ("plan", "Show domain, problem and plan without doing anything."),
     "skills": ("skills", "List the skills, primitives and conditions that were found."),

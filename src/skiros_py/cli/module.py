@@ -69,7 +69,7 @@ def show(name: str, params: tuple[str, ...], agent: str | None, scene: str, as_j
     """Shows a module: its parameters with what they would be now, what holds and why not, and what it does."""
     with _fake(scene) as session:
         manager = _manager(session, name, agent)
-        panel = manager.panel(name, _given(params))
+        panel = manager.panel(name, given_params(params))
         info = manager.info(name)
     body = _body(name) if info.kind == "skill" else []
     if as_json:
@@ -106,7 +106,7 @@ def run(
     from skiros_py.station.session import Options, Session
 
     with Session(scene, Options(**options)) as session:
-        given, manager = _given(params), _manager(session, name, agent)
+        given, manager = given_params(params), _manager(session, name, agent)
         before = manager.panel(name, given)
         if not as_json:
             _print_panel(before)
@@ -143,7 +143,12 @@ def _manager(session: Session, name: str, agent: str | None) -> SkillManager:
     return session.managers[agent]
 
 
-def _given(params: Sequence[str]) -> dict[str, str]:
+def given_params(params: Sequence[str]) -> dict[str, str]:
+    """Reads parameters written as KEY=VALUE.
+
+    Raises:
+        UsageError: One is written otherwise, or given twice.
+    """
     given = {}
     for text in params:
         key, equals, value = text.partition("=")

@@ -284,6 +284,7 @@ class Modules(Topic[C]):
     reset = Method(modules.reset_module)
     runs = Method(modules.list_module_runs)
     get_run = Method(modules.get_module_run)
+    set_breakpoints = Method(modules.set_breakpoints)
     command = Method(modules.command_module_run)
     skills = Method(modules.list_skills)
     skill = Method(modules.get_skill)

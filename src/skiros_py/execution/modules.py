@@ -117,7 +117,7 @@ class Modules:
         kind = self.kind(module)
         if kind == "document":
             found = self.documents[module]
-            return ModuleInfo(module, kind, found.help, (), str(found.revision))
+            return ModuleInfo(module, kind, found.help, found.params, str(found.revision))
         if kind == "skill":
             ways = self.skills[module]
             first, labels = ways[0], tuple(skill.label for skill in ways)

@@ -98,6 +98,11 @@ class RunningModule:
         self._account = account
 
     @property
+    def breakpoints(self) -> set[str]:
+        """Paths of nodes before which it is paused (``pick/body/1``); they may be changed while it runs."""
+        return self.scope.breakpoints
+
+    @property
     def account(self) -> Mapping[str, Any]:
         """What it was run with, what was found of its conditions, and what it changed, as plain data."""
         said = self._account() if self._account is not None else {"inputs": dict(self.arguments), "conditions": []}

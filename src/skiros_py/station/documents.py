@@ -33,6 +33,14 @@ INSERT INTO revisions SELECT kind, name, version, data FROM documents;
 _SCHEMA = Schema("list of documents", "the documents of a server", 0x736B7376, (_TABLES, _REVISIONS))
 """Such a file is marked "sksv"."""
 
+_REVISIONS_KEPT = 50
+"""Of each document so many revisions are kept, the last ones; recordings hold the documents that ran."""
+_FORGET = """
+DELETE FROM revisions WHERE kind = ? AND name = ? AND version NOT IN (
+    SELECT version FROM revisions WHERE kind = ? AND name = ? ORDER BY version DESC LIMIT ?
+)
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class Document:
@@ -97,7 +105,7 @@ class DocumentStore:
         return found
 
     def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
-        """Returns all revisions of a document, the oldest first, also of one that was removed."""
+        """Returns the last revisions of a document, the oldest first, also of one that was removed."""
         rows = self._database.rows(
             "SELECT version, data FROM revisions WHERE kind = ? AND name = ? ORDER BY version", (kind, name)
         )
@@ -124,6 +132,7 @@ class DocumentStore:
                 (kind, name, version, text),
             )
             connection.execute("INSERT INTO revisions VALUES (?, ?, ?, ?)", (kind, name, version, text))
+            connection.execute(_FORGET, (kind, name, kind, name, _REVISIONS_KEPT))
         document = Document(kind, name, int(version), data)
         self._tell("written", document)
         return document

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from skiros_py.behaviours import DocumentFault, DocumentKind, PaletteEntry
@@ -154,11 +154,10 @@ class RunnableDocuments:
         if faults:
             _log.warning("%s '%s' cannot run: %s", document.kind, document.name, "; ".join(map(str, faults)))
             return
-        behaviour = kind.behaviour(document.data, self._reader)
-        offered: Mapping[str, RunnableDocument] = {
-            f"{document.kind}:{document.name}": RunnableDocument(behaviour, document.version, behaviour.title)
-        }
-        self._session.managers.documents.update(offered)
+        behaviour, interface = kind.behaviour(document.data, self._reader), kind.interface(document.data)
+        self._session.managers.documents[f"{document.kind}:{document.name}"] = RunnableDocument(
+            behaviour, document.version, behaviour.title, interface.params, interface.outputs
+        )
 
     def _kind(self, name: str) -> DocumentKind:
         if name not in self._kinds:

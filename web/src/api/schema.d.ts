@@ -1156,6 +1156,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/module-runs/{id}/breakpoints": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put: operations["set_breakpoints"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/module-runs/{id}/{command}": {
         parameters: {
             query?: never;
@@ -3122,6 +3138,7 @@ export interface components {
                 [key: string]: unknown;
             };
             repeat: number;
+            breakpoints: string[];
             done: number;
             succeeded: number;
             /** @default false */
@@ -3569,6 +3586,7 @@ export interface components {
             };
             /** @default 1 */
             repeat: number;
+            breakpoints?: string[];
         };
         RunSequence: {
             /** @default 1 */
@@ -3661,6 +3679,9 @@ export interface components {
         };
         Sequences: {
             items: components["schemas"]["SequenceSummary"][];
+        };
+        SetBreakpoints: {
+            paths: string[];
         };
         SetOperation: {
             /**
@@ -6804,6 +6825,39 @@ export interface operations {
             cookie?: never;
         };
         requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ModuleRunInfo"];
+                };
+            };
+            default: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["ProblemDetails"];
+                };
+            };
+        };
+    };
+    set_breakpoints: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetBreakpoints"];
+            };
+        };
         responses: {
             200: {
                 headers: {

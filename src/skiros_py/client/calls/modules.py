@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from skiros_py.api.modules import (
@@ -52,10 +52,15 @@ def show_panel(agent: str, module: str, arguments: Mapping[str, Any] | None = No
 
 
 def run_module(
-    agent: str, module: str, arguments: Mapping[str, Any] | None = None, *, repeat: int = 1
+    agent: str,
+    module: str,
+    arguments: Mapping[str, Any] | None = None,
+    *,
+    repeat: int = 1,
+    breakpoints: Sequence[str] = (),
 ) -> Call[ModuleRunInfo]:
     """Starts a module by itself; follow it with :func:`get_module_run`."""
-    body = {"arguments": dict(arguments or {}), "repeat": repeat}
+    body = {"arguments": dict(arguments or {}), "repeat": repeat, "breakpoints": list(breakpoints)}
     return Call("POST", path_of("modules", agent, module, "runs"), ModuleRunInfo, json=body, repeatable=False)
 
 
@@ -73,6 +78,11 @@ def list_module_runs(*, active: bool | None = None, limit: int | None = None) ->
 def get_module_run(run: str) -> Call[ModuleRunInfo]:
     """Tells how far a run is, or what came of it."""
     return Call("GET", path_of("module-runs", run), ModuleRunInfo)
+
+
+def set_breakpoints(run: str, paths: Sequence[str]) -> Call[ModuleRunInfo]:
+    """Pauses a run before these nodes and no others; the command "resume" lets it go on."""
+    return Call("PUT", path_of("module-runs", run, "breakpoints"), ModuleRunInfo, json={"paths": list(paths)})
 
 
 def command_module_run(run: str, command: Literal["pause", "resume", "step", "stop"]) -> Call[ModuleRunInfo]:

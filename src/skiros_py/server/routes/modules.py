@@ -15,6 +15,7 @@ from skiros_py.api.modules import (
     PanelInfo,
     PanelRequest,
     RunModule,
+    SetBreakpoints,
     SkillInfo,
 )
 from skiros_py.server.access.roles import CallerDep, Role, needs
@@ -89,7 +90,14 @@ def run_module(
 
     It is answered where the run can be followed (`Location`). It waits for devices that something else uses.
     """
-    run = station.modules.run(agent, module, request.arguments, repeat=request.repeat, author=caller.author)
+    run = station.modules.run(
+        agent,
+        module,
+        request.arguments,
+        repeat=request.repeat,
+        author=caller.author,
+        breakpoints=request.breakpoints,
+    )
     response.headers["Location"] = location_of(run)
     return run
 
@@ -116,6 +124,12 @@ def list_module_runs(
 def get_module_run(id: Id, station: StationDep) -> ModuleRunInfo:  # noqa: A002 - as the address says it
     """How far it is, what was inferred, what it reported, what it wrote into the world, and what came of it."""
     return station.modules.get_run(id)
+
+
+@router.put("/module-runs/{id}/breakpoints", summary="Set breakpoints", dependencies=[needs(Role.ENGINEER)])
+def set_breakpoints(id: Id, request: SetBreakpoints, station: StationDep) -> ModuleRunInfo:  # noqa: A002
+    """Pauses a run before these nodes and no others; the command `resume` lets it go on."""
+    return station.modules.set_breakpoints(id, request.paths)
 
 
 @router.post("/module-runs/{id}/{command}", summary="Command a run", dependencies=[needs(Role.ENGINEER)])

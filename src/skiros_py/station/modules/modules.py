@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from skiros_py.api.modules import (
@@ -93,7 +93,14 @@ class ModuleService(Service):
         )
 
     def run(
-        self, agent: str, module: str, arguments: Mapping[str, Any], *, repeat: int = 1, author: Author = LIBRARY
+        self,
+        agent: str,
+        module: str,
+        arguments: Mapping[str, Any],
+        *,
+        repeat: int = 1,
+        author: Author = LIBRARY,
+        breakpoints: Sequence[str] = (),
     ) -> ModuleRunInfo:
         """Starts a skill or primitive by itself, and returns at once.
 
@@ -103,13 +110,14 @@ class ModuleService(Service):
             arguments: Its parameters; the others are inferred.
             repeat: How often.
             author: Who asks.
+            breakpoints: Paths of nodes ("body/1") before which it is paused.
 
         Raises:
             NotFound: There is no such skill manager, or it has no such module.
             UsageError: Something is wrong with the arguments.
             WrongState: It cannot be started now.
         """
-        wish = Wish(agent, module, arguments, author.name, repeat)
+        wish = Wish(agent, module, arguments, author.name, repeat, breakpoints=tuple(breakpoints))
 
         def start(session: Session) -> ModuleRun:
             _manager(session, agent, module)
@@ -162,6 +170,20 @@ class ModuleService(Service):
         """
         run = self._find(id_)
         self._station.control.call(lambda _session: run.command(command))
+        return views.run_info(run)
+
+    def set_breakpoints(self, id_: str, paths: Sequence[str]) -> ModuleRunInfo:
+        """Pauses a run before these nodes and no others; a command resumes it.
+
+        Args:
+            id_: Its id.
+            paths: Paths of nodes ("body/1"), as a module's description has them.
+
+        Raises:
+            NotFound: There is no such run.
+        """
+        run = self._find(id_)
+        self._station.control.call(lambda _session: run.set_breakpoints(paths))
         return views.run_info(run)
 
     def _find(self, id_: str) -> ModuleRun:

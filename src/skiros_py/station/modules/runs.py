@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import OrderedDict, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import count
 from typing import Any, Literal
@@ -41,6 +41,7 @@ class Wish:
         by: Who wants it.
         repeat: How often.
         at_once: True for what must not wait for devices: a person stands beside it and looks.
+        breakpoints: Paths of nodes before which it is paused, with or without the module's name before them.
     """
 
     agent: str
@@ -49,6 +50,7 @@ class Wish:
     by: str
     repeat: int = 1
     at_once: bool = False
+    breakpoints: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +86,7 @@ class ModuleRun:
         ended_as: How it ended; None while it goes on.
         cut_off: True when the last round was broken off, and says nothing of the module.
         begun: True when it has its devices, in this round.
+        breakpoints: Paths of nodes before which it is paused.
     """
 
     def __init__(self, id_: str, wish: Wish, kind: str, params: tuple[Param, ...], values: Mapping[str, Any]) -> None:
@@ -106,7 +109,9 @@ class ModuleRun:
         self.since = 0.0
         self.cycles = 0
         self.refusal = ""
+        self.breakpoints: frozenset[str] = frozenset()
         self._stood = False
+        self.set_breakpoints(wish.breakpoints)
 
     @property
     def over(self) -> bool:
@@ -136,6 +141,14 @@ class ModuleRun:
         assert self.running is not None
         getattr(self.running, verb)()
 
+    def set_breakpoints(self, paths: Iterable[str]) -> None:
+        """Pauses it before these nodes and no others, from now on; in the control thread."""
+        module = self.wish.module
+        self.breakpoints = frozenset(p if p.startswith(f"{module}/") else f"{module}/{p}" for p in paths)
+        if self.running is not None:
+            self.running.breakpoints.clear()
+            self.running.breakpoints.update(self.breakpoints)
+
     def turn(self) -> Turn | None:
         """Returns what has become of it since this was asked last: it came to a standstill, or goes on again."""
         before, self._stood = self._stood, self.status == "paused"
@@ -150,6 +163,7 @@ class ModuleRun:
     def begin(self, running: RunningModule, now: float) -> None:
         """Notes that it starts, once more."""
         self.running, self.since, self.cycles, self.begun = running, now, 0, False
+        running.breakpoints.update(self.breakpoints)
 
     def note(self, event: ModuleEvent, kind: str) -> None:
         """Takes a message."""

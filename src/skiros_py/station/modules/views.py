@@ -236,6 +236,7 @@ def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
         given=dict(run.wish.given),
         arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
         repeat=run.wish.repeat,
+        breakpoints=sorted(run.breakpoints),
         done=run.done,
         succeeded=run.succeeded,
         cut_off=run.cut_off,
