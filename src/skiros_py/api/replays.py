@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydantic import Field
 
 from skiros_py.api.view import WorldView
 from skiros_py.api.wire import Answer
+
+
+class ReplayDevice(Answer):
+    """A device, moment by moment."""
+
+    states: tuple[dict[str, Any], ...] = Field(description="What it said, as `GET /devices/{id}/state` has it.")
+    poses: tuple[tuple[float, ...], ...] | None = Field(
+        description="Its frame in the map: x, y, z [m] and a quaternion x, y, z, w; null where it has none of its own."
+    )
 
 
 class ReplayFrames(Answer):
@@ -17,6 +28,7 @@ class ReplayFrames(Answer):
     arms: dict[str, tuple[tuple[float, ...], ...]] = Field(description="Joint angles [rad] by arm, moment by moment.")
     grippers: dict[str, tuple[float, ...]] = Field(description="Distance between the fingers [m] by gripper.")
     bases: dict[str, tuple[tuple[float, float, float], ...]] = Field(description="x [m], y [m], heading [rad] by base.")
+    devices: dict[str, ReplayDevice] = Field(default_factory=dict, description="Devices of all other kinds, by id.")
 
 
 class ReplayChange(Answer):

@@ -69,6 +69,10 @@ class StationState(Answer):
     arms: dict[str, ArmInfo] = Field(description="The arms by id.")
     grippers: dict[str, GripperInfo] = Field(description="The grippers by id.")
     bases: dict[str, BaseInfo] = Field(description="The bases by id.")
+    platforms: dict[str, PoseInfo] = Field(
+        default_factory=dict,
+        description="The frames of all devices that carry bodies (bases, turntables), in the map, by device.",
+    )
     modules: tuple[ModuleAtWork, ...] = Field(description="What runs.")
     tasks: tuple[TaskAtWork, ...] = Field(description="What is under way.")
     looks: dict[str, int] = Field(

@@ -37,8 +37,8 @@ class ViewElement(Answer):
     )
     carrier: str | None = Field(
         default=None,
-        description="Id of the robot base on which it rides: its pose is in the frame of that base, of which the live"
-        " state says where it is. Null where its pose is in the map.",
+        description="Id of the device on which it rides (a base, a turntable): its pose is in the frame of that device,"
+        " which the live state has among its platforms. Null where its pose is in the map.",
         examples=["base_1"],
     )
     place: str | None = Field(description="Id of what it is on, in or at; null for none.", examples=["pallet_a"])

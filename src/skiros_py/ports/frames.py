@@ -76,6 +76,11 @@ class FrameTree:
             raise DeviceError(f"the place of {id_} is unknown: there are no kinematics of its robot")
         return pose
 
+    def platforms(self) -> dict[str, Pose]:
+        """Returns the poses in the map of all devices on which bodies may stand, by id, as far as they are known."""
+        carriers = [device.id for group in self._cell.groups for device in group.devices if device.carries]
+        return {id_: pose for id_ in carriers if (pose := self.device(id_)) is not None}
+
     def joints(self, group: RobotSpec) -> dict[str, float]:
         """Returns the positions of a robot's joints, as its devices say [rad or m]."""
         found: dict[str, float] = {}

@@ -3512,6 +3512,12 @@ export interface components {
             anew: boolean;
             view: components["schemas"]["WorldView"];
         };
+        ReplayDevice: {
+            states: {
+                [key: string]: unknown;
+            }[];
+            poses: number[][] | null;
+        };
         ReplayFrames: {
             times: number[];
             arms: {
@@ -3526,6 +3532,9 @@ export interface components {
                     number,
                     number
                 ][];
+            };
+            devices?: {
+                [key: string]: components["schemas"]["ReplayDevice"];
             };
         };
         ResetInfo: {
@@ -3777,6 +3786,9 @@ export interface components {
             };
             bases: {
                 [key: string]: components["schemas"]["BaseInfo"];
+            };
+            platforms?: {
+                [key: string]: components["schemas"]["PoseInfo"];
             };
             modules: components["schemas"]["ModuleAtWork"][];
             tasks: components["schemas"]["TaskAtWork"][];

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from skiros_py.devices.arm import ArmSpec, ArmState
+from skiros_py.devices.arm import ArmState
 from skiros_py.devices.base import BaseState
 from skiros_py.devices.gripper import GripperState
 from skiros_py.geometry import Pose
@@ -66,7 +66,8 @@ class LiveState:
 
 def _live_state(session: Session) -> dict[str, Any]:
     cycle, index = session.cycle, session.world.snapshot()
-    snapshot, tools = cycle.board.snapshot, _tools(session)
+    snapshot = cycle.board.snapshot
+    frames = session.runtime.context.frames.at(snapshot)
     return {
         "time": snapshot.time,
         "cycle": snapshot.cycle,
@@ -78,7 +79,7 @@ def _live_state(session: Session) -> dict[str, Any]:
                 "positions": arm.positions,
                 "velocities": arm.velocities,
                 "still": arm.still,
-                "tool": tools.get(name),
+                "tool": None if (tip := frames.device(name)) is None else _pose(tip),
             }
             for name, arm in snapshot.of(ArmState).items()
         },
@@ -90,6 +91,7 @@ def _live_state(session: Session) -> dict[str, Any]:
             name: {"pose": _pose(base.pose), "linear": base.linear, "angular": base.angular, "still": base.still}
             for name, base in snapshot.of(BaseState).items()
         },
+        "platforms": {name: _pose(pose) for name, pose in frames.platforms().items()},
         "modules": [
             {"agent": agent, "module": name, "status": running.status}
             for agent in session.managers
@@ -98,13 +100,6 @@ def _live_state(session: Session) -> dict[str, Any]:
         ],
         "tasks": [{"name": task.name, "status": task.status} for task in session.tasks.active],
     }
-
-
-def _tools(session: Session) -> dict[str, dict[str, tuple[float, ...]]]:
-    """Returns where the tips of the arms are in the map, as far as the robots' models are known."""
-    frames = session.runtime.context.frames.at(session.cycle.board.snapshot)
-    tips = {arm.id: frames.device(arm.id) for arm in session.spec.of(ArmSpec)}
-    return {arm: _pose(tip) for arm, tip in tips.items() if tip is not None}
 
 
 def _held(index: Index, gripper: str) -> str | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby, pairwise
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiros_py.geometry import Array, Pose
+from skiros_py.ports.frames import MAP
 from skiros_py.recording.reader import DEVICES, Recording
 from skiros_py.station.recordings.sources import VIEW
 
@@ -64,12 +65,38 @@ def _frames(recording: Recording) -> dict[str, Any]:
     for number in kept.tolist():
         for topic, data in found[number][1]:
             name, state = topic.removeprefix(DEVICES), json.loads(data)
-            present |= {(kind, name): read(state) for field, kind, read in _KINDS if field in state}
+            known = {(kind, name): read(state) for field, kind, read in _KINDS if field in state}
+            present |= known or {("devices", name): state}
         tracks = tracks or {device: [] for device in present}
         for device, track in tracks.items():
             track.append(present[device])
-    by_kind = {kind: {name: track for (one, name), track in tracks.items() if one == kind} for _, kind, _ in _KINDS}
+    by_kind: dict[str, dict[str, Any]] = {
+        kind: {name: track for (one, name), track in tracks.items() if one == kind} for _, kind, _ in _KINDS
+    }
+    others = {name: track for (kind, name), track in tracks.items() if kind == "devices"}
+    poses = _poses(recording, others, [found[number][0] for number in kept.tolist()])
+    by_kind["devices"] = {name: {"states": track, "poses": poses.get(name)} for name, track in others.items()}
     return {"times": np.round(times[kept], _DIGITS).tolist(), **by_kind}
+
+
+def _poses(recording: Recording, devices: Collection[str], times: Sequence[int]) -> dict[str, list[list[float]]]:
+    """Returns the poses in the map of those devices that have frames of their own, at each of some times [ns]."""
+    if not devices:
+        return {}
+    tracks: dict[str, list[list[float]]] = {}
+    last: dict[str, list[float]] = {}
+    frames = iter([(one.log_time, json.loads(one.data)) for _, _, one in recording.raw_messages("/frames")])
+    ahead = next(frames, None)
+    for time in times:
+        while ahead is not None and ahead[0] <= time:
+            for one in ahead[1]["transforms"]:
+                if one["parent_frame_id"] == MAP and one["child_frame_id"] in devices:
+                    numbers = (*one["translation"].values(), *one["rotation"].values())
+                    last[one["child_frame_id"]] = [round(number, _DIGITS) for number in numbers]
+            ahead = next(frames, None)
+        for name, pose in last.items():
+            tracks.setdefault(name, []).append(pose)
+    return tracks
 
 
 def _in_plane(state: Mapping[str, Any]) -> tuple[float, float, float]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from skiros_py.api.view import ViewElement, WorldView
-from skiros_py.devices.base import BaseState
 from skiros_py.execution.library_monitor import LibraryCall
 from skiros_py.geometry import Pose
 from skiros_py.ports.frames import MAP, FrameTree
@@ -84,7 +83,8 @@ VIEW = Topic(
 def record_view(recorder: Recorder) -> None:
     """Records what there is to be seen of the world, for the web page (``/view``) and for Foxglove (``/scene``)."""
     world, board = recorder.runtime.world, recorder.runtime.cycle.board
-    scene = Scene()
+    frames = recorder.runtime.context.frames
+    scene = Scene(lambda snapshot: frames.at(snapshot).platforms())
 
     def on_change(change: Change) -> None:
         recorder.writer.defer(partial(scene.take, change, world.snapshot(), board.snapshot))
@@ -94,21 +94,26 @@ def record_view(recorder: Recorder) -> None:
 
 
 class Scene:
-    """Follows what there is to be seen; in the writer's thread."""
+    """Follows what there is to be seen; in the writer's thread.
 
-    def __init__(self) -> None:
+    Args:
+        platforms: Returns the poses of the devices that carry bodies.
+    """
+
+    def __init__(self, platforms: Callable[[Snapshot], Mapping[str, Pose]]) -> None:
+        self._platforms = platforms
         self._seen: dict[str, ViewElement] = {}
         self._shapes: dict[str, Any] = {}
 
     def begin(self, index: Index, snapshot: Snapshot, write: Write) -> None:
         """Writes the whole."""
-        view = view_of(index, None, _bases(snapshot))
+        view = view_of(index, None, self._platforms(snapshot))
         self._seen, self._shapes = {one.id: one for one in view.elements}, dict(view.shapes)
         self._write(snapshot.time, "", view, write, anew=True)
 
     def take(self, change: Change, index: Index, snapshot: Snapshot, write: Write) -> None:
         """Writes what looks different after a change; nothing where nobody could see it."""
-        view = view_of(index, change.marks(), _bases(snapshot))
+        view = view_of(index, change.marks(), self._platforms(snapshot))
         gone = tuple(name for name in view.gone if name in self._seen)
         if not (view.elements or gone):
             return
@@ -148,10 +153,6 @@ def _entity(element: ViewElement, blocks: Any) -> Json:
             cylinders.append(cylinder(where, radius, length, colour))
     about = {"class": element.class_, "label": element.label, "place": element.place or ""}
     return entity(element.id, frame, about, cubes, cylinders)
-
-
-def _bases(snapshot: Snapshot) -> Mapping[str, Pose]:
-    return {name: base.pose for name, base in snapshot.of(BaseState).items()}
 
 
 # ---------------------------------------------------------------------- cameras

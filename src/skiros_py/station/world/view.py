@@ -40,16 +40,16 @@ _KINDS: tuple[tuple[str, Kind], ...] = (
 """The first that fits counts; what else has a shape is furniture."""
 
 
-def view_of(view: Index, ids: Collection[str] | None = None, bases: Mapping[str, Pose] = _UNSEEN) -> WorldView:
+def view_of(view: Index, ids: Collection[str] | None = None, platforms: Mapping[str, Pose] = _UNSEEN) -> WorldView:
     """Returns how the world is believed to look; quick, and for any thread.
 
     Args:
         view: The state.
         ids: Only these elements and what is seen elsewhere when they change: pieces, what hangs on their frames, a
             robot with its base. None for everything.
-        bases: Where robot bases are in the map, by their ids; others are nowhere.
+        platforms: The poses in the map of the devices that carry bodies, by id; those of other bases are unknown.
     """
-    observer = _Observer(view, bases)
+    observer = _Observer(view, platforms)
     wanted = sorted(view.ids() if ids is None else _dependents(view, ids))
     elements = tuple(told for name in wanted if (told := observer.told(name)) is not None)
     seen = {element.id for element in elements}
@@ -85,12 +85,12 @@ class _Sort:
 class _Observer:
     """Looks at one element after the other, and keeps in mind what they have in common."""
 
-    def __init__(self, view: Index, bases: Mapping[str, Pose]) -> None:
+    def __init__(self, view: Index, platforms: Mapping[str, Pose]) -> None:
         self.shapes = Shapes(view)
         self._view = view
-        self._bases = bases
+        self._platforms = platforms
         self._sorts: dict[str, _Sort] = {}
-        self._frames = Frames(view, self._is_base)
+        self._frames = Frames(view, self._carries)
 
     def told(self, name: str) -> ViewElement | None:
         """Tells of one element; None for what is not to be seen: abstract, or neither shape, pose nor placement."""
@@ -119,13 +119,13 @@ class _Observer:
         )
 
     def _where(self, name: str) -> tuple[str | None, Pose | None]:
-        """Returns the base on which an element rides, if it does, and its pose in the frame of that, else the map."""
-        sort = self._sort(self._view.element(name).type)
-        if sort.base:
-            return None, self._bases.get(name)
-        if sort.kind == "robot":
+        """Returns the device on which an element rides, if it does, and its pose in the frame of that, else the map."""
+        if self._carries(name):
+            return None, self._platforms.get(name)
+        if self._sort(self._view.element(name).type).kind == "robot":
             pieces = self._view.objects(name, STRUCTURE)
-            return None, next((self._bases[piece] for piece in pieces if piece in self._bases), None)
+            moved = next((self._platforms[piece] for piece in pieces if piece in self._platforms), None)
+            return self._frames.of(name) or (None, None) if moved is None else (None, moved)
         return self._frames.of(name) or (None, None)
 
     def _in_hand(self, name: str, gripper: str) -> PoseInfo | None:
@@ -133,8 +133,8 @@ class _Observer:
         hangs = gripper in self._view.objects(name, POSE_FRAME)
         return _told(pose) if hangs and isinstance(pose, Pose) else None
 
-    def _is_base(self, name: str) -> bool:
-        return self._sort(self._view.element(name).type).base
+    def _carries(self, name: str) -> bool:
+        return name in self._platforms or self._sort(self._view.element(name).type).base
 
     def _sort(self, class_: str) -> _Sort:
         known = self._sorts.get(class_)

@@ -19,7 +19,6 @@ from skiros_py.api.world import (
     WorldInfo,
     Written,
 )
-from skiros_py.devices.base import BaseState
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.scenes.loading import LOADED
@@ -110,8 +109,8 @@ class WorldService(Service):
             elements: Only these elements, with what moves with them; everything where left out.
         """
         session = self._station.session
-        bases = {name: base.pose for name, base in session.cycle.board.snapshot.of(BaseState).items()}
-        return view_of(session.world.snapshot(), elements, bases)
+        frames = session.runtime.context.frames.at(session.cycle.board.snapshot)
+        return view_of(session.world.snapshot(), elements, frames.platforms())
 
     # ------------------------------------------------------------------ writing
 

@@ -35,6 +35,10 @@ def snapshot(time: float, angle: float = 0.0, *, gripper: bool = True) -> Snapsh
     return Snapshot(round(time * 200), time, {"arm_1": arm, "base_1": base, **grippers})
 
 
+def platforms(snapshot: Snapshot) -> dict[str, Pose]:
+    return {"base_1": snapshot.state("base_1", BaseState).pose}
+
+
 class Job:
     """Records a job as it is recorded while it runs."""
 
@@ -42,7 +46,7 @@ class Job:
         self.world = world
         self.writer = RecordingWriter(file, part={"run": run, "start": time})
         self.writer.put_metadata("run", {"job": "kit", "ended": None})
-        self.devices, self.scene = Devices(read_cell(world, ("robot_1",), simulated=False).devices), Scene()
+        self.devices, self.scene = Devices(read_cell(world, ("robot_1",), simulated=False).devices), Scene(platforms)
         self.last = snapshot(time, gripper=gripper)
         self.frame(self.last)
         index = world.snapshot()
