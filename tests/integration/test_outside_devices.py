@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from skiros_py.api.replays import Replay
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import MobileSpec
 from skiros_py.ports.kinds import load_device_kinds
+from skiros_py.recording import Recording, RecordingWriter
 from skiros_py.simulation.cell import SimulatedCell
 from skiros_py.simulation.fake import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Expression
 from skiros_py.skills.surroundings import map_pose
+from skiros_py.station.recordings.replay import replay_text
+from skiros_py.station.recordings.runs import recorder_of
+from skiros_py.station.session import Options, Session
+from skiros_py.station.world.view import view_of
 from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, world_of
 from skiros_py.world.world import World
 
@@ -113,6 +121,15 @@ class Turntable(DeviceSpec[TableState, TableTarget]):
     target_type: ClassVar[type] = TableTarget
     carries: ClassVar[bool] = True
     signals: ClassVar[Any] = (DeviceSignal("angle", lambda s: s.angle, "rad", "how far it is turned"),)
+    joint_names = ("turn",)
+    platform_link = "plate"
+    platform_start = Pose((0.0, 0.0, 0.5))
+
+    def joint_positions(self, state):
+        return (state.angle,)
+
+    def simulate(self, robot, rng):
+        return TurningJoint(robot)
 
     @classmethod
     def read(cls, individual):
@@ -136,7 +153,21 @@ class Turntable(DeviceSpec[TableState, TableTarget]):
         return TableTarget(sum(one.weight * one.target.speed for one in contributions) / total)
 
     def platform(self, state):
-        return Pose.of(0.0, 0.0, 0.5, yaw=state.angle)
+        return Pose.of(0.0, 0.0, 0.5, yaw=state.angle) if self.id == "table_1" else None
+
+
+class TurningJoint:
+    braking_time = 0.1
+
+    def __init__(self, robot):
+        self.joints = robot.joints(("turn",))
+
+    def command(self, target):
+        self.joints.drive_velocities((0.0 if target is None else target.speed,), effort=100.0)
+
+    def state(self):
+        read = self.joints.read()
+        return TableState(read.positions[0], round(read.velocities[0], 3))
 
 
 class Turning:
@@ -188,6 +219,29 @@ class Omni(MobileSpec[OmniState, OmniTwist]):
     def fake(self, period):
         return Rolling(self.start, period)
 
+    def simulate(self, robot, rng):
+        return Sliding(self.start, robot)
+
+
+class Sliding:
+    braking_time = 0.1
+
+    def __init__(self, start, robot):
+        self.joints = robot.joints(("base_x", "base_y", "base_yaw"))
+        self.joints.reset((*start.position[:2], start.yaw))
+        self.now = OmniTwist(0.0, 0.0, 0.0)
+
+    def command(self, target):
+        self.now = target or OmniTwist(0.0, 0.0, 0.0)
+        yaw = self.joints.read().positions[2]
+        x, y = self.now.x, self.now.y
+        along = (x * math.cos(yaw) - y * math.sin(yaw), x * math.sin(yaw) + y * math.cos(yaw), self.now.angular)
+        self.joints.drive_velocities(along, effort=2000.0)
+
+    def state(self):
+        x, y, yaw = self.joints.read().positions
+        return OmniState(Pose.of(x, y, 0.0, yaw=yaw), self.now.x, self.now.y, self.now.angular)
+
 
 class Rolling:
     braking_time = 0.0
@@ -235,6 +289,23 @@ class Hand(DeviceSpec[HandState, HandTarget]):
 
     def fake(self, period):
         return Closing(len(self.joints))
+
+    def simulate(self, robot, rng):
+        return Fingers(robot.joints(self.joints))
+
+
+class Fingers:
+    braking_time = 0.0
+
+    def __init__(self, joints):
+        self.joints, self.wanted = joints, (0.0,) * len(joints.names)
+
+    def command(self, target):
+        self.wanted = self.wanted if target is None else target.fingers
+        self.joints.hold_positions(self.wanted, gain=0.2, effort=[20.0] * len(self.wanted), max_velocity=1.0)
+
+    def state(self):
+        return HandState(self.joints.read().positions)
 
 
 class Closing:
@@ -444,4 +515,139 @@ def test_in_physics_a_wrist_feels_weight_and_a_camera_without_a_robot_sees(lab: 
         cell.close()
 
     assert 5.0 < math.hypot(*snapshot.devices["wrench_1"].force) < 50.0
+    assert image.depth[24, 32] == pytest.approx(2.0, abs=0.02)
+
+
+# ---------------------------------------------------------------------- the same kinds in a session, on two engines
+
+LINK = """<link name="{0}"><inertial><mass value="{1}"/>
+    <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.05"/></inertial></link>"""
+JOINT = """<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/><origin xyz="{4}"/><axis xyz="{5}"/>
+    <limit lower="-9" upper="9" effort="3000" velocity="3"/></joint>"""
+FINGERS = [(f"{name}", "revolute", "palm", f"finger_{name}", f"0.05 0.0{number} 0", "0 1 0")
+           for number, name in enumerate("abc")]  # fmt: skip
+URDFS = {
+    "carrier": (
+        (("map", 0), ("x", 1), ("y", 1), ("base_link", 30), ("mast", 5), ("palm", 2), *((f[3], 0.1) for f in FINGERS)),
+        (
+            ("base_x", "prismatic", "map", "x", "0 0 0", "1 0 0"),
+            ("base_y", "prismatic", "x", "y", "0 0 0", "0 1 0"),
+            ("base_yaw", "revolute", "y", "base_link", "0 0 0", "0 0 1"),
+            ("mount", "fixed", "base_link", "mast", "0 0 1", "0 0 1"),
+            ("wrist", "fixed", "mast", "palm", "0.3 0 0", "0 0 1"),
+            *FINGERS,
+        ),
+    ),
+    "turntable": ((("foot", 9), ("plate", 3)), (("turn", "continuous", "foot", "plate", "0 0 0.5", "0 0 1"),)),
+}
+LAB = """
+@prefix scene: <https://w3id.org/skiros-py/scene#> .
+@prefix lab: <https://example.org/lab#> .
+@prefix sk: <https://w3id.org/skiros-py/core#> .
+@prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+<https://example.org/lab_scene> a owl:Ontology ; owl:imports <https://w3id.org/skiros-py/core> .
+scene:this a sk:Scene ; rdfs:label "lab" .
+scene:floor a sk:Floor ; sk:pose "0 0 0 0 0 0"^^sk:poseLiteral ; sk:size "9 9"^^sk:vectorLiteral .
+scene:unknown_location a sk:UnknownLocation .
+scene:robot_1 a sk:Robot ; sk:model "carrier" ; sk:at scene:unknown_location ; sk:hasA scene:base_1 , scene:hand_1 ,
+    scene:wrench_1 .
+scene:base_1 a lab:Omni ; sk:pose "0 0 0 0 0 0"^^sk:poseLiteral ;
+    sk:footprint "-0.3 -0.3 0.3 -0.3 0.3 0.3 -0.3 0.3"^^sk:vectorLiteral .
+scene:hand_1 a lab:Hand ; sk:joints "a b c" .
+scene:wrench_1 a lab:Wrench ; sk:joints "a" .
+scene:plate_1 a lab:Turntable ; sk:model "turntable" ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor .
+scene:eye_1 a sk:Camera ; sk:pose "0 3 2 3.14159265 0 0"^^sk:poseLiteral ; sk:on scene:floor ; sk:width 64 ;
+    sk:height 48 ; sk:verticalFov 0.9 ; sk:minDepth 0.05 ; sk:maxDepth 5.0 ; sk:depthNoise 0.0 ; sk:latency 0.1 .
+scene:cube_1 a lab:Cube ; sk:on scene:floor ; sk:poseFrame scene:plate_1 ;
+    sk:pose "0.3 0 0.02 0 0 0"^^sk:poseLiteral .
+"""
+CUBE = """
+@prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .
+lab:Cube a owl:Class ; rdfs:subClassOf sk:Manipulatable ; rdfs:label "cube" ; rdfs:comment "A cube." ;
+    sk:mass 0.5 ; sk:solid '[{"kind": "box", "size": [0.1, 0.1, 0.1], "at": [0, 0, 0.05]}]'^^rdf:JSON .
+"""
+ENGINE = "from unit.simulation.kinematic_engine import KinematicEngine"
+MODELS = """
+from pathlib import Path
+from skiros_py.ports.models import RobotModel
+CARRIER, TURNTABLE = (RobotModel(n, Path(__file__).with_name(n + ".urdf")) for n in ("carrier", "turntable"))
+"""
+
+
+@pytest.fixture(params=["kinematic", pytest.param("pybullet", marks=pytest.mark.physics)])
+def cell(request: Any, lab: Path, site: Any, tmp_path: Path) -> Iterator[Session]:
+    """A session of the laboratory, in physics: every kind of its devices, and its robots, come from outside."""
+    urdfs = {
+        f"lab_cell/{name}.urdf": f'<robot name="{name}">'
+        + "".join(LINK.format(*link) if link[1] else f'<link name="{link[0]}"/>' for link in links)
+        + "".join(JOINT.format(*joint) for joint in joints)
+        + "</robot>"
+        for name, (links, joints) in URDFS.items()
+    }
+    files = {"lab_cell/__init__.py": MODELS, "lab_engine.py": ENGINE, "lab_onto/__init__.py": ""}
+    files["lab_onto/ontologies/lab.ttl"] = ONTOLOGY + CUBE
+    site.install(
+        "lab-cell",
+        {
+            "robots": {"carrier": "lab_cell:CARRIER", "turntable": "lab_cell:TURNTABLE"},
+            "engines": {"kinematic": "lab_engine:KinematicEngine"},
+            "ontologies": {"lab": "lab_onto"},
+        },
+        files | urdfs,
+    )
+    scene = tmp_path / "lab_scene.ttl"
+    scene.write_text(LAB, encoding="utf-8")
+    with Session(str(scene), Options(engine=request.param, seed=1)) as session:
+        yield session
+
+
+def test_in_a_session_foreign_devices_move_are_seen_recorded_and_replayed(cell: Session, tmp_path: Path) -> None:
+    lab = pytest.importorskip("lab_devices")
+    board, file = cell.cycle.board, tmp_path / "lab.mcap"
+    base, hand, plate = (DeviceHandle(board, id_) for id_ in ("base_1", "hand_1", "plate_1"))
+    with recorder_of(cell, RecordingWriter(file, part={"run": "one", "start": 0.0}), job="lab"):
+        for _ in range(300):
+            base.command(lab.OmniTwist(0.0, 0.5, 0.0))
+            hand.command(lab.HandTarget((0.1, 0.2, 0.3)))
+            plate.command(lab.TableTarget(math.pi / 3.0))
+            cell.cycle.step()
+        for _ in range(40):
+            cell.cycle.step()
+
+    tree = cell.runtime.context.frames.at(board.snapshot)
+    angle = plate.state.angle
+    assert angle == pytest.approx(math.pi / 2.0, abs=0.05)
+    assert base.state.pose.position == pytest.approx((0.0, 0.75, 0.0), abs=0.05)
+    assert hand.state.fingers == pytest.approx((0.1, 0.2, 0.3), abs=0.02)
+    assert tree.link("hand_1", "palm").position == pytest.approx((0.3, base.state.pose.position[1], 1.0), abs=0.01)
+
+    believed, real = map_pose(cell.runtime.context, "cube_1"), cell.simulation.scene.pose("cube_1")
+    seen = {one.id: one for one in view_of(cell.world.snapshot(), None, tree.platforms()).elements}["cube_1"]
+    assert believed.position == pytest.approx((2.0 + 0.3 * math.cos(angle), 0.3 * math.sin(angle), 0.52), abs=0.01)
+    assert real.position == pytest.approx(believed.position, abs=0.02)
+    assert (seen.carrier, seen.pose.position) == ("plate_1", (0.3, 0.0, 0.02))
+
+    with Recording(file) as recording:
+        replay = Replay.model_validate_json(replay_text(recording, over=True))
+        frames = [one["child_frame_id"] for _, _, all_ in recording.messages("/frames") for one in all_["transforms"]]
+    assert {"base_1", "plate_1", "eye_1", "robot_1/finger_c", "plate_1/plate"} <= set(frames)
+    device = replay.frames.devices["plate_1"]
+    assert device.states[-1]["angle"] == pytest.approx(angle, abs=1e-4)
+    assert device.poses is not None
+    assert device.poses[-1][5] == pytest.approx(math.sin(angle / 2.0), abs=1e-3)
+    assert replay.frames.devices["hand_1"].states[-1]["fingers"] == pytest.approx(hand.state.fingers, abs=1e-4)
+    assert replay.frames.bases["base_1"][-1][1] == pytest.approx(base.state.pose.position[1], abs=1e-4)
+
+
+def test_in_physics_foreign_devices_are_faulted_and_a_camera_without_a_robot_sees(cell: Session) -> None:
+    lab = pytest.importorskip("lab_devices")
+    faulty = FaultyCell(cell.simulation, Deaf("base_1"), Frozen("plate_1"), Noisy("wrench_1", 1.0))
+    for _ in range(100):
+        now = faulty.exchange({"base_1": lab.OmniTwist(1.0, 0.0, 0.0), "plate_1": lab.TableTarget(1.0)})
+    image = cell.cycle.board.capture("eye_1").result()
+
+    assert now.devices["base_1"].pose.position == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
+    assert now.devices["plate_1"].angle == pytest.approx(0.0, abs=0.01)
+    assert any(now.devices["wrench_1"].force)
     assert image.depth[24, 32] == pytest.approx(2.0, abs=0.02)

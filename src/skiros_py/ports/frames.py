@@ -93,10 +93,11 @@ class FrameTree:
     def transforms(self) -> Iterator[tuple[str, str, Pose]]:
         """Yields all frames: the parent, the frame, and its pose in the parent.
 
-        Robots are named by the id of what moves them, else by their own; links "robot/link"; devices by their ids.
+        Robots are named by the id of what moves them, else by their own; links "robot/link"; devices by their ids. The
+        place of a device without a robot is "device/root".
         """
         for group in self._cell.groups:
-            root = group.id if group.carrier is None else group.carrier.id
+            root = _root(group)
             yield MAP, root, group.pose(self.snapshot)
             kinematics = self._ports.find(Kinematics, group.devices[0].id) if group.devices else None
             links = {} if kinematics is None else kinematics.poses(self.joints(group))
@@ -129,6 +130,12 @@ class FrameTree:
         if device.mounted_on:
             return self.device(device.mounted_on)
         return None if group in self._cell.robots else self.robot(device.id)
+
+
+def _root(group: RobotSpec) -> str:
+    if group.carrier is not None:
+        return group.carrier.id
+    return f"{group.id}/root" if group.has(group.id) else group.id
 
 
 class Frames:
