@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from skiros_py.errors import UsageError, WorldError
@@ -51,6 +52,7 @@ class Dispatcher:
         self.telling = Telling(task.name, task.trace, context, skills)
         self._share = Share(task.name, context, skills)
         self._active: list[Active] = []
+        self._coming: dict[int, tuple[StepRun, tuple[Future[None], ...]]] = {}  # steps that wait for the disk
         self._started = 0
         self._mode = Mode.RUN
         self._round_began = False
@@ -75,6 +77,7 @@ class Dispatcher:
             agenda: What is to be done now.
             kept: What runs already of it, by index.
         """
+        self._forget_coming()
         before = [one for one in self._active if one not in kept.values()]
         later = [index for index in agenda.waiting if index not in kept]
         shared = {(n, i) for n, one in enumerate(before) for i in later if self._meet(one, agenda.steps[i])}
@@ -119,16 +122,20 @@ class Dispatcher:
         Returns:
             The steps that could not be started.
         """
-        if not (self._goes_on and self._granted):
-            return []
         refused: list[tuple[Step, Failure]] = []
+        if not self._granted or self.paused:
+            return refused
         for index in self.agenda.ready:
-            if self._may_start(index):
-                refused += self._start(index)
+            if index in self._coming:
+                refused += self._start_prepared(index)
+            elif self._goes_on and self._may_start(index):
+                refused += self._prepare(index)
+        self._round_began = self._round_began or bool(self._coming)
         return refused
 
     def halt(self, reason: str) -> Execution[None]:
         """Stops everything that runs, and waits until it stands."""
+        self._forget_coming()
         for one in self._active:
             one.leaving = one.leaving or reason
             one.running.stop()
@@ -168,7 +175,8 @@ class Dispatcher:
 
     def _obey(self) -> None:
         wanted = self._task.control.mode
-        if wanted is Mode.SINGLE and self._mode is Mode.SINGLE and self._round_began and not self._active:
+        round_is_over = self._round_began and not (self._active or self._coming)
+        if wanted is Mode.SINGLE and self._mode is Mode.SINGLE and round_is_over:
             wanted = self._task.control.end_single()
         if wanted is self._mode:
             return
@@ -191,7 +199,9 @@ class Dispatcher:
     def _may_start(self, index: int) -> bool:
         step = self.agenda.steps[index]
         agent = self.telling.agent(step)
-        if any(one.run.agent == agent for one in self._active):
+        if any(
+            run.agent == agent for run in (*(a.run for a in self._active), *(run for run, _ in self._coming.values()))
+        ):
             return False
         managers = self._context.managers
         if agent in managers and step.skill in managers[agent].running:
@@ -199,26 +209,45 @@ class Dispatcher:
             return False
         return True
 
-    def _start(self, index: int) -> list[tuple[Step, Failure]]:
+    def _prepare(self, index: int) -> list[tuple[Step, Failure]]:
+        """Announces a step and starts it, at once in lockstep; else when its intent outlives a power cut."""
         refusal = self._take_from_stock(index)
         if refusal is not None:
             return [(self.agenda.steps[index], refusal)]
         step = self.agenda.steps[index]
         self._started += 1
         run = StepRun(self._started, step, self.telling.agent(step), self._context.now)
-        self._task.starts(run)
+        self._coming[index] = run, self._task.starts(run)
+        return self._start_prepared(index)
+
+    def _start_prepared(self, index: int) -> list[tuple[Step, Failure]]:
+        run, waits = self._coming[index]
+        if not (self._context.lockstep or all(one.done() for one in waits)):
+            return []
+        del self._coming[index]
+        for one in waits:
+            one.result()
+        return self._start(index, replace(run, start=self._context.now))
+
+    def _start(self, index: int, run: StepRun) -> list[tuple[Step, Failure]]:
         self._round_began = True
         self.agenda.start(index)
-        self.telling.tell_of(Happening.STARTED, f"{self.telling.said(step)} starts", run)
+        self.telling.tell_of(Happening.STARTED, f"{self.telling.said(run.step)} starts", run)
         try:
             running = self._begin(run)
         except UsageError as refusal:
             failure = Failure(str(refusal), BROKEN_OFF)  # not the target's fault
             self.agenda.again(index)
             self._note_end(run, failure, {})
-            return [(step, failure)]
+            return [(run.step, failure)]
         self._active.append(Active(index, run, robot_of(self._context.world, run.agent), running))
         return []
+
+    def _forget_coming(self) -> None:
+        """Drops the steps that wait for the disk: they were not started."""
+        for run, _ in self._coming.values():
+            self._task.ended(run, Failure("it was not started", BROKEN_OFF))
+        self._coming.clear()
 
     def _take_from_stock(self, index: int) -> Failure | None:
         """Gives things that a step takes from stock individuals of their own; this and later steps speak of these."""

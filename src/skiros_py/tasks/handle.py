@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Literal
 
@@ -38,7 +39,7 @@ class StepRun:
     start: float
 
 
-BeforeStep = Callable[[StepRun], None]
+BeforeStep = Callable[[StepRun], Future[None] | None]
 AfterStep = Callable[[StepRun, Outcome], None]
 
 
@@ -121,7 +122,8 @@ class TaskHandle:
     def before_step(self, listener: BeforeStep) -> Callable[[], None]:
         """Calls the listener in the control thread before a step's first command; returns how to end that.
 
-        When it raises, the step is not started and the task ends: nothing is done whose intent could not be kept.
+        Where it returns a future, the step waits for that. When it raises, or the future does, the step is not started
+        and the task ends: nothing is done whose intent could not be kept.
         """
         self._before.append(listener)
         return lambda: self._before.remove(listener)
@@ -131,10 +133,10 @@ class TaskHandle:
         self._after.append(listener)
         return lambda: self._after.remove(listener)
 
-    def starts(self, run: StepRun) -> None:
-        """Tells that a step is about to start; for the dispatcher."""
-        for listener in tuple(self._before):
-            listener(run)
+    def starts(self, run: StepRun) -> tuple[Future[None], ...]:
+        """Tells that a step is about to start, and returns what it has to wait for; for the dispatcher."""
+        waits = [listener(run) for listener in tuple(self._before)]
+        return tuple(future for future in waits if future is not None)
 
     def ended(self, run: StepRun, outcome: Outcome) -> None:
         """Tells how a step ended; for the dispatcher."""

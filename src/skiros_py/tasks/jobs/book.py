@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, ValuesView
+from functools import partial
 from typing import Any
 
 from skiros_py.listeners import Listeners
@@ -16,8 +17,9 @@ from skiros_py.tasks.jobs.store import JobStore
 
 
 class JobBook:
-    """The jobs of a store; every change is on the disk before anybody hears of it.
+    """The jobs of a store.
 
+    Every change outlives a power cut before listeners are called with it; they are called in a thread of the store.
     Whoever writes holds the job manager's guard. What is over is in the file only: a cell that works for months has
     more of that than memory.
 
@@ -93,7 +95,7 @@ class JobBook:
         self._open.pop(job.id, None)
         self.queue.remove(job.id)
         self.unseen.discard(job.id)
-        self._on_remove.notify(last)
+        self._store.after_sync(partial(self._on_remove.notify, last))
         return last
 
     def _keep(self, job: Job, trigger: Trigger | None, comment: str) -> Job:
@@ -111,7 +113,7 @@ class JobBook:
             self.unseen.add(job.id)
         else:
             self.unseen.discard(job.id)
-        self._listeners.notify(job)
+        self._store.after_sync(partial(self._listeners.notify, job))
         return job
 
 

@@ -55,7 +55,7 @@ class JobManager(JobCommands):
         limit: int = _MOST_OPEN,
         clock: Callable[[], float] = time.time,
     ) -> None:
-        guard = Guard()
+        guard = Guard(store.flush, lockstep=runtime.cycle.pace is None)
         book = JobBook(store, clock)
         conductor = Conductor(tasks, runtime, store, book, parse, guard, at_once=at_once, clock=clock)
         super().__init__(book, store, runtime, conductor, guard)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from concurrent.futures import Future
 
 from skiros_py.errors import UnknownName, WrongState
 from skiros_py.execution.runtime import Runtime
@@ -115,8 +116,9 @@ class JobRun:
 
     # ------------------------------------------------------------------ what is written down
 
-    def _intend(self, run: StepRun) -> None:
+    def _intend(self, run: StepRun) -> Future[None]:
         self._numbers[run.number] = self._store.intend(self._task.name, run.step.skill, run.step.arguments)
+        return self._store.sync()
 
     def _settle(self, run: StepRun, outcome: StepOutcome) -> None:
         ended = f"failed: {outcome.reason}" if isinstance(outcome, Failure) else "done"

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import logging
 import sqlite3
+import threading
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +20,8 @@ from skiros_py.tasks.jobs.announcements import Announcement, keep_announcement
 from skiros_py.tasks.jobs.job import Intent, Job, Transition
 from skiros_py.tasks.jobs.receipts import Receipt, keep_receipt, leave_receipts
 from skiros_py.tasks.jobs.states import JobState, Trigger
+
+_log = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -45,6 +50,8 @@ class Page:
 class JobStore:
     """The jobs of a data directory; used by any thread. Close it.
 
+    What is written outlives the process at once, and a power cut after :meth:`after_sync`.
+
     Args:
         path: The file; made where it is missing, brought up to date where it is old.
 
@@ -53,8 +60,50 @@ class JobStore:
     """
 
     def __init__(self, path: Path) -> None:
-        self._database = Database(path, SCHEMA, durable=True, lookups=True)
+        self._database = Database(path, SCHEMA, lookups=True)
         self._path = path
+        self._waiting = ThreadPoolExecutor(1, "skiros-jobs-disk")
+        self._calling = ThreadPoolExecutor(1, "skiros-jobs")
+        self._caller: threading.Thread | None = None
+
+    # ------------------------------------------------------------------ the disk
+
+    def sync(self) -> Future[None]:
+        """Begins to wait until all that was written by now outlives a power cut.
+
+        Returns:
+            The end of that; its result raises FileError where the disk did not take it.
+        """
+        return self._waiting.submit(self._database.sync)
+
+    def after_sync(self, then: Callable[[], object]) -> Future[None]:
+        """Calls back when all that was written by now outlives a power cut; in a thread of its own, in this order.
+
+        Returns:
+            The end of that, as :meth:`sync` does.
+        """
+        return self._calling.submit(self._call, then)
+
+    def flush(self) -> None:
+        """Waits until all that was written outlives a power cut, and everybody was called back.
+
+        A function that is called back does not wait for itself.
+
+        Raises:
+            FileError: The disk did not take it.
+        """
+        if threading.current_thread() is not self._caller:
+            self.after_sync(lambda: None).result()
+
+    def _call(self, then: Callable[[], object]) -> None:
+        self._caller = threading.current_thread()
+        try:
+            self._database.sync()
+        except FileError as error:
+            _log.error("a power cut may take what became of jobs: %s", error)
+            raise
+        finally:
+            then()
 
     # ------------------------------------------------------------------ jobs
 
@@ -123,7 +172,7 @@ class JobStore:
         return Page(jobs, None if whole else jobs[-1].number)
 
     def add(self, job: Job, trigger: Trigger, comment: str = "", receipt: Receipt | None = None) -> Job:
-        """Takes a new job, and gives it a number that none had before; when this returns, it is on the disk.
+        """Takes a new job, and gives it a number that none had before.
 
         Its version is greater than that of any job that was removed, which may have had its id.
 
@@ -146,7 +195,7 @@ class JobStore:
         return numbered
 
     def keep(self, job: Job, trigger: Trigger | None = None, comment: str = "") -> None:
-        """Writes a job down; when this returns, it is on the disk.
+        """Writes a job down.
 
         Args:
             job: The job as it is now.
@@ -235,12 +284,12 @@ class JobStore:
         return intent.number
 
     def settle(self, job: str, number: int, ended: str) -> None:
-        """Writes down how a step ended; a power cut may take that, and then somebody is asked."""
+        """Writes down how a step ended."""
         known = {intent.number: intent for intent in self.intents(job)}
         if number not in known:
             raise UnknownName("step", str(number), [str(n) for n in known], where=f"of job '{job}'")
         text = known[number].model_copy(update={"ended": ended}).model_dump_json()
-        with self._database.transaction(waits=False) as connection:
+        with self._database.transaction() as connection:
             connection.execute("UPDATE intents SET data = ? WHERE job = ? AND number = ?", (text, job, number))
 
     def intents(self, job: str) -> tuple[Intent, ...]:
@@ -254,8 +303,8 @@ class JobStore:
         return tuple(self._read(Transition.model_validate_json, data) for (data,) in rows)
 
     def tell(self, job: str, entries: Iterable[Mapping[str, Any]]) -> None:
-        """Adds to a job's trace; a power cut may take that."""
-        with self._database.transaction(waits=False) as connection:
+        """Adds to a job's trace."""
+        with self._database.transaction() as connection:
             connection.executemany("INSERT INTO trace VALUES (?, ?)", ((job, json.dumps(dict(e))) for e in entries))
 
     def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[dict[str, Any], ...]:
@@ -272,6 +321,8 @@ class JobStore:
 
     def close(self) -> None:
         """Closes the file; may be called twice."""
+        self._waiting.shutdown()
+        self._calling.shutdown()
         self._database.close()
 
     def _job(self, text: str) -> Job:

@@ -38,7 +38,7 @@ def steps_while_a_command_is_kept(jobs: JobManager, bench: Bench, command: JobOr
     """Runs cycles in a thread of their own while a command holds the guard; returns whether they came to an end."""
     holds, enough = threading.Event(), threading.Event()
 
-    def linger(job: Job) -> None:  # a listener is called within the guard, as the disk is waited for
+    def linger(job: Job) -> None:  # a listener is called when the disk has been waited for
         if job.id == command.id:
             holds.set()
             enough.wait(20.0)
@@ -84,6 +84,7 @@ def test_when_the_end_is_told_all_of_the_trace_is_written(bench, tmp_path):
         book.subscribe(lambda each: written.append(len(store.trace(each.id))))
 
         assert run.follow(job)
+        store.flush()
 
         assert written == [len(store.trace("a"))]
         assert written[0] > 0
