@@ -76,7 +76,7 @@ def test_a_control_cycle_that_does_not_come_round_is_dead_though_the_server_answ
                 deadline -= 1
                 free.wait(0.02)
             assert response.status_code == 503
-            assert "does not come round" in response.json()["why"]
+            assert "does not run" in response.json()["why"]
         finally:
             free.set()
             hold.join()

@@ -64,7 +64,7 @@ class Me(Answer):
     name: str = Field(description="Their name; author of what they write.", examples=["anna"])
     role: RoleName = Field(description="What they may do, in one word.", examples=["operator"])
     key: str = Field(description="Id of their key; empty where none is needed.", examples=["1f0c55a2"])
-    keys_needed: bool = Field(description="True where nobody comes in without a key.", examples=[True])
+    keys_needed: bool = Field(description="True if every request needs a key.", examples=[True])
     operations: list[str] = Field(
         description="What they may do, as operation ids of the API's description.", examples=[["list_jobs"]]
     )

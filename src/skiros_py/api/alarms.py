@@ -29,7 +29,7 @@ class AlarmKind(enum.StrEnum):
     HALTED = "halted"
     """Everything was halted: by somebody, by the watchdog, by a module."""
     STATION = "station"
-    """The control cycle broke: there is no station until it is opened anew."""
+    """The control cycle broke: there is no station until it is reopened."""
     CYCLE = "cycle"
     """Something holds the control cycle, and does not come back."""
     MANAGER = "manager"
@@ -74,7 +74,7 @@ class AlarmInfo(Answer):
     since: datetime = Field(description="When it came.", examples=["2026-11-20T09:30:00Z"])
     until: datetime | None = Field(default=None, description="When it went; null while it is active.", examples=[None])
     acknowledged: datetime | None = Field(
-        default=None, description="When somebody acknowledged it; null while nobody has.", examples=[None]
+        default=None, description="When it was acknowledged; null before.", examples=[None]
     )
     by: str = Field(default="", description="Who acknowledged it.", examples=[""])
     choices: tuple[str, ...] = Field(

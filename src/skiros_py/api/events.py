@@ -40,12 +40,12 @@ class EventInfo(Answer):
 
 
 class ResetInfo(Answer):
-    """That events were missed which are not kept any more: look at everything anew, then go on from here."""
+    """Events were missed that are no longer kept: read everything again, then go on from here."""
 
     id: str = Field(description="Where the events go on.", examples=["1f2e3d4c-4711"])
     kind: Literal["reset"] = Field(default="reset", description="Tells it from what happened.")
     code: Literal["restarted", "unknown", "future", "gone"] = Field(
-        description="Why: the server was started anew; that id is none of this API; there is no such event yet; it is"
+        description="Why: the server was restarted; that id is none of this API; there is no such event yet; it is"
         " too long ago.",
         examples=["gone"],
     )

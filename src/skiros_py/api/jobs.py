@@ -54,7 +54,7 @@ class JobOrder(GoalOrder):
         default=None,
         min_length=1,
         max_length=200,
-        description="Chosen by whoever orders; without one the server makes it (POST). No blanks, no '/'.",
+        description="Chosen by the caller; without one the server makes it (POST). No blanks, no '/'.",
         examples=["line-1-kit-4711"],
     )
     description: str = Field(default="", max_length=2000, description="For people.", examples=["kit for order 4711"])
@@ -196,7 +196,7 @@ class JobStep(Answer):
     number: int = Field(description="Counts the steps that were begun.", examples=[1])
     skill: str = Field(description="Its name.", examples=["pick"])
     arguments: dict[str, str] = Field(description="With what, by parameter.", examples=[{"Object": "starter_1"}])
-    ended: str | None = Field(description='How it ended: "done", "failed: …", "stopped"; null while nobody knows.')
+    ended: str | None = Field(description='How it ended: "done", "failed: …", "stopped"; null while unknown.')
 
 
 class JobTransition(Answer):
@@ -253,7 +253,7 @@ class PlannedStep(Answer):
     skill: str = Field(description="The skill.", examples=["drive"])
     arguments: dict[str, str] = Field(description="With what, by parameter.")
     after: tuple[int, ...] = Field(description="Indices, from 0, of the steps that must have ended before.")
-    start: float | None = Field(description="When it shall start, from the start of the plan [s]; null: nobody knows.")
+    start: float | None = Field(description="When it shall start, from the start of the plan [s]; null if unknown.")
 
 
 class JobPlan(Answer):

@@ -41,7 +41,7 @@ ModuleRunStatus = Literal["running", "paused", "stopping", "stopped", "succeeded
 
 
 class RunningInfo(Answer):
-    """A module that runs now, whoever started it."""
+    """A module that runs now."""
 
     module: str = Field(description="Name of the module.", examples=["pick"])
     status: str = Field(description="running, paused or stopping.", examples=["running"])
@@ -57,7 +57,7 @@ class ManagerInfo(Answer):
     skills: list[str] = Field(description="The skills it offers; none while it is lost.", examples=[["pick", "place"]])
     primitives: list[str] = Field(description="The primitives whose hardware it has.", examples=[["move_arm"]])
     running: list[RunningInfo] = Field(description="What it runs now.")
-    lost: str = Field(description="Why nobody may count on it any more; empty in good times.", examples=[""])
+    lost: str = Field(description="Why it is lost; empty if it is not.", examples=[""])
 
 
 class ModulePlace(Answer):
@@ -89,7 +89,7 @@ class ModuleParameter(Answer):
     unit: str = Field(description="Unit of a number; empty where it has none.", examples=["m"])
     required: bool = Field(description="True where the module does not run before it is specified or inferred.")
     planning: bool = Field(description="True where it is inferred and forms do not show it.")
-    default: Any = Field(None, description="Value where nobody specifies one.", examples=[None])
+    default: Any = Field(None, description="Value if none is given.", examples=[None])
     json_schema: dict[str, Any] = Field(description="JSON schema of its value; `class` names the class of an element.")
 
 
@@ -156,7 +156,7 @@ class SkillInfo(Answer):
     agent: str = Field(description="Key of the parameter that is the subsystem doing it.", examples=["Arm"])
     agent_class: str = Field(description="Class of that subsystem.", examples=["sk:Arm"])
     target: str = Field(description="Key of the parameter that it is done to.", examples=["Object"])
-    duration: float | None = Field(description="How long it takes as a rule [s]; null where nobody said.", examples=[6])
+    duration: float | None = Field(description="How long it takes as a rule [s]; null if unknown.", examples=[6])
     parameters: list[ModuleParameter] = Field(description="Its parameters.")
     needs: list[SkillCondition] = Field(description="All that must hold before: parameters as described, then `pre`.")
     pre: list[SkillCondition] = Field(description="What must hold before it starts.")
@@ -267,13 +267,13 @@ class ModuleRuns(Answer):
 
 
 class PluginFaultInfo(Answer):
-    """What is wrong with a plug-in; it hurts nobody else."""
+    """A fault of a plug-in; it does not affect others."""
 
     name: str = Field(description="Name of the entry point.", examples=["drive"])
     group: str = Field(description="Group of the entry point.", examples=["skiros.skills"])
     distribution: str = Field(description="What brings it, with its version.", examples=["skiros-skills 0.1.0"])
     reason: str = Field(description="What is wrong.", examples=["ModuleNotFoundError: No module named 'cv2'"])
-    origin: str = Field(description="File that it is in; empty where nobody knows.", examples=["drive.py"])
+    origin: str = Field(description="File that it is in; empty where unknown.", examples=["drive.py"])
     traceback: str = Field(description="Where it was raised; empty where nothing was.", examples=[""])
 
 

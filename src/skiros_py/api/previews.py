@@ -53,7 +53,7 @@ class Preview(Answer):
     world: int = Field(description="Version of the world for which it was planned.", examples=[42])
     asked: Moment | None = Field(description="When it was asked for.")
     wall: float | None = Field(description="How long planning took [s]; null while it lasts.")
-    planner: str = Field(description="Who gave the answer; empty where nobody had to be asked.")
+    planner: str = Field(description="Name of the planner; empty if none was needed.")
     steps: tuple[PlannedStep, ...] = Field(description="The plan; empty where there is none, or nothing to be done.")
     reasons: tuple[str, ...] = Field(description="Why there is no plan, or why planning failed, in sentences.")
     causes: tuple[dict[str, Any], ...] = Field(description="The same as data: kind, text, conditions, elements, ….")

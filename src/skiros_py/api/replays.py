@@ -59,7 +59,7 @@ class Replay(Answer):
     )
     shifts: tuple[tuple[float, float], ...] = Field(
         default=(),
-        description="Run time begins anew with the server: from the first number on [s], all times in here are later"
+        description="Run time begins again with the server: from the first number on [s], all times in here are later"
         " by the second [s] than run time was.",
     )
     beginning: WorldView = Field(description="The world at the beginning.")

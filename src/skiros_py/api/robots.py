@@ -23,7 +23,7 @@ class JointDescription(Answer):
     name: str = Field(description="Its name.", examples=["panda_joint1"])
     lower: float | None = Field(description="Least angle [rad]; null where it has no limit.", examples=[-2.9])
     upper: float | None = Field(description="Greatest angle [rad]; null where it has no limit.", examples=[2.9])
-    velocity: float | None = Field(description="Greatest speed [rad/s]; null where nobody says.", examples=[2.1])
+    velocity: float | None = Field(description="Greatest speed [rad/s]; null if unknown.", examples=[2.1])
 
 
 class ArmDescription(Answer):

@@ -57,7 +57,7 @@ class NewSequence(Request):
     )
 
     id: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")] | None = Field(
-        None, description="Chosen by whoever makes it; else the server makes one.", examples=["kit-round"]
+        None, description="Chosen by the caller; else the server makes one.", examples=["kit-round"]
     )
     title: str = Field("", max_length=200, description="Its name for people.", examples=["One round to the kit"])
     steps: list[WantedStep] | None = Field(None, max_length=_MOST_STEPS, description="The steps.")

@@ -22,7 +22,7 @@ class ArmInfo(Answer):
     positions: tuple[float, ...] = Field(description="Joint angles [rad].", examples=[[0.0, -0.8, 0.0]])
     velocities: tuple[float, ...] = Field(description="Joint speeds [rad/s].", examples=[[0.0, 0.0, 0.0]])
     still: bool = Field(description="Whether it stands.", examples=[True])
-    tool: PoseInfo | None = Field(default=None, description="Where its tip is; null where nobody knows its model.")
+    tool: PoseInfo | None = Field(default=None, description="Where its tip is; null if its model is unknown.")
 
 
 class GripperInfo(Answer):

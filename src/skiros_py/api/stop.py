@@ -31,8 +31,7 @@ class StopInfo(Answer):
         default=None, description="Since when; null while nothing is halted.", examples=["2026-11-20T09:30:00.125Z"]
     )
     standing: bool | None = Field(
-        description="Whether all arms and bases stand; null where nobody knows, for the control thread does not come"
-        " round.",
+        description="Whether all arms and bases stand; null if unknown: the control thread does not run.",
         examples=[True],
     )
     obeyed: bool = Field(

@@ -50,7 +50,7 @@ class NewTask(Request):
         examples=[["InKit(Starter, kit_1)"]],
     )
     steps: list[WantedStep] | None = Field(
-        None, min_length=1, max_length=_MOST_STEPS, description="Steps to be run in this order; nobody plans."
+        None, min_length=1, max_length=_MOST_STEPS, description="Steps to be run in this order, without planning."
     )
     iterate: int | None = Field(1, ge=1, le=1_000_000, description="Steps: how often; null for until it is stopped.")
     anyway: bool = Field(False, description="Steps: true to run what cannot work as far as anybody knows.")

@@ -73,7 +73,7 @@ class RunDisplay:
             for repair in planned.outcome.repairs:
                 self.say(f"        to make it work: {repair.text}")
             return
-        self.say(f"plan    {'made' if self._plans == 1 else 'made anew'} in {planned.wall * 1e3:.0f} ms")
+        self.say(f"plan    {'made' if self._plans == 1 else 'made again'} in {planned.wall * 1e3:.0f} ms")
         skills = {c.skill.name: c.skill for c in self._session.tasks.capabilities}
         for number, step in enumerate(planned.outcome.steps, start=1):
             self.say(f"  {number:2}. {short_step(step, skills[step.skill])}")

@@ -29,7 +29,7 @@ def end_unless(comes_back: Callable[[], bool], text: str, status: int, *, as_jso
     """Ends the process from a thread of its own, unless there is a sign of life in time.
 
     Args:
-        comes_back: Tells whether there is one; asked again and again.
+        comes_back: Returns whether there is one; asked again and again.
         text: What is said then.
         status: Exit status then.
         as_json: Whether that is an answer in JSON, too.

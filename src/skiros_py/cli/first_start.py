@@ -44,7 +44,7 @@ def _remove(made: list[Path]) -> None:
 
 
 def _holds_more(data: Path) -> bool:
-    """Tells whether there is more than a server makes before it opens its world."""
+    """Returns whether there is more than a server makes before it opens its world."""
     from skiros_py.server.access.keys import KeyStore
 
     if {file.name for file in data.iterdir()} - {*_OF_ACCESS, "lock"}:

@@ -1,4 +1,4 @@
-"""Jobs as they lie in a data directory while nobody serves it."""
+"""Jobs in a data directory that is not served."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ def revoke(key: str, data: Path, as_json: bool) -> int:
 
 
 def _check_folder(data: Path, *, new: bool) -> None:
-    """Sees that a key is not made for a folder whose name was mistyped."""
+    """Checks that a key is not made for a folder whose name was mistyped."""
     from skiros_py.world.journal.data_directory import make_folder
 
     if not (new or data.exists()):

@@ -73,7 +73,7 @@ def answer_text(text: str) -> None:
 
 
 def silence() -> None:
-    """Keeps the interpreter from complaining, while it ends, about an output that nobody reads any more."""
+    """Keeps the interpreter from complaining at exit about a closed output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), (_answers or sys.stdout).fileno())
 
 

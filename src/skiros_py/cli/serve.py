@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 _OVERRUN = 0.5
 """For how long a module may hold the control cycle at a pace [s]: it shares the interpreter with requests here."""
 _OVERRUN_SIMULATED = 2.0
-"""The same where robots are simulated: time stands still for them meanwhile, and a busy machine is nobody's mistake."""
+"""The same for simulated robots: their time stands still meanwhile, and a busy machine is not the module's fault."""
 _ENDING = 9.0
 """The station must stand, and the process be gone, so long after the first signal [s]."""
 
@@ -128,7 +128,7 @@ def command(
 
 @contextmanager
 def _folder(data: Path | None) -> Iterator[Path]:
-    """Gives the data directory: where nobody names one, one for the time of the block."""
+    """Yields the data directory: without a name, a temporary one."""
     if data is not None:
         yield data
         return
@@ -189,7 +189,7 @@ def _serve(
 
 
 def _say_what_lives(services: Services, scene: str, data: Path) -> None:
-    """Tells who asks for another scene than that which lives there."""
+    """Warns if another scene was asked for than the one in the data directory."""
     from skiros_py.config import find_scene
     from skiros_py.station.scenes.loading import scene_of
 
@@ -201,7 +201,7 @@ def _say_what_lives(services: Services, scene: str, data: Path) -> None:
 
 
 def _expect_people(services: Services, url: str) -> None:
-    """Tells where the pages are, if they are installed, and makes what takes some seconds once."""
+    """Prints where the pages are, if they are installed, and prepares what takes some seconds once."""
     from skiros_py.server.pages import pages_of
 
     if pages_of(services.settings) is not None:

@@ -45,7 +45,7 @@ def reset(client: Client, as_json: bool) -> int:
 def _show(info: StopInfo, *, as_json: bool) -> int:
     """Shows whether everything is halted, and returns the exit status that says whether that can be relied on."""
     if not info.obeyed and info.halted and not as_json:
-        click.echo("NOT OBEYED: the control thread does not come round; press the button of the machine", err=True)
+        click.echo("NOT OBEYED: the control thread does not run; press the button of the machine", err=True)
         return NOT_REACHED
     by = f", by {info.by}" if info.by else ""
     halted = f"halted ({info.why}{by}): {'everything stands' if info.standing else 'it brakes'}"

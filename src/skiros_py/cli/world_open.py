@@ -63,12 +63,12 @@ class OpenWorld:
         self._journal = journal
 
     def show(self, element: str) -> Shown:
-        """Tells what is believed of an element."""
+        """Returns what is believed of an element."""
         state = self._world.snapshot()
         return Shown(state.element(element), state.statements_about(element), state.stamp(element))
 
     def history(self, element: str | None, last: int | None) -> History:
-        """Tells which changes touched an element, or all."""
+        """Returns which changes touched an element, or all."""
         assert self._journal is not None
         entries = self._journal.history(element, last=last)
         if element is not None and not entries and not self._journal.was_given(element):

@@ -41,7 +41,7 @@ class ServedWorld:
         self._client = client
 
     def show(self, element: str) -> Shown:
-        """Tells what is believed of an element."""
+        """Returns what is believed of an element."""
         from skiros_py.world.element import Stamp
 
         told = self._client.elements.get(element)
@@ -54,7 +54,7 @@ class ServedWorld:
         return _all(lambda cursor: self._client.elements.relations(told.id, limit=_PAGE, cursor=cursor))
 
     def history(self, element: str | None, last: int | None) -> History:
-        """Tells which changes touched an element, or all."""
+        """Returns which changes touched an element, or all."""
         from skiros_py.world.journal import Entry
 
         limit = _CHANGES if last is None else min(last, _CHANGES)

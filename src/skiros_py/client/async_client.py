@@ -41,7 +41,7 @@ class AsyncClient(AnyClient[AsyncSender]):
 
         Raises:
             ProblemError: The server refused.
-            Unreachable: Nobody answers.
+            Unreachable: The server does not answer.
         """
         request = arguments_of(call)
         async for attempt in self._patience.attempts(call):

@@ -43,7 +43,7 @@ class Client(AnyClient[Sender]):
 
         Raises:
             ProblemError: The server refused.
-            Unreachable: Nobody answers.
+            Unreachable: The server does not answer.
         """
         request = arguments_of(call)
         for attempt in self._patience.attempts(call):
@@ -63,11 +63,11 @@ class Client(AnyClient[Sender]):
         Args:
             stream: What to follow, from :mod:`skiros_py.client.calls.events`.
             after: Id of the last event seen; None for what comes from now on (of a job: for all that is kept).
-            patience: How long nobody may answer before it is given up [s].
+            patience: How long the server may stay silent before this gives up [s].
 
         Raises:
             ProblemError: The server refuses.
-            Unreachable: Nobody answers.
+            Unreachable: The server does not answer.
         """
         return follow(self.http, stream, after=after, patience=patience)
 

@@ -60,7 +60,7 @@ def server_of(data: Path) -> LocalServer:
 
 
 class InStep(httpx2.Auth):
-    """Sends each request to the server that owns a data directory then: one that is started anew has another key.
+    """Sends each request to the server that owns a data directory then: one that is restarted has another key.
 
     The lock of the directory is not looked at, as that could be in the way of a server that starts: where none lives,
     nobody answers.
@@ -84,7 +84,7 @@ class InStep(httpx2.Auth):
 
 
 def _owner(data: Path) -> int | None:
-    """Returns the process that has the directory's lock; None where nobody has. The kernel knows, not the file."""
+    """Returns the process that has the directory's lock; None if it is free. The kernel knows, not the file."""
     try:
         file = os.open(data / "lock", os.O_RDONLY)
     except OSError:

@@ -1,4 +1,4 @@
-"""Why a call came to nothing: the server refused it, or nobody answers."""
+"""Why a call came to nothing: the server refused it, or does not answer."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ProblemError(SkirosError):
 
 
 class Unreachable(DeviceError):
-    """Nobody answers; whether something was done is not known where a request had been sent already.
+    """The server does not answer; whether a request that was sent took effect is unknown.
 
     Attributes:
         url: Where it was tried.

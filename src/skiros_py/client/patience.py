@@ -61,7 +61,7 @@ class Patience:
 
 
 def wait_after(error: Exception, call: Call[Any]) -> bool | float:
-    """Tells whether a call is sent again: True for after the usual wait, False for not, a number for after so long [s].
+    """Returns whether a call is sent again: True after the usual wait, False for not, a number after so long [s].
 
     Args:
         error: What came of the last try.

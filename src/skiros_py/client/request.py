@@ -91,7 +91,7 @@ def result_of(call: Call[T], outcome: Outcome, url: str) -> T:
 
     Raises:
         ProblemError: The server refused.
-        Unreachable: Nobody answered.
+        Unreachable: The server did not answer.
         SkirosError: The answer cannot be understood.
     """
     if isinstance(outcome, httpx2.TransportError):

@@ -1,4 +1,4 @@
-"""Following what happens: streams that outlive broken connections and servers that are started anew."""
+"""Following what happens: streams that outlive broken connections and servers that are restarted."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ def follow(http: httpx2.Client, stream: Stream[T], *, after: str | None = None, 
         http: Sends; its base address is that of the API.
         stream: What to follow.
         after: Id of the last event seen; None for what comes from now on (of a job: for all that is kept).
-        patience: How long nobody may answer before it is given up [s].
+        patience: How long the server may stay silent before this gives up [s].
 
     Raises:
         ProblemError: The server refuses.
-        Unreachable: Nobody answers.
+        Unreachable: The server does not answer.
     """
     place = _Place(stream, after, patience, str(http.base_url))
     while True:
@@ -114,11 +114,11 @@ class _Place:
 
     @staticmethod
     def refuses(response: httpx2.Response) -> bool:
-        """Tells whether an answer is none of events."""
+        """Returns whether an answer is not a stream of events."""
         return response.status_code != httpx2.codes.OK
 
     def require(self, response: httpx2.Response) -> None:
-        """Sees that the server serves this stream, now or later.
+        """Checks that the server serves this stream, now or later.
 
         Raises:
             ProblemError: It refuses.
@@ -144,7 +144,7 @@ class _Place:
         """Returns how long to wait before the next try [s].
 
         Raises:
-            Unreachable: Nobody has answered for too long.
+            Unreachable: The server has not answered for too long.
         """
         if time.monotonic() - self._heard > self._patience:
             raise Unreachable(self._url, str(self._why or "it ends every connection at once"))

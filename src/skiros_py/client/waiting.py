@@ -14,11 +14,11 @@ from skiros_py.client.errors import TookTooLong, Unreachable
 _FIRST, _LONGEST = 0.05, 1.0
 """The waits between two looks grow from the one to the other [s]."""
 _OUTAGE = 60.0
-"""For how long nobody may answer, such as while the server is started anew [s]."""
+"""How long the server may be silent, such as while it is restarted [s]."""
 
 
 def is_over(job: Job) -> bool:
-    """Tells whether a job is over, whatever came of it."""
+    """Returns whether a job is over, whatever came of it."""
     return job.outcome is not None
 
 
@@ -73,7 +73,7 @@ class _Looks:
         return job
 
     def missed(self, error: Unreachable) -> None:
-        """Notes that nobody answered.
+        """Notes that there was no answer.
 
         Raises:
             Unreachable: That is so for too long.

@@ -62,7 +62,7 @@ def create_app(services: Services) -> FastAPI:
     """Makes the ASGI application of a server.
 
     Args:
-        services: What its routes reach; whoever made it starts and closes it.
+        services: What its routes reach; its maker starts and closes it.
     """
     app = GuardedApi(
         title="skiros-py",
@@ -72,7 +72,7 @@ def create_app(services: Services) -> FastAPI:
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
-        telemetry={"tracing": False},  # nobody is there to collect it, and it costs a tenth of a request
+        telemetry={"tracing": False},  # it is not collected, and costs a tenth of a request
         generate_unique_id_function=lambda route: route.name,
     )
     app.state.services = services

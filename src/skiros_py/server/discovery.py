@@ -32,12 +32,12 @@ def announced(data: Path, url: str, token: str) -> Iterator[LocalServer]:
     try:
         yield server
     finally:
-        with suppress(OSError):  # what is left is recognised: nobody has the lock any more
+        with suppress(OSError):  # a leftover is recognised: the lock is free
             path.unlink()
 
 
 def _write(path: Path, text: str) -> None:
-    """Writes a file that nobody else can read at any time, and nobody sees unfinished."""
+    """Writes a file atomically that other users can never read."""
     new = path.with_name(f"{path.name}.new")
     new.unlink(missing_ok=True)  # one that is left may be readable for others
     with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:  # noqa: PTH123

@@ -1,4 +1,4 @@
-"""Versions of what can be changed: ETag and If-Match, so that nobody overwrites what they have not seen."""
+"""Versions of what can be changed: ETag and If-Match, so that no change is overwritten unseen."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ class Metrics:
         events: What happens.
 
     Attributes:
-        registry: All of them, for whoever adds some or writes them out.
+        registry: All of them, for those who add some or export them.
     """
 
     def __init__(self, control: ControlThread, events: EventLog) -> None:

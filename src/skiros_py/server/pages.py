@@ -52,7 +52,7 @@ _log = logging.getLogger(__name__)
 
 
 def is_page(method: str, path: str) -> bool:
-    """Tells whether a request is for a page: something to be read, and nothing of the API, health or figures."""
+    """Returns whether a request is for a page: something to be read, and nothing of the API, health or figures."""
     return method in _READ and path.removeprefix("/").partition("/")[0] not in _NO_PAGES
 
 

@@ -36,7 +36,7 @@ from skiros_py.errors import (
 _log = logging.getLogger(__name__)
 
 _TYPE = "urn:skiros:problem:"
-"""Kinds of problems are names, not addresses: nobody shall try to fetch them."""
+"""Kinds of problems are names, not addresses: they must not look like something to fetch."""
 
 
 class Problem(Exception):

@@ -79,7 +79,7 @@ class Serving:
     """One run of the server.
 
     Args:
-        services: Started already; whoever made it closes it.
+        services: Started already; its maker closes it.
         listening: From :func:`bind`.
         on_listening: Called as soon as requests are answered.
     """
@@ -115,7 +115,7 @@ async def _warm_up(app: FastAPI) -> None:
 
 
 class _Server(uvicorn.Server):
-    """Tells when it listens and when it ends; signals are the business of whoever runs it."""
+    """Tells when it listens and when it ends; its caller handles signals."""
 
     def __init__(self, config: uvicorn.Config, on_listening: Callable[[], None], on_end: Callable[[], None]) -> None:
         super().__init__(config)

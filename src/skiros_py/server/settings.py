@@ -80,7 +80,7 @@ class ServerSettings:
 
 
 def is_loopback(host: str) -> bool:
-    """Tells whether only programs on this machine reach an address."""
+    """Returns whether only programs on this machine reach an address."""
     return host == "localhost" or (_is_address(host) and ipaddress.ip_address(host).is_loopback)
 
 

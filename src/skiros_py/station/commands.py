@@ -37,7 +37,7 @@ class Commands:
         self._takes = True
 
     def ask(self, work: Callable[[], T]) -> Future[T]:
-        """Has something done, and returns what its result comes in; whoever cancels that in time has nothing done.
+        """Queues work, and returns the future of its result; cancelled in time, it is not done.
 
         Raises:
             Busy: Nothing is taken now.
@@ -51,7 +51,7 @@ class Commands:
         return answer
 
     def ask_aside(self, work: Callable[[], object]) -> None:
-        """Has something done that nobody waits for: what it raises is logged.
+        """Queues work whose result is not used: what it raises is logged.
 
         Raises:
             Busy: Nothing is taken now.
@@ -94,7 +94,7 @@ class _Command(Generic[T]):
         self._work = work
 
     def do(self) -> None:
-        """Does it, unless nobody waits any more."""
+        """Does it, unless it was cancelled."""
         if not self._answer.set_running_or_notify_cancel():
             return
         try:

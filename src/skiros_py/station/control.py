@@ -21,16 +21,16 @@ Listener = Callable[[Session], object]
 _log = logging.getLogger(__name__)
 
 CLOSING = "the station shuts down"
-"""Why all is braked before a session is closed: nobody has halted anything, and the next one is not halted by it."""
+"""Why all is braked before a session is closed: that is no halt, and the next session is not halted by it."""
 _PATIENCE = 10.0
 """How long a caller waits for its turn between two cycles [s]."""
 _OPENING = 60.0
-"""How long a caller waits while the session is being opened anew [s]."""
+"""How long a caller waits while the session is being reopened [s]."""
 _PLACES = 24
 """So many callers wait at the same time, of the 40 threads that answer requests: the others answer what needs no turn,
 whatever holds the control cycle."""
 _REST = 0.005
-"""In lockstep, the pause between two cycles while nothing is to be done [s]: time stands still for nobody's sake."""
+"""In lockstep, the pause between two cycles while there is nothing to do [s]."""
 
 
 class ControlThread:
@@ -111,7 +111,7 @@ class ControlThread:
 
     @property
     def session(self) -> Session:
-        """The session; while it is being opened anew, that is waited for.
+        """The session; while it is being reopened, that is waited for.
 
         Raises:
             Busy: There is none, and there will be none soon; or very many wait for it already.
@@ -166,13 +166,13 @@ class ControlThread:
 
         Raises:
             Busy: Its turn did not come in time, there is no session, or very many wait already; nothing was done.
-            DeviceError: It did not come to an end; nobody knows what was done.
+            DeviceError: It did not end; what was done is unknown.
             Exception: Whatever the work raises.
         """
         if self._is_mine:
             return work(self._present())
         with nullcontext() if urgent else self._place():
-            self._await_session()  # while it is being opened anew, that may take longer than a turn
+            self._await_session()  # while it is being reopened, that may take longer than a turn
             self._present()
             return self._outcome(self._commands.ask(lambda: work(self._present())))
 
@@ -189,7 +189,7 @@ class ControlThread:
         prepare: Callable[[Session], object] = lambda _session: None,
         restore: Callable[[], object] | None = None,
     ) -> None:
-        """Closes the session and opens it anew, such as after another scene was loaded; returns when that is done.
+        """Closes the session and opens it again, such as after another scene was loaded; returns when that is done.
 
         Where everything was halted, it still is in the new session: only a reset changes that.
 
@@ -206,7 +206,7 @@ class ControlThread:
             UsageError: The control thread itself calls it: the cycle would end in the midst of itself.
         """
         if self._is_mine:
-            raise UsageError("the control thread cannot open its own session anew: ask for it in another thread")
+            raise UsageError("the control thread cannot reopen its own session: ask for it in another thread")
         self._commands.ask(lambda: self._renew(prepare, restore)).result()
 
     def _outcome(self, answer: Future[T]) -> T:
@@ -214,7 +214,7 @@ class ControlThread:
         if not answer.done() and self._session is None:  # somebody opens another session first
             wait([answer], _OPENING)
         if not answer.done() and answer.cancel():
-            raise Busy(f"the control cycle did not come round within {_PATIENCE:g} s")
+            raise Busy(f"the control cycle did not run within {_PATIENCE:g} s")
         wait([answer], _PATIENCE)
         if not answer.done():
             raise DeviceError(
@@ -280,7 +280,7 @@ class ControlThread:
         try:
             if halted:
                 session.cycle.halt(halted)
-            session.jobs  # noqa: B018 - what is queued goes on, though nobody has asked for a job yet
+            session.jobs  # noqa: B018 - opens the queue, whose jobs go on
             for listener in self._on_open:
                 listener(session)
         except BaseException:

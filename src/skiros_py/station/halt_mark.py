@@ -50,11 +50,11 @@ class HaltMark:
             why, by, since = json.loads(text)
             self._wanted = Halt(str(why), str(by), float(since))
         except (TypeError, ValueError):
-            self._wanted = Halt("somebody has stopped everything before the server was started anew", "", 0.0)
+            self._wanted = Halt("somebody has stopped everything before the server was restarted", "", 0.0)
         return self._wanted
 
     def keep(self, halt: Halt) -> None:
-        """Has a stop written by a thread of its own: whoever stops does not wait for a disk."""
+        """Writes a stop in a thread of its own: a stop does not wait for a disk."""
         self._wanted = halt
         try:
             threading.Thread(target=self._settle, name="skiros-halt-mark", daemon=True).start()

@@ -50,7 +50,7 @@ def judge(cell: SimulatedCell, spec: CellSpec, view: WorldView, goal: Sequence[C
     placements = truth.placements()
     types = {body.id: body.type for body in spec.bodies}
     for body in placements.keys() & types.keys():
-        if not view.has(body):  # in stock, or taken from there: nobody can tell as which individual
+        if not view.has(body):  # in stock, or taken from there: its individual is unknown
             real.extend(Element(body, types[body], body))
     for part in real.instances(MANIPULATABLE):
         place = placements.get(part)
@@ -80,7 +80,7 @@ def true_whereabouts(cell: SimulatedCell) -> Callable[[], Whereabouts]:
 
 
 def _is_physical(pattern: Pattern, view: WorldView) -> bool:
-    """Tells whether a pattern is about where things are, and nothing else."""
+    """Returns whether a pattern is about where things are, and nothing else."""
     match pattern:
         case Related(relation, _, _) | Nothing(relation, _):
             return view.ontology.family(relation) in (Family.PLACEMENT, Family.STRUCTURE)

@@ -40,7 +40,7 @@ class Queries:
 
         Raises:
             UsageError: It cannot be answered, or not within its limits; the text says why.
-            Busy: So many are being answered already that nobody shall wait for a turn, or the station is being opened.
+            Busy: Too many are being answered already, or the station is being opened.
         """
         if not self._turns.acquire(blocking=False):
             raise Busy(f"{self._limits.at_once} questions are being answered already: ask again later")

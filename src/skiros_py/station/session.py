@@ -382,7 +382,7 @@ class Session:
         return not at_work and ("jobs" not in self.__dict__ or bool(self.cycle.halted) or self.jobs.idle)
 
     def check(self, scene: WorldView) -> None:
-        """Sees whether a session such as this one could be opened in another scene.
+        """Checks whether a session such as this one could be opened in another scene.
 
         Raises:
             UnknownName: The robot that was chosen is not in it.
@@ -396,7 +396,7 @@ class Session:
             start_poses(spec, self.options.seed)
 
     def check_again(self) -> None:
-        """Sees whether this session could be closed and opened again, and believes what would be so then.
+        """Checks whether this session could be closed and opened again, and believes what would be so then.
 
         Raises:
             SkirosError: It could not; what is believed is as it was.
@@ -411,7 +411,7 @@ class Session:
     def reset(self) -> None:
         """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.
 
-        Whoever calls it has looked at why that was. After :meth:`stop` it is not needed.
+        Look at the reason first. After :meth:`stop` it is not needed.
 
         Raises:
             UsageError: Something still moves.

@@ -29,9 +29,9 @@ class Stopped:
 
     Attributes:
         why: Why everything is halted; empty while it is not.
-        by: Who wanted it; empty where nobody did, but the watchdog or a module.
+        by: Who wanted it; empty if it was the watchdog or a module.
         since: When it was seen first [s since 1970]; None while nothing is halted.
-        standing: True when no arm and no base moves; None where nobody knows: the control thread does not come round.
+        standing: True when no arm and no base moves; None where unknown: the control thread does not run.
         obeyed: True when the control thread has come round since, or there is nothing that could move.
     """
 
@@ -47,7 +47,7 @@ class Stops:
 
     Args:
         control: Runs the session.
-        events: Hears of stops and resets.
+        events: Gets stops and resets.
         mark: Keeps a stop over the end of the server.
     """
 
@@ -72,7 +72,7 @@ class Stops:
     # ------------------------------------------------------------------ as sessions come and go
 
     def open(self, session: Session) -> None:
-        """Has a session in hand, halted at once where somebody wanted a stop and nobody has reset it since."""
+        """Has a session in hand, halted at once if a stop was requested and not reset since."""
         self._session, self._seen = session, ""
         session.cycle.observe(self._look)
         if self._wanted:
@@ -99,7 +99,7 @@ class Stops:
             await asyncio.sleep(_LOOK)
             if self._session is not None and not self._session.cycle.halted:
                 brake = self._halt(reason, by)  # it came in the midst of a reset, which must not swallow it
-        if self._wanted:  # nobody has reset it meanwhile
+        if self._wanted:  # it was not reset meanwhile
             self._mark.keep(Halt(reason, by, time.time()))
         return self.now(obeyed=obeyed)
 
@@ -114,7 +114,7 @@ class Stops:
         return _braking(session)
 
     def _has_heard(self, before: int, brake: threading.Thread | None) -> bool:
-        """Tells whether a whole cycle has passed: the one under way may have sent its commands before."""
+        """Returns whether a whole cycle has passed: the one under way may have sent its commands before."""
         braked = brake is None or not brake.is_alive()
         return self._session is None or (self._control.beat >= before + 2 and braked)
 
@@ -142,7 +142,7 @@ class Stops:
 
         Raises:
             WrongState: Something still moves.
-            Busy: There is no station, or the control thread does not come round.
+            Busy: There is no station, or the control thread does not run.
         """
 
         def do(session: Session) -> bool:

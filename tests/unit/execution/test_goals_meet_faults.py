@@ -24,6 +24,7 @@ from skiros_py.skills.parameters import Kind, param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.skills.skill import Skill
 from skiros_py.station.session import Options, Session
+from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport
 from skiros_py.testing import CONDITIONS, TINY_ONTOLOGY, Bench, tiny_scene, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
@@ -368,6 +369,36 @@ def test_after_the_users_own_stop_the_next_run_just_runs(session: Session) -> No
     Linger.does.append(session.stop)
     session.run_module("linger", {})
     assert session.run_module("linger", {}) == Success()
+
+
+def test_a_run_is_a_task_that_begins_as_any_other_does_also_where_it_is_stopped(session: Session) -> None:
+    begun: list[TaskHandle] = []
+    session.tasks.on_begin(begun.append)
+    Linger.does.append(session.stop)
+    report = session.run(GOAL)
+    task = session.begin(GOAL)
+    session.runtime.finish(task)
+
+    assert report.stopped
+    assert (report.fault, report.conditions[0].reason) == ("", "stopped")
+    assert [one.name for one in begun] == ["task 1", "task 2"]
+    assert begun[1] is task
+    assert task.result.reached
+
+
+def test_what_breaks_a_task_is_raised_by_a_run_and_by_the_result_of_its_task(
+    session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def breaks(*_: object) -> None:
+        raise PlanningError("the planner is gone")
+
+    monkeypatch.setattr(session.planning, "ask", breaks)
+    task = session.begin(GOAL)
+    session.runtime.finish(task)
+
+    for result in (lambda: task.result, lambda: session.run(GOAL)):
+        with pytest.raises(PlanningError, match="the planner is gone"):
+            result()
 
 
 def test_a_reset_of_what_was_never_halted_changes_nothing(session: Session) -> None:

@@ -97,7 +97,7 @@ def test_whoever_waits_too_long_is_told_to_come_again_and_nothing_is_done(
     control.soon(lambda _: go_on.wait(30.0))
     monkeypatch.setattr(module, "_PATIENCE", 0.05)
 
-    with pytest.raises(Busy, match="did not come round"):
+    with pytest.raises(Busy, match="did not run"):
         control.call(lambda _: done.append(1))
     go_on.set()
     monkeypatch.setattr(module, "_PATIENCE", 10.0)

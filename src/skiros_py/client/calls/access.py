@@ -24,7 +24,7 @@ def create_key(order: KeyOrder) -> Call[NewKey]:
 
 
 def get_key(key: str) -> Call[ApiKey]:
-    """Tells what is known of a key, by its id."""
+    """Describes a key, by its id."""
     return Call("GET", path_of("keys", key), ApiKey)
 
 
@@ -34,7 +34,7 @@ def revoke_key(key: str) -> Call[ApiKey]:
 
 
 def get_session() -> Call[Me]:
-    """Tells who the caller is and what they may do."""
+    """Returns who the caller is and what they may do."""
     return Call("GET", "/session", Me)
 
 

@@ -13,7 +13,7 @@ def list_alarms(*, active: bool | None = None, limit: int = 100, cursor: str | N
 
 
 def get_alarm(alarm: str) -> Call[AlarmInfo]:
-    """Tells about one alarm."""
+    """Describes one alarm."""
     return Call("GET", path_of("alarms", alarm), AlarmInfo)
 
 

@@ -36,7 +36,7 @@ def list_elements(
 
 
 def read_element(element: str, *, computed: Sequence[str] = ()) -> Call[ElementDetails]:
-    """Tells everything about an element.
+    """Describes an element.
 
     Args:
         element: Its id.
@@ -63,7 +63,7 @@ def list_relations(
 def read_element_history(
     element: str, *, newest_first: bool = True, limit: int | None = None, cursor: str | None = None
 ) -> Call[ChangePage]:
-    """Tells which changes touched an element, which may be gone.
+    """Returns which changes touched an element, which may be gone.
 
     Args:
         element: Its id.

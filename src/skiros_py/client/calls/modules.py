@@ -46,7 +46,7 @@ def get_module(agent: str, module: str) -> Call[ModuleDetails]:
 
 
 def show_panel(agent: str, module: str, arguments: Mapping[str, Any] | None = None) -> Call[PanelInfo]:
-    """Tells what a module would be run with now, and which of its conditions hold; nothing runs."""
+    """Returns what a module would be run with now, and which of its conditions hold; nothing runs."""
     body = {"arguments": dict(arguments or {})}
     return Call("POST", path_of("modules", agent, module, "panel"), PanelInfo, json=body)
 
@@ -76,7 +76,7 @@ def list_module_runs(*, active: bool | None = None, limit: int | None = None) ->
 
 
 def get_module_run(run: str) -> Call[ModuleRunInfo]:
-    """Tells how far a run is, or what came of it."""
+    """Returns how far a run is, or what came of it."""
     return Call("GET", path_of("module-runs", run), ModuleRunInfo)
 
 

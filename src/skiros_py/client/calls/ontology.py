@@ -7,7 +7,7 @@ from skiros_py.client.call import Call, path_of
 
 
 def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[ClassNode]:
-    """Tells what kinds of things there can be, as a tree.
+    """Returns what kinds of things there can be, as a tree.
 
     Args:
         root: The class to begin with.
@@ -18,7 +18,7 @@ def read_classes(root: str | None = None, *, depth: int | None = None) -> Call[C
 
 
 def read_class(name: str) -> Call[ClassDetails]:
-    """Tells everything about a class."""
+    """Describes a class."""
     path = path_of("ontology", "classes", name)
     return Call("GET", path, ClassDetails)
 
@@ -43,7 +43,7 @@ def read_placements(
     limit: int | None = None,
     cursor: str | None = None,
 ) -> Call[PlacementOptions]:
-    """Tells where something may be put.
+    """Returns where something may be put.
 
     Args:
         class_: A new thing of this class.

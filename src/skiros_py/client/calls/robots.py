@@ -16,22 +16,22 @@ def list_robots() -> Call[list[RobotInfo]]:
 
 
 def get_robot(robot: str) -> Call[RobotInfo]:
-    """Tells what a robot is made of."""
+    """Returns what a robot is made of."""
     return Call("GET", path_of("robots", robot), RobotInfo)
 
 
 def get_robot_state(robot: str) -> Call[RobotReading]:
-    """Tells where a robot is at this moment."""
+    """Returns where a robot is at this moment."""
     return Call("GET", path_of("robots", robot, "state"), RobotReading)
 
 
 def get_robot_motion(robot: str) -> Call[RobotMotion]:
-    """Tells where a robot is about to go."""
+    """Returns where a robot is about to go."""
     return Call("GET", path_of("robots", robot, "motion"), RobotMotion)
 
 
 def get_look(robot: str, camera: str) -> Call[Look]:
-    """Tells what a camera saw last."""
+    """Returns what a camera saw last."""
     path = path_of("robots", robot, "cameras", camera, "look")
     return Call("GET", path, Look)
 
@@ -56,7 +56,7 @@ def _start(path: str, body: object) -> Call[ModuleRunInfo]:
 
 
 def get_robot_model(robot: str) -> Call[str]:
-    """Tells what a robot looks like, as URDF."""
+    """Returns what a robot looks like, as URDF."""
     return Call("GET", path_of("robots", robot, "model"), lambda r: r.text)
 
 
@@ -120,7 +120,7 @@ def stop(reason: str = "") -> Call[StopInfo]:
 
 
 def get_stop() -> Call[StopInfo]:
-    """Tells whether everything is halted."""
+    """Returns whether everything is halted."""
     return Call("GET", "/stop", StopInfo)
 
 

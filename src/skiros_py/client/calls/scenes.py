@@ -12,7 +12,7 @@ def list_scenes(*, limit: int = 100, cursor: str | None = None) -> Call[Scenes]:
 
 
 def get_scene_file(name: str) -> Call[Scene]:
-    """Tells what a scene consists of, without loading it."""
+    """Returns what a scene consists of, without loading it."""
     return Call("GET", path_of("scenes", name), Scene)
 
 
@@ -66,6 +66,6 @@ def get_scene_turtle() -> Call[str]:
 
 
 def get_scene_difference(name: str, *, limit: int = 100, cursor: str | None = None) -> Call[SceneDifference]:
-    """Tells what makes the present scene of another one."""
+    """Returns what makes the present scene of another one."""
     query = {"with": name, "limit": limit, "cursor": cursor}
     return Call("GET", "/scene/diff", SceneDifference, query=query)

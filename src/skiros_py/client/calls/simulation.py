@@ -11,12 +11,12 @@ _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 def get_simulation() -> Call[SimulationState]:
-    """Tells how the simulation goes on."""
+    """Returns how the simulation goes on."""
     return Call("GET", "/simulation", SimulationState)
 
 
 def list_bodies() -> Call[Bodies]:
-    """Tells where everything really is, which no robot knows."""
+    """Returns where everything really is, which no robot knows."""
     return Call("GET", "/simulation/bodies", Bodies)
 
 
@@ -38,7 +38,7 @@ def remove_body(body: str) -> Call[None]:
 
 
 def reset_simulation(*, force: bool = False) -> Call[SimulationState]:
-    """Brings everything up anew as it is believed; with force it is stopped first where something is under way."""
+    """Brings everything up again as it is believed; with force it is stopped first where something is under way."""
     read = SimulationState
     return Call("POST", "/simulation/reset", read, query={"force": str(force).lower()}, repeatable=False)
 

@@ -20,12 +20,12 @@ def begin_task(task: NewTask) -> Call[TaskInfo]:
 
 
 def get_task(name: str) -> Call[TaskInfo]:
-    """Tells how far a task is, or what came of it."""
+    """Returns how far a task is, or what came of it."""
     return Call("GET", path_of("tasks", name), TaskInfo)
 
 
 def get_task_trace(name: str, *, limit: int | None = None) -> Call[TaskTrace]:
-    """Tells what happened in a task."""
+    """Returns what happened in a task."""
     return Call("GET", path_of("tasks", name, "trace"), TaskTrace, query={"limit": limit})
 
 

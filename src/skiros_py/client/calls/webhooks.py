@@ -17,7 +17,7 @@ def create_webhook(order: WebhookOrder) -> Call[WebhookSecret]:
 
 
 def get_webhook(webhook: str) -> Call[Webhook]:
-    """Tells about one webhook."""
+    """Describes one webhook."""
     return Call("GET", path_of("webhooks", webhook), Webhook)
 
 

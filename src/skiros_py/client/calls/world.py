@@ -32,7 +32,7 @@ def read_world() -> Call[WorldInfo]:
 def read_tree(
     root: str | None = None, *, depth: int | None = None, limit: int | None = None, cursor: str | None = None
 ) -> Call[TreeNode]:
-    """Tells what is placed where and what things are built of.
+    """Returns what is placed where and what things are built of.
 
     Args:
         root: Where to begin; above everything where left out.
@@ -51,7 +51,7 @@ def list_changes(
     limit: int | None = None,
     cursor: str | None = None,
 ) -> Call[ChangePage]:
-    """Tells what changed, by whom and why.
+    """Returns what changed, by whom and why.
 
     Args:
         since: Only changes after this number.
@@ -104,7 +104,7 @@ def undo_edit(change: int | None = None) -> Call[Change]:
 
 
 def read_view(elements: Sequence[str] | None = None) -> Call[WorldView]:
-    """Tells where everything is believed to be, and what it looks like.
+    """Returns where everything is believed to be, and what it looks like.
 
     Args:
         elements: Only these, with what moves or is gone with them, at most 100; everything where left out.
@@ -143,7 +143,7 @@ def export_learned() -> Call[str]:
 
 
 def list_locks() -> Call[LockList]:
-    """Tells who alone may edit which elements."""
+    """Returns who alone may edit which elements."""
     return Call("GET", "/locks", LockList)
 
 

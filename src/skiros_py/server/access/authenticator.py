@@ -22,7 +22,7 @@ _REALM = {"WWW-Authenticate": 'Bearer realm="skiros"'}
 
 
 def check_access(settings: ServerSettings, keys: KeyStore) -> None:
-    """Sees that nobody from outside can come in without a key.
+    """Checks that nobody from outside can come in without a key.
 
     Args:
         settings: How the server is set up.
@@ -40,7 +40,7 @@ def check_access(settings: ServerSettings, keys: KeyStore) -> None:
 
 
 class Authenticator:
-    """Tells who comes. For the thread of the event loop.
+    """Finds the caller of a request. For the thread of the event loop.
 
     Args:
         settings: How the server is set up.
@@ -59,7 +59,7 @@ class Authenticator:
 
     @property
     def keys_needed(self) -> bool:
-        """True while nobody comes in without a key."""
+        """True while every request needs a key."""
         wanted = self._settings.authentication
         if wanted == "auto":
             return not is_loopback(self._settings.host) or self.keys.needed
@@ -110,7 +110,7 @@ class Authenticator:
             self.logins.end(text)
 
     def still(self, caller: Caller) -> bool:
-        """Tells whether somebody who came in may stay: their key was not revoked meanwhile; for streams."""
+        """Returns whether a caller may stay: their key was not revoked meanwhile; for streams."""
         if not caller.key:
             return not self.keys_needed
         return caller.key == LOCAL or self.keys.still(caller.key) is not None

@@ -88,10 +88,10 @@ def _check(content_type: str, body: bytes) -> None:
 
 
 def check_json(body: bytes) -> None:
-    """Sees that a JSON text holds nothing that no part of the platform takes.
+    """Checks that a JSON text holds nothing that no part of the platform takes.
 
     Those are: nesting without end, numbers that are none, and characters that cannot be written down (NUL, half a
-    pair of surrogates). Whether it is JSON at all is left to whoever reads it.
+    pair of surrogates). Whether it is JSON at all is left to its reader.
 
     Raises:
         Problem: It does.
@@ -109,7 +109,7 @@ def check_json(body: bytes) -> None:
 
 
 def _too_deep(body: bytes) -> bool:
-    """Tells whether a text is nested too deep, or never closes what it opens; in C, not bracket by bracket."""
+    """Returns whether a text is nested too deep, or never closes what it opens; in C, not bracket by bracket."""
     brackets = _OUTSIDE_TEXTS.sub(b"", body).translate(_SAME_BRACKETS)
     for _ in range(_DEEPEST):
         shorter = brackets.replace(b"[]", b"")  # the innermost ones

@@ -23,7 +23,7 @@ _SCHEMA = Schema("list of keys", "the keys of a server", 0x736B6163, (_TABLES,))
 
 
 def open_access(data: Path) -> Database:
-    """Opens the file of a data directory; made where it is missing, for nobody but its owner to read.
+    """Opens the file of a data directory; created if missing, readable by its owner only.
 
     Other processes may use it at the same time: keys are made and revoked from the shell while the server runs.
 

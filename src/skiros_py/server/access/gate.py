@@ -36,7 +36,7 @@ _LOGIN = ("POST", f"{_API}/session")
 OPEN = _HEALTH | {_LOGIN}
 """What needs no key: methods and paths."""
 _STOP = ("POST", f"{_API}/stop")
-"""What always passes, be there ever so much to do; so does whoever asks for the server's health."""
+"""What always passes, be there ever so much to do; so do requests for the server's health."""
 _LONGEST_LOGIN = 4 << 10
 _PATIENCE = 30.0
 _PATIENCE_WITH_STRANGERS = 2.0
@@ -49,7 +49,7 @@ _REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
 _KEY_IN_URL = re.compile(rb"(?:^|&)(?:x-)?(?:api[_-]?key|access_token|authorization)=", re.IGNORECASE)
 _REFUSALS = 30
 _REFUSALS_OF_ALL = 300
-"""Refusals that the audit log takes in a minute, of one address and of all: nobody shall fill it."""
+"""Refusals that the audit log takes in a minute, of one address and of all: refusals must not fill it."""
 _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
@@ -69,7 +69,7 @@ class Guarded(Protocol):
 
     @property
     def authenticator(self) -> Authenticator:
-        """Tells who comes."""
+        """Finds the caller of a request."""
         ...
 
     @property
@@ -79,7 +79,7 @@ class Guarded(Protocol):
 
 
 class Gate:
-    """ASGI middleware that lets nobody in who may not come in.
+    """ASGI middleware that refuses requests without permission.
 
     Args:
         app: What is behind it.

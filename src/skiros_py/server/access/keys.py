@@ -96,7 +96,7 @@ class KeyStore:
         FileError: Its file cannot be opened or made, or is damaged.
 
     Attributes:
-        local_token: Opens everything to programs that may read the data directory; made anew at each start.
+        local_token: Opens everything to programs that may read the data directory; made again at each start.
     """
 
     def __init__(self, data: Path) -> None:
@@ -160,7 +160,7 @@ class KeyStore:
 
         Raises:
             UnknownName: There is no such key.
-            WrongState: Nobody could make keys any more.
+            WrongState: It is the last key that can make keys.
         """
         with self._writes.transaction() as connection:
             keys = {key.id: key for key in _keys(connection.execute(f"SELECT {_COLUMNS} FROM keys").fetchall())}  # noqa: S608
@@ -194,12 +194,12 @@ class KeyStore:
         """True once a key was ever made.
 
         Those that expired or were revoked count: a door that was locked does not open because the last key is gone.
-        Whoever may read the data directory opens it again, with the local token or another key.
+        A user who may read the data directory opens it again, with the local token or another key.
         """
         return bool(self._now())
 
     def is_local(self, text: str) -> bool:
-        """Tells whether that is the token of this start of the server."""
+        """Returns whether that is the token of this start of the server."""
         return hmac.compare_digest(_digest(text), _digest(self.local_token))
 
     def check(self, text: str) -> Key | None:

@@ -34,7 +34,7 @@ class OriginPolicy:
         self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allowed_origins)
 
     def check_host(self, headers: Headers) -> None:
-        """Sees that we are called by a name of ours: a page of somebody else can have its own name lead to us.
+        """Checks that we are called by a name of ours: a page of somebody else can have its own name lead to us.
 
         Raises:
             Problem: We are not.
@@ -50,7 +50,7 @@ class OriginPolicy:
             )
 
     def check_origin(self, method: str, scheme: str, headers: Headers) -> None:
-        """Sees that no page of somebody else has its visitor's browser change anything here.
+        """Checks that no page of somebody else has its visitor's browser change anything here.
 
         Raises:
             Problem: One does.

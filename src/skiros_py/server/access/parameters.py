@@ -1,4 +1,4 @@
-"""Query parameters that nobody knows: ``?strt=false`` must not start a robot."""
+"""Unknown query parameters: ``?strt=false`` must not start a robot."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skiros_py.server.problems import Problem
 
 
 def check_query(request: Request) -> None:
-    """Sees that the route knows all query parameters of a request.
+    """Checks that the route knows all query parameters of a request.
 
     Raises:
         Problem: It does not (422); the text names the nearest that it knows.

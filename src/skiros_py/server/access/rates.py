@@ -16,7 +16,7 @@ class Rates:
     Args:
         most: How many permits a bucket holds.
         seconds: In what time an empty bucket is full again [s].
-        people: For how many people buckets are kept; who comes anew takes the place of who was away longest.
+        people: For how many people buckets are kept; a newcomer replaces the one seen longest ago.
         clock: Gives the time [s]; never goes back.
     """
 

@@ -72,7 +72,7 @@ class Need:
     mes: bool = False
 
     def allows(self, role: Role) -> bool:
-        """Tells whether a role may."""
+        """Returns whether a role is allowed."""
         return self.mes if role is Role.MES else _RANK[role] >= _RANK[self.least]
 
     async def __call__(self, request: Request) -> Caller:

@@ -24,7 +24,7 @@ class Choice:
     element: str = ""
 
     def takes(self, event: Event) -> bool:
-        """Tells whether an event is among them."""
+        """Returns whether an event is among them."""
         return (
             event.kind in self.kinds
             and (not self.types or event.type in self.types)

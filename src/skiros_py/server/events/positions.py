@@ -17,7 +17,7 @@ _READ = ("/api/v1/jobs", "/api/v1/world", "/api/v1/tasks", "/api/v1/alarms", "/a
 
 @dataclass(frozen=True, slots=True)
 class Reset:
-    """That there is a gap which cannot be filled: look at everything anew, then go on from here.
+    """A gap that cannot be filled: read everything again, then go on from here.
 
     Attributes:
         code: Why, for programs: "restarted", "unknown", "future" or "gone".
@@ -58,7 +58,7 @@ def find_position(log: EventLog, given: str) -> int | Reset:
     if match is None:
         return _reset(log, "unknown", f"'{given[:60]}' is no id of an event")
     if match[1] != log.epoch:
-        return _reset(log, "restarted", "the server was started anew since, and what happened before is not kept")
+        return _reset(log, "restarted", "the server was restarted since, and what happened before is not kept")
     number = int(match[2])
     if number > log.last:
         return _reset(log, "future", f"there is no event {number} yet: the last one is {log.last}")

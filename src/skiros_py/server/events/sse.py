@@ -13,9 +13,9 @@ from starlette.types import Receive, Scope, Send
 _log = logging.getLogger(__name__)
 
 _STALLED = 60.0
-"""A client that has taken nothing for so long is parted with: it makes place for others [s]."""
+"""A client that has taken nothing for so long is disconnected, to make room for others [s]."""
 _HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-"""Nobody between server and client shall keep events back."""
+"""Proxies must not buffer events."""
 
 
 class EventStream(StreamingResponse):
@@ -24,7 +24,7 @@ class EventStream(StreamingResponse):
     Args:
         frames: The events, as server-sent events.
         place: Entered while it lasts: what counts the streams, and may refuse this one.
-        stalled: After this time without taking anything a client is parted with [s].
+        stalled: After this time without taking anything a client is disconnected [s].
     """
 
     media_type = "text/event-stream"

@@ -38,11 +38,11 @@ class Streams:
     Args:
         log: The events.
         most: How many streams may be open at the same time; half of them may be one caller's.
-        allowed: Tells whether a caller may go on listening; asked now and then, and may be replaced.
+        allowed: Returns whether a caller may go on listening; asked now and then, and may be replaced.
 
     Attributes:
         log: The events.
-        allowed: Tells whether a caller may go on listening.
+        allowed: Returns whether a caller may go on listening.
         ending: True when all streams are to end.
     """
 

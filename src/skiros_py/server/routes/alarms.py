@@ -30,7 +30,7 @@ def list_alarms(
 
 @router.get("/{alarm}", summary="One alarm", dependencies=[needs(Role.VIEWER, mes=True)])
 def get_alarm(alarm: AlarmId, station: StationDep) -> AlarmInfo:
-    """Tells about one alarm."""
+    """Describes one alarm."""
     return station.alarms.get(alarm)
 
 

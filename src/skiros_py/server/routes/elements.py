@@ -102,7 +102,7 @@ def read_element_history(
     limit: ChangeLimit = 100,
     cursor: Cursor = None,
 ) -> ChangePage:
-    """Tells which changes touched an element, by whom and why; the element may be gone."""
+    """Returns which changes touched an element, by whom and why; the element may be gone."""
     start = number_cursor(cursor, _LATEST if newest_first else 0)
     return station.elements.history(element, start, limit, newest_first=newest_first)
 

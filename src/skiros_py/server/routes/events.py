@@ -47,7 +47,7 @@ LastSeen = Annotated[
 _STREAM: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "Server-sent events: `event` is the kind, `id` its place, `data` an event as JSON (or, where"
-        " `event` is `reset`, what to read anew because events are missing).",
+        " `event` is `reset`, what to read again because events are missing).",
         "content": {"text/event-stream": {"schema": {"type": "string"}}},
     }
 }
@@ -75,7 +75,7 @@ async def stream_events(
 ) -> EventStream:
     """Streams events as they happen, and those since the last one that was seen.
 
-    Where that cannot be done without a gap, there comes a `reset` first: it says why, and what to read anew.
+    Where that cannot be done without a gap, there comes a `reset` first: it says why, and what to read again.
     """
     choice = _choice(caller, kind, type_, job, element)
     return _stream(services, caller, choice, _first_given(last_event_id, after))

@@ -23,7 +23,7 @@ def check_goal(order: GoalOrder, station: StationDep) -> CheckedGoal:
 
 @router.get("/goals", summary="The goals of the scene", dependencies=[needs(Role.VIEWER, mes=True)], responses=tagged())
 def get_goals(station: StationDep, response: Response) -> SceneGoals:
-    """Shows the goals that go with the scene; they are pursued by nobody unless they are ordered as a job."""
+    """Shows the goals that go with the scene; they are pursued only when they are ordered as a job."""
     return _tagged(station.goals.get(), response)
 
 

@@ -24,7 +24,7 @@ async def get_health(station: StationDep, response: Response) -> Health:
     if control.fault is not None:
         return _unhealthy(response, "the station is not running: see the alarms")
     if control.stuck_for() > _LONGEST_CYCLE:
-        return _unhealthy(response, "the control cycle does not come round")
+        return _unhealthy(response, "the control cycle does not run")
     return Health(alive=True)
 
 
@@ -52,7 +52,7 @@ async def get_readiness(station: StationDep, response: Response) -> Readiness:
     return Readiness(ready=True, halted=bool(station.session.cycle.halted))
 
 
-# Both are asynchronous: whoever asks whether the server is alive must not wait for a place in the thread pool.
+# Both are asynchronous: a health check must not wait for a place in the thread pool.
 
 
 def _not_ready(station: Station) -> str:

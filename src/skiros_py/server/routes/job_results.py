@@ -70,7 +70,7 @@ def get_job_transitions(id: JobId, station: StationDep) -> JobTransitions:  # no
 
 @router.get("/jobs/{id}/explanation", summary="Why there is no plan", dependencies=_NEEDS)
 def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # noqa: A002 - the name in the address
-    """Says why there is no plan for a job, and what would help; empty where there is one, or nobody has looked yet."""
+    """Says why there is no plan for a job, and what would help; empty if there is one, or planning has not begun."""
     return station.jobs.explanation(id)
 
 

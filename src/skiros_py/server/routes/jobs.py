@@ -72,7 +72,7 @@ def order_job(
     ] = None,
     prefer: PreferHeader = None,
 ) -> AcceptedJob:
-    """Takes a job order; it is on the disk when this is answered, and nobody waits for the plan.
+    """Takes a job order; it is on the disk when this is answered; the plan comes later.
 
     Without an id the server makes one; an `Idempotency-Key` makes that repeatable for at least 24 h.
     """

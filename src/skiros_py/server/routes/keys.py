@@ -35,7 +35,7 @@ def create_key(order: KeyOrder, services: ServicesDep, response: Response) -> Ne
 
 @router.get("/{key_id}", summary="One key", dependencies=[needs(Role.ADMIN)])
 def get_key(key_id: KeyId, services: ServicesDep) -> ApiKey:
-    """Tells what is known of a key."""
+    """Describes a key."""
     with addressed("UnknownKey"):
         return shown(services.keys.key(key_id))
 

@@ -17,7 +17,7 @@ router = APIRouter(tags=["locks"])
 
 @router.get("/locks", summary="List locks", dependencies=[needs(Role.VIEWER)])
 def list_locks(station: StationDep) -> LockList:
-    """Tells who alone may edit which elements, and until when."""
+    """Returns who alone may edit which elements, and until when."""
     return station.world.locks()
 
 

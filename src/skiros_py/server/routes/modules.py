@@ -34,7 +34,7 @@ def location_of(run: ModuleRunInfo) -> str:
 
 @router.get("/managers", summary="List the skill managers", dependencies=[needs(Role.VIEWER)])
 def list_managers(station: StationDep) -> list[ManagerInfo]:
-    """Every subsystem of a robot that can do something, what it runs now, and why nobody may count on it, if so."""
+    """Every subsystem of a robot that can do something, what it runs now, and why it is lost, if so."""
     return station.modules.managers()
 
 
@@ -106,7 +106,7 @@ def run_module(
     "/modules/{agent}/{module}/reset", status_code=204, summary="Reset a module", dependencies=[needs(Role.ENGINEER)]
 )
 def reset_module(agent: Id, module: Id, station: StationDep) -> None:
-    """Makes a module fit to run again after a fault: what it keeps between runs is made anew."""
+    """Makes a module fit to run again after a fault: what it keeps between runs is made again."""
     station.modules.reset(agent, module)
 
 

@@ -29,13 +29,13 @@ def read_classes(
     ] = EVERYTHING,
     depth: Annotated[int, Query(ge=0, le=50, description="How many levels below it.")] = 50,
 ) -> ClassNode:
-    """Tells what kinds of things there can be; a class with several parents stands below its primary one."""
+    """Returns what kinds of things there can be; a class with several parents stands below its primary one."""
     return station.ontology.classes(root, depth)
 
 
 @router.get("/classes/{name}", summary="Read a class", dependencies=[needs(Role.VIEWER)])
 def read_class(name: NamePath, station: StationDep) -> ClassDetails:
-    """Tells what a class means, what its things may have, how many there are, and what takes them."""
+    """Returns what a class means, what its things may have, how many there are, and what takes them."""
     return station.ontology.class_(name)
 
 
@@ -64,7 +64,7 @@ def read_placements(
 ) -> PlacementOptions:
     """Tells by which relations a thing may be placed, and of each place there is whether it would take it now.
 
-    Either `class` or `element` says what is to be put somewhere. Each place is tried in a state that nobody sees: what
+    Either `class` or `element` says what is to be put somewhere. Each place is tried in a private state: what
     ontology and reasoners would refuse is refused here in the same words.
     """
     return station.ontology.placements(class_, element, relation, limit, cursor)

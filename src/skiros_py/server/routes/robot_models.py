@@ -32,7 +32,7 @@ _STL: dict[int | str, dict[str, Any]] = {200: {"description": "The mesh.", "cont
     responses=_URDF,
 )
 def get_robot_model(id: _Id, station: StationDep) -> Response:  # noqa: A002 - as the address says it
-    """Tells what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
+    """Returns what a robot looks like and how it moves, as URDF: links, joints, visible shapes with their colours.
 
     Files of meshes are named from the address of the model, are binary STL, and have few triangles. The description of
     the robot says which joints stand where. The first time it may take some seconds; 202 without content says when to

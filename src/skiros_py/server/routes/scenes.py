@@ -65,7 +65,7 @@ def save_scene(wanted: SaveScene, station: StationDep, seen: SeenDep, response: 
     "/scenes/{name}", summary="One scene that can be loaded", dependencies=[needs(Role.VIEWER)], responses=tagged()
 )
 def get_scene_file(name: SceneName, station: StationDep, response: Response) -> Scene:
-    """Tells what a scene consists of, without loading it."""
+    """Returns what a scene consists of, without loading it."""
     scene = station.scenes.get(name)
     response.headers["ETag"] = etag(scene.version)
     return scene
@@ -82,7 +82,7 @@ def delete_scene(name: SceneName, station: StationDep, seen: SeenDep) -> None:
 
 @router.get("/scene", summary="The present scene", dependencies=[needs(Role.VIEWER)], responses=tagged())
 def get_scene(station: StationDep, response: Response) -> PresentScene:
-    """Tells which scene was loaded last, what is in it now, and whether that is another by now."""
+    """Returns which scene was loaded last, what is in it now, and whether that is another by now."""
     return with_etag(station.scenes.present(), response)
 
 
@@ -178,5 +178,5 @@ def get_scene_difference(
     limit: Limit = 100,
     cursor: Annotated[str | None, Query(pattern=r"^\d{1,9}$", description="From the page before.")] = None,
 ) -> SceneDifference:
-    """Tells what makes the present scene of another one."""
+    """Returns what makes the present scene of another one."""
     return station.scenes.difference(with_, int(cursor or 0), limit)

@@ -24,7 +24,7 @@ router = APIRouter(prefix="/session", tags=["access"])
 
 @router.get("", summary="Who am I?", dependencies=[needs(Role.VIEWER, mes=True)])
 def get_session(request: Request, services: ServicesDep, caller: CallerDep) -> Me:
-    """Tells who the caller is and what they may do, so that a page offers nothing that would be refused.
+    """Returns who the caller is and what they may do, so that a page offers nothing that would be refused.
 
     Answered with 401 where a key is needed and none was shown.
     """

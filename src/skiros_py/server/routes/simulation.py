@@ -19,7 +19,7 @@ _PICTURE: dict[int | str, dict[str, Any]] = {200: {"description": "The picture."
 
 @router.get("", summary="How the simulation goes on", dependencies=[needs(Role.VIEWER)])
 def get_simulation(station: StationDep) -> SimulationState:
-    """Tells what is behind the robots, whether time goes on and how fast, and what waits for a reset."""
+    """Returns what is behind the robots, whether time goes on and how fast, and what waits for a reset."""
     return station.simulation.state()
 
 
@@ -46,12 +46,12 @@ def remove_body(body: BodyId, station: StationDep) -> None:
     station.simulation.remove(body)
 
 
-@router.post("/reset", summary="Begin anew", dependencies=[needs(Role.ENGINEER)])
+@router.post("/reset", summary="Reset the simulation", dependencies=[needs(Role.ENGINEER)])
 def reset_simulation(
     station: StationDep,
     force: Annotated[bool, Query(description="Stop first whatever is under way; its jobs wait for a person.")] = False,
 ) -> SimulationState:
-    """Brings everything up anew: robots where the scene puts them, bodies as they are believed, beliefs as they are.
+    """Brings everything up again: robots where the scene puts them, bodies as they are believed, beliefs as they are.
 
     It is answered when the station is up again. This also helps where the control cycle broke. Where everything was
     halted, it still is.

@@ -35,7 +35,7 @@ _BODY: dict[str, Any] = {
     summary="Stop everything",
     dependencies=[needs(Role.OPERATOR, mes=True)],
     openapi_extra=_BODY,
-    responses={202: {"model": StopInfo, "description": "The control thread does not come round: do not rely on it."}},
+    responses={202: {"model": StopInfo, "description": "The control thread does not run: do not rely on it."}},
 )
 async def stop(request: Request, response: Response, station: StationDep, caller: CallerDep) -> StopInfo:
     """Halts all robots in the next control cycle, past all queues.
@@ -52,13 +52,13 @@ async def stop(request: Request, response: Response, station: StationDep, caller
 
 @router.get("/stop", summary="See whether everything is halted", dependencies=[needs(Role.VIEWER, mes=True)])
 async def get_stop(station: StationDep) -> StopInfo:
-    """Tells whether everything is halted, why, since when and by whom, and whether all stands."""
+    """Returns whether everything is halted, why, since when and by whom, and whether all stands."""
     return _info(station.stops.now())
 
 
 @router.post("/reset", summary="Let things start again", dependencies=[needs(Role.OPERATOR)])
 def reset(station: StationDep, caller: CallerDep) -> StopInfo:
-    """Lets things start again after a halt; whoever asks for it has looked why that was, and that nobody is in the way.
+    """Lets things start again after a halt; look first why that was, and that no person is near.
 
     Held jobs go on when they are answered. Where nothing is halted, this changes nothing.
     """

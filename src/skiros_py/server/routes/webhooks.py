@@ -65,7 +65,7 @@ def list_dead_letters(services: ServicesDep, limit: Limit = 100, cursor: Cursor 
 
 @router.get("/{webhook}", summary="One webhook")
 def get_webhook(webhook: WebhookId, services: ServicesDep) -> Webhook:
-    """Tells about one webhook; its key is not shown again."""
+    """Describes one webhook; its key is not shown again."""
     with addressed(_UNKNOWN):
         return _shown(services, services.webhooks.subscription(webhook))
 
@@ -121,7 +121,7 @@ def redeliver(webhook: WebhookId, number: Number, services: ServicesDep) -> None
 
 
 def _check(order: WebhookOrder, services: Services) -> None:
-    """Sees that an order can be fulfilled.
+    """Checks that an order can be fulfilled.
 
     Raises:
         UsageError: Its target, key or states are none.

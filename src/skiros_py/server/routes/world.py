@@ -39,7 +39,7 @@ def read_tree(
     limit: Annotated[int, Query(ge=1, le=1000, description="How many children of each node at most.")] = 100,
     cursor: Cursor = None,
 ) -> TreeNode:
-    """Tells what is placed where and what things are built of: at most 2000 nodes, those next to the root first.
+    """Returns what is placed where and what things are built of: at most 2000 nodes, those next to the root first.
 
     Where `children_total` is more than the children given, read on with `root=<id>&cursor=<next>`.
     """
@@ -59,7 +59,7 @@ def list_changes(
     limit: ChangeLimit = 100,
     cursor: Cursor = None,
 ) -> ChangePage:
-    """Tells what changed, by whom and why; of each change the first 100 edits.
+    """Returns what changed, by whom and why; of each change the first 100 edits.
 
     Of a long edit history only the later part may be remembered: 410 where an older one is asked for.
     """
@@ -102,7 +102,7 @@ def write_transaction(
 
 @router.post("/world/undo", summary="Undo the last edit by a person", dependencies=[needs(Role.OPERATOR)])
 def undo_edit(station: StationDep, caller: CallerDep, order: UndoOrder | None = None) -> Change:
-    """Takes back the last edit that a person made and nobody has taken back yet, as a change of its own.
+    """Takes back the last edit that a person made and that was not undone yet, as a change of its own.
 
     What skills sensed is never undone; 409 where something was built on the edit since.
     """

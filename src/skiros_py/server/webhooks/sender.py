@@ -52,13 +52,13 @@ class Patience:
 
 
 class WebhookSender:
-    """Sends in a thread of its own; a slow target delays nobody but itself. Start it, and close it.
+    """Sends in a thread of its own; a slow target delays only itself. Start it, and close it.
 
     Args:
         store: What is to be sent.
         announcements: Gives the jobs' announcements after a number, at most so many.
         last: Gives the number of the last announcement.
-        forget: Told up to which announcement nobody needs them any more.
+        forget: Called with the number up to which announcements are no longer needed.
         tell: Makes the data of a message.
         allowed: Hosts that messages may go to.
         on_dead: Told of each message that is given up.
@@ -160,7 +160,7 @@ class WebhookSender:
     def _fetch(self) -> None:
         """Makes deliveries of what was announced since; each transaction is of a bounded number."""
         last = self._last()
-        if self._store.seen is None:  # nobody is to be told: what happened up to now need not be kept
+        if self._store.seen is None:  # there is no receiver: what happened up to now need not be kept
             if last > self._forgotten:
                 self._forget(last)
                 self._forgotten = last

@@ -69,7 +69,7 @@ class Subscription:
     created: float = 0.0
 
     def wants(self, state: str, job: str) -> bool:
-        """Tells whether it is to be told of a job's new state."""
+        """Returns whether it is to be told of a job's new state."""
         return job.startswith(self.jobs) and (not self.states or state in self.states)
 
 

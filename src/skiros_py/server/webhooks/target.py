@@ -38,7 +38,7 @@ class Target:
         return host if self.port == _PORTS[self.scheme] else f"{host}:{self.port}"
 
     def url_at(self, address: Address) -> str:
-        """Returns the address of the page on a host that was resolved before: nobody is asked again."""
+        """Returns the address of the page on a host that was resolved before, without another look-up."""
         host = f"[{address}]" if address.version == 6 else str(address)
         return urlunsplit((self.scheme, f"{host}:{self.port}", *_path_and_query(self.path), ""))
 

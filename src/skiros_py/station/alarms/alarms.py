@@ -30,7 +30,7 @@ class Alarm:
         since: When it came [s since 1970].
         lasts: True where it goes by itself when its reason does; else it is over when somebody acknowledges it.
         until: When it went [s since 1970]; None while it is active.
-        acknowledged: When somebody did [s since 1970]; None while nobody has.
+        acknowledged: When that was [s since 1970]; None before.
         by: Who acknowledged it.
         choices: The answers that it waits for.
         job: Id of the job that waits; empty where none does.
@@ -69,7 +69,7 @@ class Alarms:
     """The alarms of one server; for any thread.
 
     Args:
-        events: Hears of every change.
+        events: Gets every change.
         clock: Gives the wall time [s since 1970].
     """
 
@@ -128,7 +128,7 @@ class Alarms:
             text: What there is, in the operator's words.
             source: What it comes from.
             severity: How soon somebody has to look.
-            lasts: True where whoever raises it also clears it; else it is over when somebody acknowledges it.
+            lasts: True where its source also clears it; else it is over when it is acknowledged.
             choices: The answers that it waits for.
             job: Id of the job that waits.
             question: Id of the question that is asked.

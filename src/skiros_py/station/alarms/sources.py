@@ -19,7 +19,7 @@ from skiros_py.tasks.trace import Happening, TraceEntry
 _log = logging.getLogger(__name__)
 
 _OF_SESSION = (AlarmKind.HALTED, AlarmKind.CYCLE, AlarmKind.MANAGER, AlarmKind.QUESTION, AlarmKind.JOB)
-"""These end with the session; what is still so in the next one is raised anew."""
+"""These end with the session; what is still so in the next one is raised again."""
 _SELDOM = 200
 """Cycles between two looks at what seldom changes."""
 
@@ -78,11 +78,11 @@ class AlarmSources:
     def _attend(self) -> None:
         try:
             self._look()
-        except Exception:  # noqa: BLE001 - whoever only looks on must not break what is going on
+        except Exception:  # noqa: BLE001 - a fault of an observer must not stop the robots
             _log.exception("the watch for alarms broke; the robots go on")
 
     def _look(self) -> None:
-        """Sees what nobody tells of; in good times a few comparisons."""
+        """Looks for what no listener reports; usually a few comparisons."""
         session = self._session
         if session.cycle.halted != self._halted:
             self._look_at_halt()
@@ -98,7 +98,7 @@ class AlarmSources:
 
     def _look_at_halt(self) -> None:
         self._halted = self._session.cycle.halted
-        if self._halted == CLOSING:  # nobody has halted anything
+        if self._halted == CLOSING:  # that is no halt
             return
         if self._halted:
             text = f"everything was halted ({self._halted}): look, then reset"
@@ -186,5 +186,5 @@ class AlarmSources:
 
     def _stuck(self, task: Watched) -> None:
         """In the watchdog's thread."""
-        text = f"{task.name} holds the control cycle and does not come back: the station has to be started anew"
+        text = f"{task.name} holds the control cycle and does not come back: the station has to be restarted"
         self._alarms.raise_(AlarmKind.CYCLE, text, severity=Severity.CRITICAL)

@@ -32,7 +32,7 @@ class Kind(enum.StrEnum):
     DOCUMENT = "document"
     """A goal template or a sequence was written, or removed."""
     SYSTEM = "system"
-    """The station itself: opened anew, halted, reset."""
+    """The station itself: reopened, halted, reset."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class Event:
         return data
 
     def touches(self, element: str) -> bool:
-        """Tells whether it is, or may be, about an element of the world."""
+        """Returns whether it is, or may be, about an element of the world."""
         return self.elements is None or element in self.elements
 
 

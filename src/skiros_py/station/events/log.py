@@ -17,7 +17,7 @@ _MOST_ELEMENTS = 1000
 
 
 class EventLog:
-    """A bounded log. Who reads slowly loses the oldest events, and nobody waits for them.
+    """A bounded log. A slow reader loses the oldest events and delays nobody.
 
     Args:
         kept: How many events are kept.

@@ -24,7 +24,7 @@ _MOST_EDITS = 100
 
 
 class EventSources:
-    """Writes down what happens in a session. Everything in it is called by whoever made it happen, and is quick.
+    """Writes down what happens in a session. Everything in it is called where it happens, and is quick.
 
     Args:
         events: Takes it.

@@ -84,7 +84,7 @@ def report_of(job: Job, trace: Trace, now: float) -> JobReport:
 
 
 def explanation_of(job: Job, trace: Trace) -> JobExplanation:
-    """Returns why there is no plan for a job; empty where there is one, or nobody has looked yet."""
+    """Returns why there is no plan for a job; empty if there is one, or planning has not begun."""
     refused = _last(trace, Happening.NO_PLAN)
     planned = _last(trace, Happening.PLANNED)
     missing = tuple(condition for condition in _conditions(job) if not condition.reached)

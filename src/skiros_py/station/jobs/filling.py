@@ -85,7 +85,7 @@ def _pieces(materials: Sequence[Material]) -> Iterator[dict[str, str]]:
 
 
 def _check_number(name: str, condition: object, materials: Sequence[Material]) -> None:
-    """Sees that no more is made of the material than anybody could pursue, before any of it is."""
+    """Checks that no more is made of the material than anybody could pursue, before any of it is."""
     number = sum(material.pieces for material in materials)
     if number > _MOST:
         raise UsageError(f"materials: more than {_MOST} pieces in one order")
@@ -107,7 +107,7 @@ def _size(data: object) -> int:
 
 
 def _check_pieces(name: str, pieces: list[Any]) -> None:
-    """Sees that there is a condition for each piece: two that say the same would be fulfilled by one piece."""
+    """Checks that there is a condition for each piece: two that say the same would be fulfilled by one piece."""
     if not pieces:
         raise UsageError(f"materials: goal template '{name}' makes a condition of each material, and none is ordered")
     seen: set[str] = set()

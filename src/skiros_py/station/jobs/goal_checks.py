@@ -139,7 +139,7 @@ def _is_among(names: frozenset[str], change: _Change) -> bool:
 
 
 def _takes_away(relation: str, ontology: Ontology, change: _Change) -> bool:
-    """Tells whether a change puts elsewhere what may have the relation: then it has it no longer."""
+    """Returns whether a change puts elsewhere what may have the relation: then it has it no longer."""
     other, class_ = change
     if not (other in ontology.relations and ontology.is_placement(other) and ontology.is_placement(relation)):
         return False

@@ -71,7 +71,7 @@ class JobService(Service):
         author: Author = LIBRARY,
         holder: str = "",
     ) -> OrderResult:
-        """Takes a job order; it is on the disk when this returns, and nobody waits for the plan.
+        """Takes a job order; it is on the disk when this returns; the plan comes later.
 
         Args:
             order: The order; without an id one is made.

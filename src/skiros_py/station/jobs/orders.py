@@ -88,7 +88,7 @@ def job_order(ordered: Ordered, id_: str, goal: tuple[str, ...]) -> JobOrder:
 
 
 def is_same(ordered: Ordered, known: JobOrder) -> bool:
-    """Tells whether what came in is what was ordered before.
+    """Returns whether what came in is what was ordered before.
 
     What a template has made of it counts as it did then: the template may have changed since, or be gone.
 

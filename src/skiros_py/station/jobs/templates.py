@@ -78,7 +78,7 @@ class TemplateStore:
 
 
 def check_template(content: GoalTemplateContent, ontology: Ontology, conditions: Mapping[str, ConditionType]) -> None:
-    """Sees that a template can make goals: its structure, placeholders, words and classes.
+    """Checks that a template can make goals: its structure, placeholders, words and classes.
 
     Raises:
         UsageError: Something is wrong; the text names all of it, each with its path.

@@ -33,7 +33,7 @@ def state_name(state: State) -> StateName:
 
 
 def is_open(job: Job) -> bool:
-    """Tells whether a job is not over."""
+    """Returns whether a job is not over."""
     return State(job.state.number).is_open
 
 

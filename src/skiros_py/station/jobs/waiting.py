@@ -57,7 +57,7 @@ class JobWaiter:
             self._places.release()
 
     def close(self) -> None:
-        """Lets nobody wait any longer."""
+        """Ends all waiting."""
         self._ending = True
 
     def _wait(self, jobs: JobManager, job: Job, end: float) -> Job:

@@ -157,7 +157,7 @@ class ModuleRun:
         return "resumed" if before and self.status == "running" else None  # else it was stopped meanwhile
 
     def is_about(self, event: ModuleEvent) -> bool:
-        """Tells whether a message is of the module itself, and not of a part of it."""
+        """Returns whether a message is of the module itself, and not of a part of it."""
         return self.running is not None and event.id == self.running.id
 
     def begin(self, running: RunningModule, now: float) -> None:
@@ -236,7 +236,7 @@ class ModuleRuns:
         return found
 
     def of(self, running: RunningModule) -> ModuleRun | None:
-        """Returns the run that something belongs to; None where nobody started it from outside."""
+        """Returns the run that something belongs to; None if it was not started from outside."""
         return next((run for run in self._active if run.running is running), None)
 
     # ------------------------------------------------------------------ in the control thread
@@ -331,7 +331,7 @@ class ModuleRuns:
                 run.changes.append(change)
 
     def _is_at_work(self, run: ModuleRun) -> bool:
-        """Tells whether it is this run's code that the control thread executes, and that calls."""
+        """Returns whether the control thread executes code of this run, which is the caller."""
         pulse = self._session.cycle.pulse if self._session is not None else None
         return (
             pulse is not None

@@ -1,4 +1,4 @@
-"""Skill managers, modules and skills, as they are told to whoever asks from outside."""
+"""Skill managers, modules and skills, as the API shows them."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def _node(node: Node) -> BodyNode:
 
 
 def panel(manager: SkillManager, name: str, given: Mapping[str, Any]) -> PanelInfo:
-    """Tells what a module would be run with now; in the control thread.
+    """Returns what a module would be run with now; in the control thread.
 
     Raises:
         UnknownName: There is no such module, parameter or element.
@@ -225,7 +225,7 @@ def _skill(session: Session, capability: Capability) -> SkillInfo:
 
 
 def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
-    """Tells how far a run is, in any thread; not in full leaves out what it reported and wrote."""
+    """Returns how far a run is, in any thread; not in full leaves out what it reported and wrote."""
     return ModuleRunInfo(
         id=run.id,
         agent=run.wish.agent,

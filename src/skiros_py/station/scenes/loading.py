@@ -62,7 +62,7 @@ def load(
 
 
 def require_rest(session: Session) -> None:
-    """Sees that nothing is under way, and that no job was left in the middle of its work.
+    """Checks that nothing is under way, and that no job was left in the middle of its work.
 
     Raises:
         WrongState: Something is.
@@ -90,7 +90,7 @@ def _take_back(data: Path, old: Index, change: Change | None) -> None:
 def scene_of(world: World) -> tuple[str, int]:
     """Returns the name of the scene that was loaded last, and the change that did it.
 
-    The name is empty for an upload, and where nobody remembers.
+    The name is empty for an upload, and if it is no longer known.
     """
     undone: set[int] = set()
     for change in world.log.by_people():

@@ -64,7 +64,7 @@ class SceneStage:
             return _read(session, path)
 
     def check(self, session: Session, scene: Index) -> None:
-        """Sees whether a session could be opened in a scene.
+        """Checks whether a session could be opened in a scene.
 
         Raises:
             UsageError: It has no robot to use, or goals that cannot be understood; or a robot or body lacks something.
@@ -113,6 +113,6 @@ def _read(session: Session, path: Path) -> Index:
 
 
 def shown(error: FileError) -> str:
-    """Returns what is wrong with a scene without where its file lies, which is nobody's business outside."""
+    """Returns what is wrong with a scene without the path of its file, which is private."""
     where = f"line {error.line}: " if error.line else ""
     return where + error.reason.replace(str(error.path.parent), "…")

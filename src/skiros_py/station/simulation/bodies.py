@@ -32,7 +32,7 @@ class Bodies:
 
     Args:
         control: Runs the sessions.
-        alarms: Hears of what cannot follow.
+        alarms: Gets what cannot follow.
     """
 
     def __init__(self, control: ControlThread, alarms: Alarms) -> None:

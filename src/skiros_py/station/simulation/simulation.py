@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Point = tuple[float, float, float]
 
 _ASIDE = 1e-3
-"""How far an eye is moved that looks straight down [m]: else nobody could say where up is in the picture."""
+"""How far an eye is moved that looks straight down [m]: else "up" would be undefined in the picture."""
 
 
 class Simulation:
@@ -131,7 +131,7 @@ class Simulation:
     # ------------------------------------------------------------------ time
 
     def set_pace(self, pace: float) -> float:
-        """Goes on at another pace, also after the session was opened anew; returns it.
+        """Goes on at another pace, also after the session was reopened; returns it.
 
         Raises:
             WrongState: The session is in lockstep.
@@ -153,7 +153,7 @@ class Simulation:
             session.cycle.set_pace(self._pace)
 
     def reset(self, *, force: bool = False) -> SimulationState:
-        """Opens the session anew: robots where the scene puts them, bodies as they are believed.
+        """Reopens the session: robots where the scene puts them, bodies as they are believed.
 
         Args:
             force: True to stop first whatever is under way; jobs then wait for a person.
@@ -204,7 +204,7 @@ class Simulation:
             file = io.BytesIO()
             Image.fromarray(drawing.result()).save(file, "PNG")
         except DeviceError as error:
-            raise Busy(f"no picture: {error}; perhaps the simulation is being brought up anew") from None
+            raise Busy(f"no picture: {error}; perhaps the simulation is being brought up again") from None
         finally:
             self._drawing.release()
         return file.getvalue()

@@ -133,7 +133,7 @@ class TaskBook:
             return self._tasks[name]
 
     def job_of(self, name: str) -> str:
-        """Returns the id of the job that a task is of; empty for none, and for a task that nobody knows any more."""
+        """Returns the id of the job that a task is of; empty for none, and for a task that was forgotten."""
         with self._guard:
             known = self._tasks.get(name)
         return "" if known is None else known.job

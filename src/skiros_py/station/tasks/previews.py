@@ -166,5 +166,5 @@ class Previews:
 
 
 def is_applicable(repair: Repair) -> bool:
-    """Tells whether there is anything of a repair to be made in the world; what it changes in the goal is not."""
+    """Returns whether there is anything of a repair to be made in the world; what it changes in the goal is not."""
     return bool(repair.edits)

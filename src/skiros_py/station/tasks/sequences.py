@@ -131,7 +131,7 @@ class SequenceService:
 
         Raises:
             NotFound: There is none of that id.
-            Refused: A step cannot work, and nobody wants it anyway.
+            Refused: A step cannot work, and running it anyway was not requested.
             WrongState: Everything was halted.
         """
         steps = _steps(self._find(id_))

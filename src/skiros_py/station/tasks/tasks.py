@@ -39,7 +39,7 @@ class TaskService(Service):
 
         Raises:
             UsageError: The goal or a step cannot be understood.
-            Refused: A step cannot work, and nobody wants it anyway.
+            Refused: A step cannot work, and running it anyway was not requested.
             WrongState: Everything was halted.
         """
         if request.goal is not None:
@@ -62,7 +62,7 @@ class TaskService(Service):
         """Begins to run steps as they are.
 
         Raises:
-            Refused: There are none; or they cannot work as things are, and nobody wants them anyway.
+            Refused: There are none; or they cannot work as things are, and running them anyway was not requested.
             UsageError: One names what does not exist.
             WrongState: Everything was halted.
         """

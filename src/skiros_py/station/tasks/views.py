@@ -1,4 +1,4 @@
-"""Tasks, as they are told to whoever asks from outside."""
+"""Tasks, as the API shows them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ENDS = (Happening.ENDED, Happening.FAILED, Happening.BROKEN_OFF)
 
 
 def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
-    """Tells how far a task is, in any thread; not in full leaves out its plan and steps."""
+    """Returns how far a task is, in any thread; not in full leaves out its plan and steps."""
     question, report, plan = task.question, task.report, task.plan
     return TaskInfo(
         name=task.name,
@@ -71,7 +71,7 @@ def _report(report: GoalReport) -> TaskReport:
 
 
 def task_trace(task: KeptTask, limit: int) -> TaskTrace:
-    """Tells what happened in a task: the last so many entries."""
+    """Returns what happened in a task: the last so many entries."""
     entries = tuple(task.entries)
     kept = entries[-limit:]
     forgotten = task.forgotten + len(entries) - len(kept)

@@ -18,7 +18,7 @@ _MOST_EDITS = 100
 
 
 def told_change(change: world_change.Change) -> Change:
-    """Tells of a change that was just made."""
+    """Describes a change that was just made."""
     return _told(change, change.edits[:_MOST_EDITS], 0, len(change.edits))
 
 
@@ -82,7 +82,7 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
 
 
 def undoable(world: World) -> Undoable | None:
-    """Tells what an undo would take back."""
+    """Returns what an undo would take back."""
     head = _journal(world).undoable()
     if head is None:
         return None
@@ -90,7 +90,7 @@ def undoable(world: World) -> Undoable | None:
 
 
 def written(world: World, tx: Transaction, ids: dict[str, str] | None = None) -> Written:
-    """Tells what a transaction did, once it is over."""
+    """Returns what a transaction did, once it is over."""
     told = None if tx.change is None else told_change(tx.change)
     return Written(version=world.version, change=told, ids=ids or {})
 

@@ -19,7 +19,7 @@ class Frames:
 
     Args:
         view: The state.
-        is_base: Tells whether an element is a robot base.
+        is_base: Returns whether an element is a robot base.
     """
 
     def __init__(self, view: Index, is_base: Callable[[str], bool]) -> None:
@@ -28,7 +28,7 @@ class Frames:
         self._known: dict[str, _Place | None] = {}
 
     def of(self, name: str) -> _Place | None:
-        """Returns where an element is; None where nobody knows, or only in the frame of what is itself nowhere.
+        """Returns where an element is; None where unknown, or only in the frame of what is itself nowhere.
 
         Raises:
             UnknownName: There is no such element.

@@ -57,7 +57,7 @@ def _node(view: Index, name: str, children: Mapping[str, list[str]], depth: int)
 
 
 def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDetails:
-    """Tells everything about a class.
+    """Describes a class.
 
     Raises:
         UnknownName: It is not a class.
@@ -87,7 +87,7 @@ def class_details(view: Index, name: str, catalogue: Catalogue) -> api.ClassDeta
 
 
 def _used(ontology: Ontology, name: str, arguments: Iterable[tuple[str, str, str]]) -> Iterator[api.ClassUse]:
-    """Yields those arguments that take things of a class; of very general ones nobody wants to read."""
+    """Yields those arguments that take things of a class; very general ones are left out."""
     for whose, argument, taken in sorted(set(arguments)):
         if taken in ontology.classes and taken != ELEMENT and ontology.is_a(name, taken):
             yield api.ClassUse(name=whose, argument=argument, class_=taken)
@@ -124,7 +124,7 @@ def _class_property(view: Index, class_: str, property_: Property) -> api.ClassP
 
 
 def property_info(property_: Property) -> api.PropertyInfo:
-    """Tells of a property."""
+    """Describes a property."""
     unit = _UNIT.search(property_.comment)
     return api.PropertyInfo(
         name=property_.curie,
@@ -138,7 +138,7 @@ def property_info(property_: Property) -> api.PropertyInfo:
 
 
 def relation_info(view: Index, relation: Relation) -> api.RelationInfo:
-    """Tells of a relation."""
+    """Describes a relation."""
     return api.RelationInfo(
         name=relation.curie,
         label=relation.label,

@@ -17,13 +17,13 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import ELEMENT, PLACEMENT
 
 _TRIAL = "placed_on_trial"
-"""Id of what is put somewhere to see whether it may be; nobody else ever sees it."""
+"""Id of what is put somewhere to see whether it may be; it is never published."""
 
 
 def placement_options(
     view: Index, class_: str, element: str | None, limit: int, relation: str | None = None, after: str = ""
 ) -> PlacementOptions:
-    """Tells where something may be put, and of each place whether it would take it now.
+    """Returns where something may be put, and of each place whether it would take it now.
 
     Args:
         view: The state.
@@ -91,7 +91,7 @@ def _place(view: Index, name: str, why_not: str) -> PlaceOption:
 
 
 class _Trial:
-    """Puts a thing somewhere in a state that nobody sees, and says what is wrong with that.
+    """Puts a thing somewhere in a private state, and returns what is wrong with that.
 
     Args:
         view: The state.

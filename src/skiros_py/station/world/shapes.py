@@ -43,7 +43,7 @@ class Shapes:
         return self._keys[what]
 
     def hollow(self, element: Element) -> bool:
-        """Tells whether an element's shape is room, not matter."""
+        """Returns whether an element's shape is room, not matter."""
         return element.properties.get(HOLLOW, self._given(element.type)[HOLLOW]) is True
 
     def _given(self, class_: str) -> dict[str, Value | None]:
@@ -68,7 +68,7 @@ def _blocks(solid: Value | None, size: Value | None) -> tuple[Block, ...] | None
         try:
             return _told(Solid.from_json(solid).primitives)
         except ValueError:
-            return None  # a class may say what nobody can read
+            return None  # a class may have a shape that cannot be read
     return _told((_box(size),)) if isinstance(size, tuple) and _is_size(size) else None
 
 

@@ -21,7 +21,7 @@ _MOST_RELATIONS = 200
 
 
 def summary(view: Index, name: str) -> api.ElementSummary:
-    """Tells of an element what a list shows.
+    """Describes an element as a list shows it.
 
     Raises:
         UnknownName: There is none of that id.
@@ -38,7 +38,7 @@ def summary(view: Index, name: str) -> api.ElementSummary:
 
 
 def details(view: Index, name: str, computed: Sequence[str] = ()) -> api.ElementDetails:
-    """Tells everything about an element.
+    """Describes an element.
 
     Args:
         view: The state.
@@ -64,7 +64,7 @@ def details(view: Index, name: str, computed: Sequence[str] = ()) -> api.Element
 
 
 def relations(view: Index, name: str) -> list[api.Relation]:
-    """Tells what is stated of an element, in both directions, sorted."""
+    """Returns what is stated of an element, in both directions, sorted."""
     return list(_relations(view, view.statements_about(name)))
 
 

@@ -119,7 +119,7 @@ class WorldService(Service):
 
         Raises:
             WorldError: The world refuses it.
-            Refused: It changes elements, and nobody said which versions they have seen.
+            Refused: It changes elements, and does not say which versions were seen.
         """
         world = self._world
         with writing(world, author, order.reason, _expected(order, seen)) as tx:
