@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -132,6 +132,19 @@ class Catalogue:
             source = self.sources.get(f"drivers/{name}", "this catalogue")
             raise DeviceError(f"driver '{name}' of {source} breaks: {type(error).__name__}: {error}") from error
         return driver
+
+    def chosen_skills(self, names: Sequence[str]) -> list[Skill]:
+        """Returns the skills of some names, in order; all of them if no name is given.
+
+        Raises:
+            UnknownName: There is none of a name.
+        """
+        skills = [skill for _, skill in sorted(self.skills.items())]
+        known = {skill.description.name for skill in skills}
+        for name in names:
+            if name not in known:
+                raise UnknownName("skill", name, known)
+        return [skill for skill in skills if not names or skill.description.name in names]
 
     def signal_providers(self, cell: CellSpec) -> tuple[SignalProvider, ...]:
         """Makes the signal providers of a cell.

@@ -16,9 +16,9 @@ from skiros_py.catalogue import Catalogue, fitting, load_catalogue
 from skiros_py.config import find_scene
 from skiros_py.errors import FileError, UnknownName, UsageError, WrongState
 from skiros_py.execution.digest import RunDigest
-from skiros_py.execution.managers import subsystems
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
+from skiros_py.listeners import Listeners
 from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
 from skiros_py.ports.adapters import Ports
@@ -28,7 +28,6 @@ from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import Condition
 from skiros_py.skills.outcome import Outcome
 from skiros_py.skills.respawn import respawn
-from skiros_py.skills.skill import Skill
 from skiros_py.station.adapters import start_cell, start_planning, start_ports
 from skiros_py.station.worlds import load_world, open_directory, warn
 from skiros_py.tasks.goals import parse_goal
@@ -133,7 +132,7 @@ class Session:
         self.stopped = False
         self.left_out: dict[str, str] = {}
         self._digest = RunDigest()
-        self._on_plan: list[Callable[[Planned], None]] = []
+        self._on_plan = Listeners[[Planned]]("plans")
         self.options = options
         self.scene = scene
         self.catalogue = catalogue or load_catalogue()
@@ -159,13 +158,12 @@ class Session:
         self._set_up(ports)
         self._watch()
         self.planning = start_planning(self._stack, self.world, self.catalogue, self.options)
-        title = self._source.stem
         self.tasks = TaskManager.of(
             self.runtime,
             self.planning,
-            title,
-            on_plan=self._tell_plan,
-            leaving=self._is_stopping,
+            self._source.stem,
+            on_plan=self._on_plan.notify,
+            leaving=lambda: self._stop_wanted,
             temporal=self.options.temporal,
         )
         if not self.options.fake:
@@ -179,7 +177,7 @@ class Session:
         lived = self.options.data is not None and self.world.log.version > 1
         spec = read_cell(
             self.world,
-            self._robots(self.world),
+            self.robots_in(self.world),
             simulated=self.simulates,
             left_out=self.left_out if lived else None,
         )
@@ -195,11 +193,6 @@ class Session:
         if self.simulates:
             respawn(directory.world, directory.journal)
         return directory.world, faults
-
-    @property
-    def agents(self) -> tuple[str, ...]:
-        """Ids of the subsystems of its robots: each may have a skill manager."""
-        return tuple(agent for robot in self.spec.robots for agent in subsystems(self.world, robot.id))
 
     @property
     def simulates(self) -> bool:
@@ -222,7 +215,12 @@ class Session:
             return find_scene(self.scene)
         return self.options.data
 
-    def _robots(self, world: WorldView) -> tuple[str, ...]:
+    def robots_in(self, world: WorldView) -> tuple[str, ...]:
+        """Returns the ids of the robots that a session such as this one uses in a scene.
+
+        Raises:
+            UnknownName: The robot that was chosen is not in it.
+        """
         robots = world.instances(ROBOT)  # a scene may have none: it is edited and looked at all the same
         wanted = self.options.robot
         if wanted is None:
@@ -234,30 +232,20 @@ class Session:
 
     def _set_up(self, ports: Ports) -> None:
         """Brings control cycle, skill managers and watchdog up."""
-        skills = self._skills()
-        seed = (self.options.seed, _STREAM)
         options = RuntimeOptions(
-            seed=seed,
+            seed=(self.options.seed, _STREAM),
             pace=self.options.pace,
             ports=ports,
             config=self.options.config,
             signals=self.catalogue.signal_providers(self.spec),
             overrun=self.options.overrun,
         )
+        skills = self.catalogue.chosen_skills(self.options.skills)
         runtime = Runtime(self.world, self.spec, self.cell, skills, self.catalogue.primitives, options)
         self.runtime = self._stack.enter_context(runtime)
         self.cycle, self.managers = runtime.cycle, runtime.managers
         self.monitor, self.questions = runtime.monitor, runtime.questions
         self.cycle.observe(self._digest_state)
-
-    def _skills(self) -> list[Skill]:
-        """Returns the skills that the options choose: all of them where they choose none."""
-        skills = [skill for _, skill in sorted(self.catalogue.skills.items())]
-        wanted, known = self.options.skills, {skill.description.name for skill in skills}
-        for name in wanted:
-            if name not in known:
-                raise UnknownName("skill", name, known)
-        return [skill for skill in skills if not wanted or skill.description.name in wanted]
 
     def _watch(self) -> None:
         """Starts what runs in the background; a stop ends it with everything else."""
@@ -272,11 +260,7 @@ class Session:
 
     def on_plan(self, listener: Callable[[Planned], None]) -> None:
         """Calls the listener with every new plan."""
-        self._on_plan.append(listener)
-
-    def _tell_plan(self, planned: Planned) -> None:
-        for listener in self._on_plan:
-            listener(planned)
+        self._on_plan.add(listener)
 
     def plan(self, goal: str | Sequence[Condition] | Sequence[str] | None = None) -> Planned:
         """Plans from the present beliefs without doing anything."""
@@ -300,12 +284,16 @@ class Session:
         self.runtime.require_ready()
         self._digest.begin(self.simulation.state_bytes() if self.simulates else b"")
         task = self.begin(wanted)
-        self.runtime.finish(task, self._is_stopping)
+        self.runtime.finish(task, lambda: self._stop_wanted)
         stopped = self._obey_stop()
         report = replace(task.result, digest=str(self._digest))
         if stopped:
             report = replace(report, stopped=True, fault="")
-        return report.with_truth(self._truths(wanted)) if self.simulates else report
+        if not self.simulates:
+            return report
+        from skiros_py.station.judgement import judge  # physics is an extra
+
+        return report.with_truth(judge(self.simulation, self.spec, self.world, wanted))
 
     def begin(
         self, goal: str | Sequence[Condition] | Sequence[str] | None = None, policy: Policy | None = None
@@ -349,7 +337,7 @@ class Session:
     def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
         """Runs one skill or primitive by itself to its end, or until :meth:`stop`; see :meth:`start_module`."""
         running = self.start_module(module, arguments, agent)
-        self.runtime.finish(running, self._is_stopping)
+        self.runtime.finish(running, lambda: self._stop_wanted)
         self._obey_stop()
         return running.result
 
@@ -366,12 +354,6 @@ class Session:
         store = self._stack.enter_context(closing(JobStore(folder / "jobs.db")))
         return JobManager(self.tasks, self.runtime, store, self.parse)
 
-    def run_jobs(self) -> None:
-        """Lets jobs run until none is under way and none may start now, or until :meth:`stop`."""
-        while not (self.jobs.idle or self._is_stopping() or self.cycle.halted):
-            self.cycle.step()
-        self._obey_stop()
-
     @property
     def resting(self) -> bool:
         """True while nothing is under way that anybody started, or would start by itself: no job, task or module.
@@ -380,33 +362,6 @@ class Session:
         """
         at_work = self.tasks.active or any(manager.running for manager in self.managers.values())
         return not at_work and ("jobs" not in self.__dict__ or bool(self.cycle.halted) or self.jobs.idle)
-
-    def check(self, scene: WorldView) -> None:
-        """Checks whether a session such as this one could be opened in another scene.
-
-        Raises:
-            UnknownName: The robot that was chosen is not in it.
-            DescriptionError: A robot or body lacks something, or has no room.
-            WorldError: A shape cannot be read.
-        """
-        spec = read_cell(scene, self._robots(scene), simulated=self.simulates)
-        if self.simulates:
-            from skiros_py.simulation.spawn import start_poses
-
-            start_poses(spec, self.options.seed)
-
-    def check_again(self) -> None:
-        """Checks whether this session could be closed and opened again, and believes what would be so then.
-
-        Raises:
-            SkirosError: It could not; what is believed is as it was.
-        """
-        from skiros_py.world.journal import Journal
-
-        if self.simulates and isinstance(self.world.log, Journal):
-            respawn(self.world, self.world.log, self.check)
-        else:
-            self.check(self.world.snapshot())
 
     def reset(self) -> None:
         """Lets things start again after everything was halted: by the watchdog, by a module, by ``cycle.halt``.
@@ -419,9 +374,6 @@ class Session:
         if self.cycle.halted:
             self.cycle.reset()
             self._watch()
-
-    def _is_stopping(self) -> bool:
-        return self._stop_wanted
 
     def _obey_stop(self) -> bool:
         """Stops everything where :meth:`stop` was called and nothing has halted it; then it is ready again.
@@ -461,11 +413,6 @@ class Session:
                 f"scene '{self.scene}' comes without a goal: state one, such as --goal 'InKit(Starter, kit_1)'"
             )
         return conditions
-
-    def _truths(self, goal: Sequence[Condition]) -> tuple[bool | None, ...]:
-        from skiros_py.station.judgement import judge
-
-        return judge(self.simulation, self.spec, self.world, goal)
 
     @property
     def simulation(self) -> SimulatedCell:

@@ -15,6 +15,7 @@ from skiros_py.api.modules import (
     SkillInfo,
 )
 from skiros_py.errors import UnknownName, UsageError, WrongState
+from skiros_py.execution.managers import subsystems
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.station.modules import views
 from skiros_py.station.modules.runs import ModuleRun, Wish
@@ -45,8 +46,9 @@ class ModuleService(Service):
                 session.world.element(agent)
             if agent in session.managers and not session.managers[agent].lost:
                 raise WrongState(f"the skill manager of {agent} is open already")
-            if agent not in session.agents:
-                raise UsageError(f"{agent} belongs to no robot of this session; there is {', '.join(session.agents)}")
+            agents = [one for robot in session.spec.robots for one in subsystems(session.world, robot.id)]
+            if agent not in agents:
+                raise UsageError(f"{agent} belongs to no robot of this session; there is {', '.join(agents)}")
             session.managers.open(agent)
             return views.manager(session, session.managers[agent])
 

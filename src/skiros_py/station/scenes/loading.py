@@ -5,12 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 from skiros_py.errors import DescriptionError, FileError, UsageError, WrongState
+from skiros_py.skills.cell_reader import read_cell
+from skiros_py.skills.respawn import respawn
 from skiros_py.station.control import ControlThread
 from skiros_py.station.scenes.content import changes_to
 from skiros_py.station.session import Session
 from skiros_py.station.worlds import open_data
 from skiros_py.world.change import Change, Writer
 from skiros_py.world.index import Index
+from skiros_py.world.journal import Journal
+from skiros_py.world.view import WorldView
 from skiros_py.world.world import World
 
 LOADED = "loaded scene "
@@ -59,6 +63,34 @@ def load(
         if not before:
             raise
         raise UsageError(f"the station cannot be brought up in that scene, and is in the old one: {error}") from error
+
+
+def check_scene(session: Session, scene: WorldView) -> None:
+    """Checks whether a session such as this one could be opened in another scene.
+
+    Raises:
+        UnknownName: The robot that was chosen is not in it.
+        DescriptionError: A robot or body lacks something, or has no room.
+        WorldError: A shape cannot be read.
+    """
+    spec = read_cell(scene, session.robots_in(scene), simulated=session.simulates)
+    if session.simulates:
+        from skiros_py.simulation.spawn import start_poses  # physics is an extra
+
+        start_poses(spec, session.options.seed)
+
+
+def check_reopening(session: Session) -> None:
+    """Checks whether a session could be closed and opened again; then believes what would be so.
+
+    Raises:
+        SkirosError: It could not; the beliefs are as they were.
+    """
+    world = session.world
+    if session.simulates and isinstance(world.log, Journal):
+        respawn(world, world.log, lambda scene: check_scene(session, scene))
+    else:
+        check_scene(session, world.snapshot())
 
 
 def require_rest(session: Session) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from skiros_py.config import ontology_paths
 from skiros_py.errors import DescriptionError, FileError, UsageError
 from skiros_py.station.scenes.content import scene_only
+from skiros_py.station.scenes.loading import check_scene
 from skiros_py.station.scenes.scenes import SceneFile
 from skiros_py.station.session import Session
 from skiros_py.tasks.goals import parse_goal
@@ -71,7 +72,7 @@ class SceneStage:
         """
         try:
             parse_goal(scene.goals, scene, session.catalogue.conditions)
-            session.check(scene)
+            check_scene(session, scene)
         except DescriptionError as error:
             raise UsageError(f"the station cannot be brought up in that scene: {error}") from error
 

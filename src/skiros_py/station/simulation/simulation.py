@@ -12,7 +12,7 @@ from skiros_py.errors import Busy, DescriptionError, DeviceError, Refused, Unkno
 from skiros_py.geometry import Pose
 from skiros_py.station.control import ControlThread
 from skiros_py.station.requests import addressed
-from skiros_py.station.scenes.loading import require_rest
+from skiros_py.station.scenes.loading import check_reopening, require_rest
 from skiros_py.station.session import Session
 from skiros_py.station.simulation.bodies import Bodies
 
@@ -167,7 +167,7 @@ class Simulation:
             if not force:
                 require_rest(session)
             try:
-                session.check_again()
+                check_reopening(session)
             except (DescriptionError, UsageError) as error:
                 raise WrongState(f"nothing was reset, for what is believed cannot be brought up: {error}") from None
 
