@@ -7,15 +7,11 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from skiros_py.api.values import ElementId, GivenValue, Name, Placement, Pose, Reason, Value
-
-_GIVEN = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
-_TOLD = ConfigDict(frozen=True, populate_by_name=True)
+from skiros_py.api.wire import Answer, Request
 
 
-class ElementSummary(BaseModel):
+class ElementSummary(Answer):
     """One element in a list."""
-
-    model_config = _TOLD
 
     id: str = Field(description="Its id; never used again after removal.", examples=["starter_1"])
     class_: str = Field(
@@ -30,10 +26,8 @@ class ElementSummary(BaseModel):
     version: int = Field(description="Number of the change that touched it last; its ETag.", examples=[17])
 
 
-class Property(BaseModel):
+class Property(Answer):
     """What an element has as the value of a property."""
-
-    model_config = _TOLD
 
     value: Value = Field(description="The value; poses as position and orientation.", examples=[0.4])
     origin: Literal["own", "taught", "class"] = Field(
@@ -42,10 +36,8 @@ class Property(BaseModel):
     taught_by: str | None = Field(default=None, description="For what was taught: the learned element that says it.")
 
 
-class Relation(BaseModel):
+class Relation(Answer):
     """A relation that holds."""
-
-    model_config = _TOLD
 
     subject: str = Field(examples=["starter_1"], description="Id of the subject.")
     relation: str = Field(examples=["sk:in"], description="The relation.")
@@ -69,38 +61,30 @@ class ElementDetails(ElementSummary):
     map_pose: Pose | None = Field(description="Its pose in the map, where that is known.")
 
 
-class ElementPage(BaseModel):
+class ElementPage(Answer):
     """Some elements, in the order of their ids."""
-
-    model_config = _TOLD
 
     items: list[ElementSummary] = Field(description="The elements.")
     next: str | None = Field(description="Cursor of the next page; null at the end.")
 
 
-class RelationPage(BaseModel):
+class RelationPage(Answer):
     """Some relations, in order."""
-
-    model_config = _TOLD
 
     items: list[Relation] = Field(description="The relations.")
     next: str | None = Field(description="Cursor of the next page; null at the end.")
 
 
-class NewRelation(BaseModel):
+class NewRelation(Request):
     """A relation of a new element: the end that is left out is the element."""
-
-    model_config = _GIVEN
 
     subject: ElementId | None = Field(default=None, description="Id of the subject.", examples=["kit_1"])
     relation: Name = Field(description="The relation.", examples=["sk:hasA"])
     object: ElementId | None = Field(default=None, description="Id of the object.")
 
 
-class Addition(BaseModel):
+class Addition(Request):
     """What is added."""
-
-    model_config = _GIVEN
 
     class_: Name | None = Field(
         default=None,
@@ -141,7 +125,6 @@ class NewElement(Addition):
     """An element to be added."""
 
     model_config = ConfigDict(
-        **_GIVEN,
         json_schema_extra={
             "examples": [
                 {
@@ -158,11 +141,10 @@ class NewElement(Addition):
     reason: Reason = Field(default="", description="Why, for people.", examples=["delivered this morning"])
 
 
-class ElementPatch(BaseModel):
+class ElementPatch(Answer):
     """What becomes different of an element, all at once; what is left out stays."""
 
     model_config = ConfigDict(
-        **_GIVEN,
         json_schema_extra={
             "examples": [
                 {
@@ -189,8 +171,6 @@ class ElementPatch(BaseModel):
 
 class TreeNode(BaseModel):
     """An element with what is placed there and what it is built of."""
-
-    model_config = _TOLD
 
     id: str = Field(description='Its id; "" for the node above everything.', examples=["pallet_a"])
     class_: str = Field(

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from skiros_py.api.values import Value
+from skiros_py.api.wire import Answer
 
-_TOLD = ConfigDict(frozen=True, populate_by_name=True)
 
-
-class ClassNode(BaseModel):
+class ClassNode(Answer):
     """A class with those below it; a class with several parents stands below its primary one."""
-
-    model_config = _TOLD
 
     name: str = Field(description="The class.", examples=["kitting:Starter"])
     label: str = Field(description="What people call it.", examples=["starter"])
@@ -23,10 +20,8 @@ class ClassNode(BaseModel):
     children_total: int = Field(description="How many classes stand directly below it.")
 
 
-class PropertyInfo(BaseModel):
+class PropertyInfo(Answer):
     """A property of elements."""
-
-    model_config = _TOLD
 
     name: str = Field(description="The property.", examples=["sk:mass"])
     label: str = Field(description="What people call it.", examples=["mass"])
@@ -43,10 +38,8 @@ class ClassProperty(PropertyInfo):
     value: Value = Field(description="What the class gives, or was taught for it; null for nothing.")
 
 
-class RelationInfo(BaseModel):
+class RelationInfo(Answer):
     """A relation between elements."""
-
-    model_config = _TOLD
 
     name: str = Field(description="The relation.", examples=["sk:in"])
     label: str = Field(description="What people call it.", examples=["in"])
@@ -61,28 +54,22 @@ class RelationInfo(BaseModel):
     computed: bool = Field(description="True when a reasoner here works it out on demand.")
 
 
-class PropertyPage(BaseModel):
+class PropertyPage(Answer):
     """Some properties, by name."""
-
-    model_config = _TOLD
 
     items: list[PropertyInfo] = Field(description="The properties.")
     next: str | None = Field(description="Cursor of the next page; null at the end.")
 
 
-class RelationPage(BaseModel):
+class RelationPage(Answer):
     """Some relations, by name."""
-
-    model_config = _TOLD
 
     items: list[RelationInfo] = Field(description="The relations.")
     next: str | None = Field(description="Cursor of the next page; null at the end.")
 
 
-class HowMany(BaseModel):
+class HowMany(Answer):
     """How many things individuals of a class have by a relation or property."""
-
-    model_config = _TOLD
 
     relation: str = Field(description="The relation or property.", examples=["sk:hasA"])
     least: int = Field(description="The fewest.")
@@ -90,10 +77,8 @@ class HowMany(BaseModel):
     of: str | None = Field(description="The class that is counted; null for all.")
 
 
-class ClassUse(BaseModel):
+class ClassUse(Answer):
     """A place where something takes elements of a class."""
-
-    model_config = _TOLD
 
     name: str = Field(description="The skill or condition.", examples=["pick"])
     argument: str = Field(description="Its parameter or argument.", examples=["object"])
@@ -105,10 +90,8 @@ class ClassUse(BaseModel):
     )
 
 
-class ClassDetails(BaseModel):
+class ClassDetails(Answer):
     """Everything about one class."""
-
-    model_config = _TOLD
 
     name: str = Field(description="The class.", examples=["kitting:Starter"])
     label: str = Field(description="What people call it.")
@@ -127,10 +110,8 @@ class ClassDetails(BaseModel):
     conditions: list[ClassUse] = Field(description="Conditions about its things.")
 
 
-class PlaceOption(BaseModel):
+class PlaceOption(Answer):
     """A place that might take something."""
-
-    model_config = _TOLD
 
     id: str = Field(description="Id of the place.", examples=["kit_1_a"])
     class_: str = Field(
@@ -144,10 +125,8 @@ class PlaceOption(BaseModel):
     why_not: str = Field(description="Why it would not; empty where it would.")
 
 
-class PlacementOption(BaseModel):
+class PlacementOption(Answer):
     """One placement relation, and the present elements that can be the place."""
-
-    model_config = _TOLD
 
     relation: str = Field(description="The relation.", examples=["sk:in"])
     label: str = Field(description="What people call it.")
@@ -158,10 +137,8 @@ class PlacementOption(BaseModel):
     )
 
 
-class PlacementOptions(BaseModel):
+class PlacementOptions(Answer):
     """Where something may be put."""
-
-    model_config = _TOLD
 
     class_: str = Field(
         validation_alias="class", serialization_alias="class", description="What is put.", examples=["kitting:Starter"]

@@ -7,23 +7,20 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt
 
 from skiros_py.api.values import GivenPose, Number
+from skiros_py.api.wire import Answer, Request
 
 _LONGEST_TIME = 60.0
 """What a question asked over the network may take at most [s]."""
 
 
-class TextLiteral(BaseModel):
+class TextLiteral(Request):
     """A text, where a plain string would be a name."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     text: Annotated[str, Field(max_length=65536)] = Field(description="The text.", examples=["pallet A"])
 
 
-class DecimalLiteral(BaseModel):
+class DecimalLiteral(Request):
     """A number of the type xsd:decimal; a plain one with a point is an xsd:double."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     decimal: Annotated[str, Field(pattern=r"^[+-]?\d{1,40}(\.\d{1,40})?$")] = Field(
         description="The number.", examples=["0.40"]
@@ -43,7 +40,7 @@ Bound = (
 """What a parameter stands for: a string is the name of an element, a class, a relation or a property."""
 
 
-class Query(BaseModel):
+class Query(Answer):
     """A question."""
 
     model_config = ConfigDict(
@@ -72,8 +69,6 @@ class Query(BaseModel):
 class SelectAnswer(BaseModel):
     """What a SELECT answers."""
 
-    model_config = ConfigDict(frozen=True)
-
     form: Literal["SELECT"] = Field(description="What was asked.")
     variables: list[str] = Field(description="The columns.", examples=[["part"]])
     rows: list[dict[str, Any]] = Field(
@@ -82,19 +77,15 @@ class SelectAnswer(BaseModel):
     )
 
 
-class AskAnswer(BaseModel):
+class AskAnswer(Answer):
     """What an ASK answers."""
-
-    model_config = ConfigDict(frozen=True)
 
     form: Literal["ASK"] = Field(description="What was asked.")
     answer: bool = Field(description="Yes or no.")
 
 
-class ConstructAnswer(BaseModel):
+class ConstructAnswer(Answer):
     """What a CONSTRUCT answers."""
-
-    model_config = ConfigDict(frozen=True)
 
     form: Literal["CONSTRUCT"] = Field(description="What was asked.")
     statements: list[tuple[str, str, Any]] = Field(description="Subject, predicate and object.")

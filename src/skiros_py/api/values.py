@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, field_validator
+from pydantic import Field, StrictBool, StrictInt, field_validator
+
+from skiros_py.api.wire import Answer, Request
 
 EVERYTHING = "sk:Element"
 """The class of all elements."""
@@ -27,19 +29,15 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-_FARTHEST, le=_FARTHEST)]
 
 
-class Placement(BaseModel):
+class Placement(Request):
     """Where an element is: it has one place across the whole family of placements."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     relation: Name = Field(description="The placement relation.", examples=["sk:in"])
     place: ElementId = Field(description="Id of the place.", examples=["pallet_a"])
 
 
-class Pose(BaseModel):
+class Pose(Answer):
     """Where a frame is, seen from another."""
-
-    model_config = ConfigDict(frozen=True)
 
     position: tuple[float, float, float] = Field(description="x, y, z [m].", examples=[[5.0, 1.6, 0.0]])
     orientation: tuple[float, float, float, float] = Field(
@@ -51,10 +49,8 @@ class Pose(BaseModel):
     )
 
 
-class GivenPose(BaseModel):
+class GivenPose(Request):
     """A pose that somebody writes."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     position: tuple[Coordinate, Coordinate, Coordinate] = Field(
         description="x, y, z [m], at most 1000 km from the frame.", examples=[[5.0, 1.6, 0.0]]

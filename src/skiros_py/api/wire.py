@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import Annotated
+from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field
 
@@ -22,6 +22,17 @@ class Answer(BaseModel):
     """Base of what the server answers: a client passes over what a younger server says besides."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", populate_by_name=True)
+
+    @classmethod
+    def view_of(cls, source: object, **others: Any) -> Self:
+        """Makes an answer of what has attributes of the same names.
+
+        Args:
+            source: Has them; moments may be seconds since 1970.
+            **others: Fields that it has not, or in another form.
+        """
+        same = (name for name in cls.model_fields if name not in others and hasattr(source, name))
+        return cls(**{name: getattr(source, name) for name in same}, **others)
 
 
 def _sensible(value: datetime) -> datetime:

@@ -9,9 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from skiros_py.api.elements import Addition
 from skiros_py.api.values import ElementId, GivenValue, Name
-
-_GIVEN = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
-_TOLD = ConfigDict(frozen=True, populate_by_name=True)
+from skiros_py.api.wire import Answer, Request
 
 _MOST_OPERATIONS = 1000
 
@@ -19,10 +17,8 @@ Version = Annotated[int, Field(strict=True, ge=0, le=2**62)]
 """Number of a change."""
 
 
-class Change(BaseModel):
+class Change(Answer):
     """One transaction that took effect."""
-
-    model_config = _TOLD
 
     number: int = Field(description="Counted from 1 without gaps; the world's version afterwards.", examples=[17])
     author: str = Field(description="Who wrote.", examples=["ann"])
@@ -51,10 +47,8 @@ class Change(BaseModel):
     )
 
 
-class ChangePage(BaseModel):
+class ChangePage(Answer):
     """Some changes."""
-
-    model_config = _TOLD
 
     items: list[Change] = Field(description="The changes.")
     next: str | None = Field(description="Cursor of the next page; null at the end.")
@@ -62,20 +56,16 @@ class ChangePage(BaseModel):
     version: int = Field(description="Number of the latest change.")
 
 
-class Undoable(BaseModel):
+class Undoable(Answer):
     """The change that an undo would take back."""
-
-    model_config = _TOLD
 
     number: int = Field(description="Its number.", examples=[17])
     author: str = Field(description="Who wrote it.", examples=["ann"])
     reason: str = Field(description="Why.", examples=["delivered this morning"])
 
 
-class WorldInfo(BaseModel):
+class WorldInfo(Answer):
     """What there is, in numbers."""
-
-    model_config = _TOLD
 
     version: int = Field(description="Number of the latest change; the world's ETag.", examples=[17])
     time: float = Field(description="Run time now [s].", examples=[12.5])
@@ -88,20 +78,16 @@ class WorldInfo(BaseModel):
     undoable: Undoable | None = Field(description="What an undo would take back.")
 
 
-class Written(BaseModel):
+class Written(Answer):
     """What a write did."""
-
-    model_config = _TOLD
 
     version: int = Field(description="The world's version now.", examples=[18])
     change: Change | None = Field(description="The change; null where everything was so already.")
     ids: dict[str, str] = Field(default_factory=dict, description="Ids of what was added, by its ref.")
 
 
-class UndoOrder(BaseModel):
+class UndoOrder(Request):
     """Which change is meant."""
-
-    model_config = _GIVEN
 
     change: Version | None = Field(
         default=None, description="Take it back only if it is this one that comes next.", examples=[17]
@@ -123,19 +109,15 @@ class AddOperation(Addition):
     )
 
 
-class RemoveOperation(BaseModel):
+class RemoveOperation(Request):
     """Removes an element with its pieces; what was placed there moves to where it was."""
-
-    model_config = _GIVEN
 
     op: Literal["remove"] = Field(description="What is done.")
     element: Target = Field(description="Which one.", examples=["starter_1"])
 
 
-class SetOperation(BaseModel):
+class SetOperation(Request):
     """Sets an element's own value of a property; ``rdfs:label`` is its label."""
-
-    model_config = _GIVEN
 
     op: Literal["set"] = Field(description="What is done.")
     element: Target = Field(description="Which one.", examples=["starter_1"])
@@ -143,10 +125,8 @@ class SetOperation(BaseModel):
     value: GivenValue | None = Field(description="The value; null takes the own value away.", examples=[0.4])
 
 
-class PlaceOperation(BaseModel):
+class PlaceOperation(Request):
     """Moves an element."""
-
-    model_config = _GIVEN
 
     op: Literal["place"] = Field(description="What is done.")
     element: Target = Field(description="Which one.", examples=["starter_1"])
@@ -154,10 +134,8 @@ class PlaceOperation(BaseModel):
     place: Target = Field(description="Where to.", examples=["pallet_b"])
 
 
-class RelateOperation(BaseModel):
+class RelateOperation(Request):
     """States a relation; a placement moves its element."""
-
-    model_config = _GIVEN
 
     op: Literal["relate"] = Field(description="What is done.")
     subject: Target = Field(description="The subject.", examples=["kit_1"])
@@ -165,10 +143,8 @@ class RelateOperation(BaseModel):
     object: Target = Field(description="The object.", examples=["kit_1_a"])
 
 
-class UnrelateOperation(BaseModel):
+class UnrelateOperation(Request):
     """Takes back a stated relation."""
-
-    model_config = _GIVEN
 
     op: Literal["unrelate"] = Field(description="What is done.")
     subject: Target = Field(description="The subject.")
@@ -182,11 +158,10 @@ Operation = Annotated[
 ]
 
 
-class TransactionOrder(BaseModel):
+class TransactionOrder(Answer):
     """Several writes, of which all take effect or none."""
 
     model_config = ConfigDict(
-        **_GIVEN,
         json_schema_extra={
             "examples": [
                 {
@@ -219,8 +194,6 @@ class TransactionOrder(BaseModel):
 class Learned(BaseModel):
     """Something that a robot was taught, and keeps beyond this scene."""
 
-    model_config = ConfigDict(frozen=True, populate_by_name=True)
-
     id: str = Field(description="Its id.", examples=["learned:taught_grasp_1"])
     class_: str = Field(
         validation_alias="class", serialization_alias="class", description="Its class.", examples=["sk:TaughtGrasp"]
@@ -231,19 +204,15 @@ class Learned(BaseModel):
     version: int = Field(description="Number of the change that touched it last; its ETag.", examples=[17])
 
 
-class LearnedPage(BaseModel):
+class LearnedPage(Answer):
     """Some of what was learned, in the order of ids."""
-
-    model_config = ConfigDict(frozen=True)
 
     items: list[Learned] = Field(description="What was learned.")
     next: str | None = Field(description="Cursor of the next page; null at the end.")
 
 
-class Lock(BaseModel):
+class Lock(Answer):
     """Somebody's right to be the only person or job that edits an element."""
-
-    model_config = ConfigDict(frozen=True)
 
     element: str = Field(description="Id of the element; its pieces are locked with it.", examples=["kit_1"])
     owner: str = Field(description="Who has it.", examples=["ann"])
@@ -251,10 +220,8 @@ class Lock(BaseModel):
     seconds: float = Field(description="In how long that is [s].", examples=[59.2])
 
 
-class LockList(BaseModel):
+class LockList(Answer):
     """The locks in force, by element."""
-
-    model_config = ConfigDict(frozen=True)
 
     items: list[Lock] = Field(description="The locks.")
 

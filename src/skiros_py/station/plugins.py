@@ -31,9 +31,8 @@ def _surveyed() -> Plugins:
 
 def _plugin(one: Surveyed) -> PluginInfo:
     entry = one.entry
-    return PluginInfo(
-        name=entry.name,
-        group=entry.group,
+    return PluginInfo.view_of(
+        entry,
         distribution=entry.distribution.name,
         version=entry.distribution.version,
         object=entry.value,

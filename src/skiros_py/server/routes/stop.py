@@ -66,14 +66,7 @@ def reset(station: StationDep, caller: CallerDep) -> StopInfo:
 
 
 def _info(stopped: Stopped) -> StopInfo:
-    return StopInfo(
-        halted=bool(stopped.why),
-        why=stopped.why,
-        by=stopped.by,
-        since=moment(stopped.since),
-        standing=stopped.standing,
-        obeyed=stopped.obeyed,
-    )
+    return StopInfo.view_of(stopped, halted=bool(stopped.why), since=moment(stopped.since))
 
 
 async def _reason(request: Request) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import secrets
 import time
 from base64 import b64decode
-from datetime import UTC, datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Response
@@ -20,6 +19,7 @@ from skiros_py.api.webhooks import (
     WebhookOrder,
     WebhookSecret,
 )
+from skiros_py.api.wire import moment
 from skiros_py.errors import UsageError
 from skiros_py.server.access.roles import Role, needs
 from skiros_py.server.problems import Problem
@@ -145,14 +145,8 @@ def _check_states(states: tuple[str, ...]) -> None:
 
 def _shown(services: Services, one: Subscription) -> Webhook:
     counts = services.webhooks.counts()
-    return Webhook(
-        id=one.id,
-        url=one.url,
-        states=one.states,
-        jobs=one.jobs,
-        description=one.description,
-        active=one.active,
-        created=_when(one.created),
+    return Webhook.view_of(
+        one,
         pending=counts.get((one.id, DeliveryState.PENDING.value), 0),
         dead=counts.get((one.id, DeliveryState.DEAD.value), 0),
     )
@@ -187,19 +181,4 @@ def _cursor(before: int, skip: int, shown: tuple[Post, ...]) -> str:
 
 def _delivery(post: Post) -> Delivery:
     waits = post.state is DeliveryState.PENDING and post.next_try > 0
-    return Delivery(
-        webhook=post.webhook,
-        number=post.number,
-        event=post.event,
-        job=post.job,
-        state=post.state,
-        attempts=post.attempts,
-        created=_when(post.wall),
-        next_try=_when(post.next_try) if waits else None,
-        status=post.status,
-        error=post.error,
-    )
-
-
-def _when(wall: float) -> datetime:
-    return datetime.fromtimestamp(wall, UTC)
+    return Delivery.view_of(post, created=moment(post.wall), next_try=moment(post.next_try) if waits else None)

@@ -16,7 +16,6 @@ from skiros_py.api.jobs import (
     OrderedGoal,
     StateName,
 )
-from skiros_py.api.wire import moment
 from skiros_py.tasks.jobs import Intent, Transition
 from skiros_py.tasks.jobs import Job as Known
 from skiros_py.tasks.jobs import JobState as State
@@ -59,27 +58,15 @@ def job_view(job: Known, now: float) -> Job:
         job: The job.
         now: Wall time [s since 1970].
     """
-    return Job(
-        id=job.id,
-        number=job.number,
-        version=job.version,
+    return Job.view_of(
+        job,
         state=_state(job, now),
-        detail=job.detail,
         outcome=None if job.outcome is None else job.outcome.value,
         order=OrderedGoal.model_validate(job.order, from_attributes=True),
         commands=commands_of(job),
-        choices=job.choices,
-        question=job.question,
         conditions=tuple(ConditionActual(**actual.model_dump()) for actual in job.actuals),
         materials=tuple(MaterialMoved(**material.model_dump()) for material in job.materials),
-        reasons=job.reasons,
-        plan=job.plan,
-        attempts=job.attempts,
         late=_is_late(job, now),
-        lateness=job.lateness,
-        ordered=moment(job.ordered),
-        started=moment(job.started),
-        ended=moment(job.ended),
     )
 
 

@@ -205,13 +205,8 @@ def skills(session: Session) -> list[SkillInfo]:
 
 def _skill(session: Session, capability: Capability) -> SkillInfo:
     skill: SkillDescription = capability.skill
-    return SkillInfo(
-        name=skill.name,
-        help=skill.help,
-        agent=skill.agent,
-        agent_class=skill.agent_class,
-        target=skill.target,
-        duration=skill.duration,
+    return SkillInfo.view_of(
+        skill,
         parameters=_parameters(skill.params),
         needs=_conditions(skill.needs),
         pre=_conditions(skill.pre),
@@ -226,20 +221,16 @@ def _skill(session: Session, capability: Capability) -> SkillInfo:
 
 def run_info(run: ModuleRun, *, in_full: bool = True) -> ModuleRunInfo:
     """Returns how far a run is, in any thread; not in full leaves out what it reported and wrote."""
-    return ModuleRunInfo(
-        id=run.id,
+    return ModuleRunInfo.view_of(
+        run,
         agent=run.wish.agent,
         module=run.wish.module,
         by=run.wish.by,
-        status=run.status,
         started=datetime.fromtimestamp(run.wall, UTC),
         given=dict(run.wish.given),
         arguments={param.key: as_shown(param, run.values.get(param.key)) for param in run.params},
         repeat=run.wish.repeat,
         breakpoints=sorted(run.breakpoints),
-        done=run.done,
-        succeeded=run.succeeded,
-        cut_off=run.cut_off,
         rounds=[_round(one) for one in tuple(run.rounds)],
         progress=[_progress(event) for event in tuple(run.progress)] if in_full else [],
         changes=[change.as_json() for change in tuple(run.changes)] if in_full else [],

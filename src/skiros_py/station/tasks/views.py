@@ -17,16 +17,12 @@ _ENDS = (Happening.ENDED, Happening.FAILED, Happening.BROKEN_OFF)
 def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
     """Returns how far a task is, in any thread; not in full leaves out its plan and steps."""
     question, report, plan = task.question, task.report, task.plan
-    return TaskInfo(
-        name=task.name,
-        status=task.status,
-        job=task.job,
-        by=task.by,
+    return TaskInfo.view_of(
+        task,
         begun=datetime.fromtimestamp(task.wall, UTC),
-        goal=task.goal,
         plan=planned_steps(plan) if in_full and plan is not None else (),
         steps=_steps(tuple(task.entries)) if in_full else (),
-        question=TaskQuestion(id=question.id, text=question.text, options=question.options) if question else None,
+        question=TaskQuestion.view_of(question) if question else None,
         report=_report(report) if report is not None else None,
     )
 
@@ -46,28 +42,14 @@ def _steps(entries: tuple[TraceEntry, ...]) -> tuple[TaskStep, ...]:
 
 
 def _started(number: int, entry: TraceEntry) -> TaskStep:
-    return TaskStep(
-        number=number,
-        skill=entry.skill,
-        arguments=dict(entry.arguments),
-        agent=entry.agent,
-        start=entry.time,
-        end=None,
-        ended=None,
-        text=entry.text,
+    return TaskStep.view_of(
+        entry, number=number, arguments=dict(entry.arguments), start=entry.time, end=None, ended=None
     )
 
 
 def _report(report: GoalReport) -> TaskReport:
-    return TaskReport(
-        outcome=report.outcome.value,
-        reached=report.reached,
-        simulated=report.simulated,
-        wall=report.wall,
-        conditions=tuple(asdict(condition) for condition in report.conditions),
-        no_plan=report.no_plan,
-        fault=report.fault,
-    )
+    conditions = tuple(asdict(condition) for condition in report.conditions)
+    return TaskReport.view_of(report, outcome=report.outcome.value, conditions=conditions)
 
 
 def task_trace(task: KeptTask, limit: int) -> TaskTrace:

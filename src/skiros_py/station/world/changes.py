@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import UTC, datetime
 
+from skiros_py.api.wire import moment
 from skiros_py.api.world import Change, ChangePage, Undoable, Written
 from skiros_py.errors import Refused
 from skiros_py.world import change as world_change
@@ -26,14 +26,10 @@ def _told(
     change: world_change.Change, edits: Sequence[Edit], start: int, total: int, wall: float | None = None
 ) -> Change:
     end = start + len(edits)
-    return Change(
-        number=change.number,
-        author=change.author,
+    return Change.view_of(
+        change,
         writer=change.writer.value,
-        reason=change.reason,
-        time=change.time,
-        written=None if wall is None else datetime.fromtimestamp(wall, UTC),
-        undoes=change.undoes,
+        written=moment(wall),
         edits=[edit.as_json() for edit in edits],
         edits_total=total,
         next=str(end) if edits and end < total else None,
@@ -86,7 +82,7 @@ def undoable(world: World) -> Undoable | None:
     head = _journal(world).undoable()
     if head is None:
         return None
-    return Undoable(number=head.change.number, author=head.change.author, reason=head.change.reason)
+    return Undoable.view_of(head.change)
 
 
 def written(world: World, tx: Transaction, ids: dict[str, str] | None = None) -> Written:

@@ -126,10 +126,9 @@ def _class_property(view: Index, class_: str, property_: Property) -> api.ClassP
 def property_info(property_: Property) -> api.PropertyInfo:
     """Describes a property."""
     unit = _UNIT.search(property_.comment)
-    return api.PropertyInfo(
+    return api.PropertyInfo.view_of(
+        property_,
         name=property_.curie,
-        label=property_.label,
-        comment=property_.comment,
         datatype=property_.range,
         says=DATATYPES[property_.range].says,
         unit=unit[1] if unit else "",
@@ -139,17 +138,13 @@ def property_info(property_: Property) -> api.PropertyInfo:
 
 def relation_info(view: Index, relation: Relation) -> api.RelationInfo:
     """Describes a relation."""
-    return api.RelationInfo(
+    return api.RelationInfo.view_of(
+        relation,
         name=relation.curie,
-        label=relation.label,
-        comment=relation.comment,
         family=relation.family.value,
         parents=list(relation.parents),
         subjects=_end(relation.domains),
         objects=_end(relation.ranges),
-        place_end=relation.place_end,
-        functional=relation.functional,
-        inverse=relation.inverse,
         computed=view.reasoners.computes(relation.curie),
     )
 
