@@ -34,7 +34,6 @@ from skiros_py.server.routes import (
     plugins,
     previews,
     queries,
-    robot_models,
     robots,
     scenes,
     sequences,
@@ -52,7 +51,7 @@ from skiros_py.server.services import Services
 PREFIX = "/api/v1"
 _TOPICS = (
     jobs, goals, templates, previews, world, view, elements, ontology, queries, learned, locks, scenes, simulation,
-    modules, plugins, tasks, sequences, documents, robots, robot_models, devices, stop, events, alarms, webhooks, keys,
+    modules, plugins, tasks, sequences, documents, robots, devices, stop, events, alarms, webhooks, keys,
     session, audit,
 )  # fmt: skip
 """The routes, in the order in which the documentation shows them."""

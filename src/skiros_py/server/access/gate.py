@@ -18,10 +18,8 @@ from skiros_py.server.access.audit import AuditEntry, AuditLog
 from skiros_py.server.access.authenticator import Authenticator
 from skiros_py.server.access.bodies import read_body, replayed
 from skiros_py.server.access.keys import without_keys
-from skiros_py.server.access.load import Load
-from skiros_py.server.access.networks import network_of
+from skiros_py.server.access.limits import Load, Rates, network_of
 from skiros_py.server.access.origin_policy import SAFE, OriginPolicy
-from skiros_py.server.access.rates import Rates
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.logs import request_id
 from skiros_py.server.pages import is_page

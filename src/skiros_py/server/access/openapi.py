@@ -9,8 +9,8 @@ from fastapi import FastAPI
 from fastapi.dependencies.models import Dependant
 from fastapi.routing import iter_route_contexts
 
+from skiros_py.server.access.authenticator import COOKIE
 from skiros_py.server.access.gate import OPEN
-from skiros_py.server.access.logins import COOKIE
 from skiros_py.server.access.roles import Need, Role
 
 _SCHEMES = {

@@ -1,4 +1,4 @@
-"""Places in the log of events: where somebody stands, and what they have missed."""
+"""Which events a listener wants, and its position in the log: what it has missed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from skiros_py.station.events.event import as_text
+from skiros_py.station.events.event import Event, Kind, as_text
 from skiros_py.station.events.log import EventLog
 
 _PLACE = re.compile(r"([0-9a-f]{8})-(\d{1,18})", re.ASCII)
@@ -75,3 +75,32 @@ def missed(log: EventLog, number: int) -> Reset | None:
 
 def _reset(log: EventLog, code: str, why: str) -> Reset:
     return Reset(code, why, position_text(log, log.last))
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Which events somebody wants: those that fit all of this.
+
+    Attributes:
+        kinds: Kinds of events.
+        types: What happened, in one word; empty for anything.
+        job: Id of the job that they belong to; empty for any.
+        element: Id of the element of the world that they touch; empty for any.
+    """
+
+    kinds: frozenset[Kind] = frozenset(Kind)
+    types: frozenset[str] = frozenset()
+    job: str = ""
+    element: str = ""
+
+    def takes(self, event: Event) -> bool:
+        """Returns whether an event is among them."""
+        return (
+            event.kind in self.kinds
+            and (not self.types or event.type in self.types)
+            and (not self.job or event.job == self.job)
+            and (not self.element or event.touches(self.element))
+        )
+
+
+EVERYTHING = Choice()

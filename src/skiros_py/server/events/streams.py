@@ -13,8 +13,7 @@ from fastapi.sse import format_sse_event
 
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller
-from skiros_py.server.events.choice import Choice
-from skiros_py.server.events.positions import Reset, find_position, missed, position_text
+from skiros_py.server.events.positions import Choice, Reset, find_position, missed, position_text
 from skiros_py.station.events.live import LiveState
 from skiros_py.station.events.log import EventLog
 

@@ -11,8 +11,7 @@ from fastapi import APIRouter, Header, Path, Query
 from skiros_py.api.events import EventInfo, EventPage, ResetInfo
 from skiros_py.api.state import StationState
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
-from skiros_py.server.events.choice import EVERYTHING, Choice
-from skiros_py.server.events.positions import Reset, find_position, missed, position_text
+from skiros_py.server.events.positions import EVERYTHING, Choice, Reset, find_position, missed, position_text
 from skiros_py.server.events.sse import EventStream
 from skiros_py.server.problems import Problem
 from skiros_py.server.services import Services, ServicesDep

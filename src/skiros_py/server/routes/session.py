@@ -7,7 +7,7 @@ from typing import Literal, TypedDict
 from fastapi import APIRouter, Request, Response
 
 from skiros_py.api.access import Login, Me
-from skiros_py.server.access.logins import LIFETIME, cookie_name
+from skiros_py.server.access.authenticator import LIFETIME, cookie_name
 from skiros_py.server.access.openapi import operations
 from skiros_py.server.access.roles import Caller, CallerDep, Role, needs
 from skiros_py.server.services import Services, ServicesDep

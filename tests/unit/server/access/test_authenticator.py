@@ -10,9 +10,8 @@ import pytest
 from starlette.datastructures import Headers
 
 from skiros_py.errors import UsageError
-from skiros_py.server.access.authenticator import Authenticator, check_access
+from skiros_py.server.access.authenticator import COOKIE, Authenticator, check_access
 from skiros_py.server.access.keys import KeyStore
-from skiros_py.server.access.logins import COOKIE
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.problems import Problem
 from skiros_py.server.settings import ServerSettings

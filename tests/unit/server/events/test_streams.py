@@ -8,8 +8,7 @@ import pytest
 from skiros_py.errors import Busy
 from skiros_py.server.access.roles import Caller, Role
 from skiros_py.server.events import streams as module
-from skiros_py.server.events.choice import EVERYTHING, Choice
-from skiros_py.server.events.positions import position_text
+from skiros_py.server.events.positions import EVERYTHING, Choice, position_text
 from skiros_py.server.events.streams import Streams
 from skiros_py.station.events.event import Kind
 from skiros_py.station.events.log import EventLog
