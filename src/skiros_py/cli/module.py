@@ -120,8 +120,8 @@ def run(
         after = manager.panel(name, given)
     good = sum(isinstance(outcome, Success) for outcome in outcomes)
     if as_json:
-        told = [_as_json(outcome) for outcome in outcomes]
-        answer({"runs": told, "before": before.as_json(), "after": after.as_json()})
+        runs = [_as_json(outcome) for outcome in outcomes]
+        answer({"runs": runs, "before": before.as_json(), "after": after.as_json()})
     elif repeat > 1:
         click.echo(f"{good} of {len(outcomes)} runs succeeded")
     if session.stopped:

@@ -232,14 +232,14 @@ def _add(make: Callable[[Knowledge], Draft], *, dry_run: bool, as_json: bool) ->
 def _tell(draft: Draft, steps: tuple[str, ...], *, dry_run: bool, as_json: bool) -> int:
     if as_json:
         files = {"new": list(draft.new), "changed": list(draft.changed)}
-        told = {
+        result = {
             "folder": str(draft.root),
             **files,
             "notes": list(draft.notes),
             "next": list(steps),
             "written": not dry_run,
         }
-        answer(told)
+        answer(result)
         return REACHED
     _print_tree(draft)
     for note in draft.notes:

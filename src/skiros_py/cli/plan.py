@@ -65,7 +65,7 @@ def command(scene: str, folder: Path | None, explain: bool, as_json: bool, **opt
             "plan": files.get("plan", "").splitlines(),
         }
         if account is not None:
-            found["skills"] = [told.as_json() for told in account]
+            found["skills"] = [entry.as_json() for entry in account]
         answer(found)
     elif account is not None:
         _print_account(account)
@@ -87,17 +87,17 @@ def _print_account(account: Sequence[SkillAccount]) -> None:
     from rich.tree import Tree
 
     console = Console(highlight=False)
-    for told in account:
-        tree = Tree(f"[bold]{escape(told.skill)}[/]" if told.skill else "[bold]bookkeeping of the goal[/]")
-        written = tree.add("written") if told.skill else tree
-        for title, conditions in (("pre", told.pre), ("hold", told.hold), ("post", told.post)):
+    for entry in account:
+        tree = Tree(f"[bold]{escape(entry.skill)}[/]" if entry.skill else "[bold]bookkeeping of the goal[/]")
+        written = tree.add("written") if entry.skill else tree
+        for title, conditions in (("pre", entry.pre), ("hold", entry.hold), ("post", entry.post)):
             for condition in conditions:
                 written.add(f"[dim]{title:4}[/] {escape(condition)}")
-        for action in told.actions:
+        for action in entry.actions:
             made = tree.add(f"action [cyan]{escape(action.name)}[/]({escape(', '.join(action.parameters))})")
             for note in action.notes:
                 made.add(escape(note))
-        if not told.actions:
+        if not entry.actions:
             tree.add("no action: this goal cannot need it")
         console.print(tree)
 

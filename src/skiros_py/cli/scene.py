@@ -53,7 +53,7 @@ def show(scene: str, as_json: bool) -> int:
         return REACHED
     for root in roots:
         for depth, node in root.walk():
-            click.echo(escaped("  " * depth + _told(node)))
+            click.echo(escaped("  " * depth + _line(node)))
     for goal in world.goals:
         click.echo(escaped(f"goal: {goal}"))
     return REACHED
@@ -138,7 +138,7 @@ def _present(data: Path) -> str:
         return world.scene_turtle()
 
 
-def _told(node: Branch) -> str:
+def _line(node: Branch) -> str:
     relation = f"{node.relation.partition(':')[2]}: " if node.relation else ""
     return f"{relation}{node.element.id} ({node.element.type.partition(':')[2]})"
 

@@ -74,5 +74,5 @@ def _print(catalogue: Catalogue) -> None:
     for reasoner in catalogue.reasoners:
         click.echo(f"reasoner {reasoner.name} computes {', '.join(sorted(reasoner.relations)) or 'no relation'}")
     for fault in catalogue.faults:
-        told = f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}"
-        click.echo(escaped(told), err=True)
+        line = f"did not load: {fault.group} {fault.name} of {fault.distribution}: {fault.reason}"
+        click.echo(escaped(line), err=True)

@@ -14,7 +14,7 @@ from skiros_py.errors import UsageError
 if TYPE_CHECKING:
     from skiros_py.api.elements import ElementDetails, Relation
     from skiros_py.api.queries import Query
-    from skiros_py.api.world import Change as Told
+    from skiros_py.api.world import Change as ChangeInfo
     from skiros_py.api.world import ChangePage, Learned
     from skiros_py.client import Client
     from skiros_py.world.change import Change
@@ -44,14 +44,14 @@ class ServedWorld:
         """Returns what is believed of an element."""
         from skiros_py.world.element import Stamp
 
-        told = self._client.elements.get(element)
-        statements = [(r.subject, r.relation, r.object) for r in self._relations(told)]
-        return Shown(_element(told), statements, Stamp(told.version, told.changed_at))
+        found = self._client.elements.get(element)
+        statements = [(r.subject, r.relation, r.object) for r in self._relations(found)]
+        return Shown(_element(found), statements, Stamp(found.version, found.changed_at))
 
-    def _relations(self, told: ElementDetails) -> Iterator[Relation]:
-        if told.relations_total == len(told.relations):
-            return iter(told.relations)
-        return _all(lambda cursor: self._client.elements.relations(told.id, limit=_PAGE, cursor=cursor))
+    def _relations(self, found: ElementDetails) -> Iterator[Relation]:
+        if found.relations_total == len(found.relations):
+            return iter(found.relations)
+        return _all(lambda cursor: self._client.elements.relations(found.id, limit=_PAGE, cursor=cursor))
 
     def history(self, element: str | None, last: int | None) -> History:
         """Returns which changes touched an element, or all."""
@@ -59,9 +59,9 @@ class ServedWorld:
 
         limit = _CHANGES if last is None else min(last, _CHANGES)
         page = self._changes(element, limit, None)
-        told = [*islice(_all(lambda cursor: self._changes(element, limit, cursor), page), last)]
+        found = [*islice(_all(lambda cursor: self._changes(element, limit, cursor), page), last)]
         entries: list[Entry] = []
-        for one in reversed(told):
+        for one in reversed(found):
             assert one.written is not None
             entries.append(Entry(self._whole(one), one.written.timestamp()))
         return History(page.remembered_from, entries)
@@ -85,8 +85,8 @@ class ServedWorld:
 
     def learned(self) -> Sequence[Element]:
         """Returns what robots were taught."""
-        told = _all(lambda cursor: self._client.learned.list(limit=_PAGE, cursor=cursor))
-        return [_learned(one) for one in told]
+        found = _all(lambda cursor: self._client.learned.list(limit=_PAGE, cursor=cursor))
+        return [_learned(one) for one in found]
 
     def forget(self, concept: str, author: str) -> Change:
         """Forgets something that was learned, with its pieces."""
@@ -112,13 +112,13 @@ class ServedWorld:
         name = "".join(c for c in author if c.isprintable())[:_LONGEST_AUTHOR].strip()
         self._client.http.headers.update([(b"X-Skiros-User", name.encode())])
 
-    def _whole(self, told: Told) -> Change:
+    def _whole(self, found: ChangeInfo) -> Change:
         """Returns a change with all its edits."""
         from skiros_py.world.journal.records import decode_change
 
-        data, following = told.model_dump(), told.next
+        data, following = found.model_dump(), found.next
         while following is not None:
-            more = self._client.world.change(told.number, limit=_PAGE, cursor=following)
+            more = self._client.world.change(found.number, limit=_PAGE, cursor=following)
             data["edits"] += more.edits
             following = more.next
         del data["written"]
@@ -149,26 +149,28 @@ def _all(read: Callable[[str | None], _Page[_Item]], first: _Page[_Item] | None 
         page = read(page.next)
 
 
-def _element(told: ElementDetails) -> Element:
+def _element(found: ElementDetails) -> Element:
     from skiros_py.world.element import Element
 
-    own = {name: _value(said.value) for name, said in told.properties.items() if said.origin == "own"}
-    return Element(told.id, told.class_, told.label, own)
+    own = {name: _value(said.value) for name, said in found.properties.items() if said.origin == "own"}
+    return Element(found.id, found.class_, found.label, own)
 
 
-def _learned(told: Learned) -> Element:
+def _learned(found: Learned) -> Element:
     from skiros_py.world.element import Element
 
-    return Element(told.id, told.class_, told.label, {name: _value(value) for name, value in told.properties.items()})
+    return Element(
+        found.id, found.class_, found.label, {name: _value(value) for name, value in found.properties.items()}
+    )
 
 
-def _value(told: Any) -> Value:
-    """Returns a value that was told as plain data."""
+def _value(found: Any) -> Value:
+    """Returns a value that came as plain data."""
     from skiros_py.geometry import Pose
 
-    if isinstance(told, dict):
-        return Pose(tuple(told["position"]), tuple(told["orientation"]))
-    value: Value = tuple(told) if isinstance(told, list) else told
+    if isinstance(found, dict):
+        return Pose(tuple(found["position"]), tuple(found["orientation"]))
+    value: Value = tuple(found) if isinstance(found, list) else found
     return value
 
 

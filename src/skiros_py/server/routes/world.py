@@ -95,9 +95,9 @@ def write_transaction(
     What is there already is changed only by who says what they have seen: by `expects`, or by `If-Match` with the
     version of the world (`*` for whatever it is).
     """
-    told = station.world.write(order, seen, caller.author)
-    response.headers["ETag"] = etag(told.version)
-    return told
+    written = station.world.write(order, seen, caller.author)
+    response.headers["ETag"] = etag(written.version)
+    return written
 
 
 @router.post("/world/undo", summary="Undo the last edit by a person", dependencies=[needs(Role.OPERATOR)])

@@ -20,7 +20,7 @@ from skiros_py.world.change import Change
 from skiros_py.world.element import is_learned
 
 _MOST_EDITS = 100
-"""So many edits of one change are told; the history has all of them."""
+"""So many edits of one change are known; the history has all of them."""
 
 
 class EventSources:
@@ -76,10 +76,10 @@ class EventSources:
 
     def _turn(self, run: ModuleRun, turn: Turn) -> None:
         text = {"paused": "stands where it is", "resumed": "goes on"}[turn]
-        told = {"kind": run.kind, "agent": run.wish.agent, "code": 0, "text": text, "run": run.id}
+        known = {"kind": run.kind, "agent": run.wish.agent, "code": 0, "text": text, "run": run.id}
         blank = {"target": "", "caller": "", "task": "", "implementation": None}
         blank |= {"parent": "", "root": "", "path": run.wish.module, "event": "", "value": None}
-        self._events.append(Kind.MODULE, turn, run.wish.module, elements=[run.wish.agent], data=told | blank)
+        self._events.append(Kind.MODULE, turn, run.wish.module, elements=[run.wish.agent], data=known | blank)
 
     def _question(self, question: Question) -> None:
         data = {

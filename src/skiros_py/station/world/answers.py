@@ -1,4 +1,4 @@
-"""Answers to SPARQL queries, in the forms in which they are told."""
+"""Answers to SPARQL queries, in the forms in which they are plain."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 import io
 from typing import Any
 
-from skiros_py.station.world.values import told
+from skiros_py.station.world.values import plain
 from skiros_py.world.element import Value
 from skiros_py.world.literals import ANY_LITERAL, format_value
 from skiros_py.world.queries import Constructed, Result, Table
@@ -28,9 +28,9 @@ class Answer:
         if isinstance(result, bool):
             return {"form": "ASK", "answer": result}
         if isinstance(result, Table):
-            rows = [{name: told(value) for name, value in row.items()} for row in result.rows]
+            rows = [{name: plain(value) for name, value in row.items()} for row in result.rows]
             return {"form": "SELECT", "variables": list(result.variables), "rows": rows}
-        statements = [[subject, predicate, told(value)] for subject, predicate, value in result.statements]
+        statements = [[subject, predicate, plain(value)] for subject, predicate, value in result.statements]
         return {"form": "CONSTRUCT", "statements": statements, "turtle": result.turtle}
 
     def csv(self, line_end: str = "\r\n") -> str | None:

@@ -17,12 +17,12 @@ _MOST_EDITS = 100
 """Edits of a change that are told in a list; a scene has thousands."""
 
 
-def told_change(change: world_change.Change) -> Change:
+def change_view(change: world_change.Change) -> Change:
     """Describes a change that was just made."""
-    return _told(change, change.edits[:_MOST_EDITS], 0, len(change.edits))
+    return _view_of(change, change.edits[:_MOST_EDITS], 0, len(change.edits))
 
 
-def _told(
+def _view_of(
     change: world_change.Change, edits: Sequence[Edit], start: int, total: int, wall: float | None = None
 ) -> Change:
     end = start + len(edits)
@@ -74,7 +74,7 @@ def one_change(world: World, number: int, start: int, most: int) -> Change:
     if not heads:
         raise Refused("NotFound", f"there is no change {number}: the latest is {journal.version}")
     head = heads[0]
-    return _told(head.change, journal.edits(head, start, most), start, head.edits, head.wall)
+    return _view_of(head.change, journal.edits(head, start, most), start, head.edits, head.wall)
 
 
 def undoable(world: World) -> Undoable | None:
@@ -87,14 +87,14 @@ def undoable(world: World) -> Undoable | None:
 
 def written(world: World, tx: Transaction, ids: dict[str, str] | None = None) -> Written:
     """Returns what a transaction did, once it is over."""
-    told = None if tx.change is None else told_change(tx.change)
-    return Written(version=world.version, change=told, ids=ids or {})
+    change = None if tx.change is None else change_view(tx.change)
+    return Written(version=world.version, change=change, ids=ids or {})
 
 
 def _page(journal: Journal, heads: Sequence[Head], limit: int) -> ChangePage:
     shown = heads[:limit]
     return ChangePage(
-        items=[_told(h.change, h.change.edits[:_MOST_EDITS], 0, h.edits, h.wall) for h in shown],
+        items=[_view_of(h.change, h.change.edits[:_MOST_EDITS], 0, h.edits, h.wall) for h in shown],
         next=str(shown[-1].change.number) if len(heads) > limit else None,
         remembered_from=journal.first,
         version=journal.version,

@@ -41,7 +41,7 @@ def writing(
         yield tx
 
 
-def told_lock(world: World, lock: Lock) -> tuple[str, str, datetime, float]:
+def lock_view(world: World, lock: Lock) -> tuple[str, str, datetime, float]:
     """Returns of a lock its element, its owner, when it ends (UTC), and in how long that is [s]."""
     left = max(0.0, lock.until - world.locks.now())
     return lock.element, lock.shown, datetime.now(UTC) + timedelta(seconds=left), round(left, 1)

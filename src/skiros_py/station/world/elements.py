@@ -10,7 +10,7 @@ from skiros_py.api.world import ChangePage, Written
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.world.changes import history, written
 from skiros_py.station.world.editing import add, change, writing
-from skiros_py.station.world.telling import details, relations, summary
+from skiros_py.station.world.element_views import details, relations, summary
 from skiros_py.world.index import Index
 from skiros_py.world.names import local_name
 from skiros_py.world.transaction import Transaction

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from skiros_py.api import ontology as api
 from skiros_py.catalogue import Catalogue
-from skiros_py.station.world.values import told
+from skiros_py.station.world.values import plain
 from skiros_py.world.index import Index
 from skiros_py.world.literals import DATATYPES
 from skiros_py.world.ontology import Ontology
@@ -16,7 +16,7 @@ from skiros_py.world.terms import Class, End, Property, Relation
 from skiros_py.world.vocabulary import ELEMENT
 
 _MOST_SHOWN = 100
-"""Ids of individuals that are told with a class."""
+"""Ids of individuals that are plain with a class."""
 
 _UNIT = re.compile(r"\[([^\[\]]{1,30})\]")
 """Comments give units in brackets, as in "Mass [kg]; 0 for what never moves"."""
@@ -120,7 +120,7 @@ def _fitting_properties(ontology: Ontology, class_: str) -> Iterator[Property]:
 
 def _class_property(view: Index, class_: str, property_: Property) -> api.ClassProperty:
     value = class_value(view, class_, property_.curie)
-    return api.ClassProperty(**property_info(property_).model_dump(), value=told(value))
+    return api.ClassProperty(**property_info(property_).model_dump(), value=plain(value))
 
 
 def property_info(property_: Property) -> api.PropertyInfo:

@@ -39,8 +39,8 @@ def placement_options(
     """
     wanted = _placements(view) if relation is None else [_placement(view, relation)]
     trial = _Trial(view, class_, element)
-    told = [_option(view, trial, r, limit, after) for r in wanted if not view.ontology.missed_end(class_, _guests(r))]
-    return PlacementOptions(class_=class_, element=element, options=told)
+    shown = [_option(view, trial, r, limit, after) for r in wanted if not view.ontology.missed_end(class_, _guests(r))]
+    return PlacementOptions(class_=class_, element=element, options=shown)
 
 
 def _placements(view: Index) -> list[Relation]:

@@ -56,7 +56,7 @@ def tree(view: Index, root: str, depth: int, limit: int, after: str = "") -> Tre
         if shown and start + len(shown) < len(found):
             draft.next = shown[-1][0]
         waiting.extend((child, levels - 1) for child in draft.children)
-    return _told(view, top)
+    return _tree_node(view, top)
 
 
 def _id(child: tuple[str, str]) -> str:
@@ -84,7 +84,7 @@ def _roots(view: Index) -> set[str]:
     return set(view.instances(ROOT)) | {name for name in loose if not view.owners(name)}
 
 
-def _told(view: Index, draft: _Draft) -> TreeNode:
+def _tree_node(view: Index, draft: _Draft) -> TreeNode:
     element = None if draft.name == _TOP else view.element(draft.name)
     return TreeNode(
         id=draft.name,
@@ -92,7 +92,7 @@ def _told(view: Index, draft: _Draft) -> TreeNode:
         label="world" if element is None else element.label,
         relation=draft.relation,
         version=view.version if element is None else view.stamp(draft.name).change,
-        children=[_told(view, child) for child in draft.children],
+        children=[_tree_node(view, child) for child in draft.children],
         children_total=draft.total,
         next=draft.next,
     )

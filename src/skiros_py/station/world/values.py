@@ -13,7 +13,7 @@ from skiros_py.world.transaction import Transaction
 from skiros_py.world.vocabulary import POSE
 
 
-def told(value: Value | None, frame: str | None = None) -> Any:
+def plain(value: Value | None, frame: str | None = None) -> Any:
     """Returns a value as plain data.
 
     Args:

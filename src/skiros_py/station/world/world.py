@@ -22,10 +22,10 @@ from skiros_py.api.world import (
 from skiros_py.errors import Locked, Refused, StaleVersion, UnknownName, WorldError
 from skiros_py.station.requests import ANY_VERSION, LIBRARY, Author, Seen, Service, addressed, require_seen
 from skiros_py.station.scenes.loading import LOADED
-from skiros_py.station.world.changes import change_page, one_change, told_change, undoable, written
-from skiros_py.station.world.editing import operate, told_lock, writing
+from skiros_py.station.world.changes import change_page, change_view, one_change, undoable, written
+from skiros_py.station.world.editing import lock_view, operate, writing
 from skiros_py.station.world.tree import tree
-from skiros_py.station.world.values import told
+from skiros_py.station.world.values import plain
 from skiros_py.station.world.view import view_of
 from skiros_py.world.element import is_learned
 from skiros_py.world.index import Index
@@ -136,7 +136,7 @@ class WorldService(Service):
         """
         world = self._world
         try:
-            return told_change(undo(world, author.name, expects=order.change if order else None, holder=author.holder))
+            return change_view(undo(world, author.name, expects=order.change if order else None, holder=author.holder))
         except (StaleVersion, Locked):
             raise
         except WorldError as error:
@@ -152,7 +152,9 @@ class WorldService(Service):
         view = self._world.snapshot()
         names = [name for name in _learned(view) if name > after]
         shown = names[:limit]
-        return LearnedPage(items=[_told(view, name) for name in shown], next=shown[-1] if len(names) > limit else None)
+        return LearnedPage(
+            items=[_learned_view(view, name) for name in shown], next=shown[-1] if len(names) > limit else None
+        )
 
     def forget(
         self, element: str, seen: Seen | None = ANY_VERSION, author: Author = LIBRARY, reason: str = ""
@@ -230,7 +232,7 @@ def _learned(view: Index) -> list[str]:
     return [name for name in view.abstracts(ELEMENT) if is_learned(name)]
 
 
-def _told(view: Index, name: str) -> Learned:
+def _learned_view(view: Index, name: str) -> Learned:
     element = view.element(name)
     about = element.properties.get(APPLIES_TO)
     return Learned(
@@ -238,11 +240,11 @@ def _told(view: Index, name: str) -> Learned:
         class_=element.type,
         label=element.label,
         about=None if about is None else str(about),
-        properties={key: told(value) for key, value in sorted(element.properties.items())},
+        properties={key: plain(value) for key, value in sorted(element.properties.items())},
         version=view.stamp(name).change,
     )
 
 
 def _lock(world: World, lock: WorldLock) -> Lock:
-    element, owner, until, seconds = told_lock(world, lock)
+    element, owner, until, seconds = lock_view(world, lock)
     return Lock(element=element, owner=owner, until=until, seconds=seconds)

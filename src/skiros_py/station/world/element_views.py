@@ -1,4 +1,4 @@
-"""Elements of one state of the world, as they are told."""
+"""Elements of one state of the world, as they are plain."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from skiros_py.api import elements as api
 from skiros_py.api.values import Placement, Pose
 from skiros_py.errors import UsageError
-from skiros_py.station.world.values import told
+from skiros_py.station.world.values import plain
 from skiros_py.world.element import is_abstract
 from skiros_py.world.index import Index
 from skiros_py.world.poses import map_pose
@@ -17,7 +17,7 @@ from skiros_py.world.terms import Family
 from skiros_py.world.vocabulary import POSE, POSE_FRAME
 
 _MOST_RELATIONS = 200
-"""Relations that are told together with an element."""
+"""Relations that are plain together with an element."""
 
 
 def summary(view: Index, name: str) -> api.ElementSummary:
@@ -111,7 +111,7 @@ def _properties(view: Index, name: str) -> Iterator[tuple[str, api.Property]]:
         value = view.value(name, property_)
         if value is not None:
             frame = next(iter(view.objects(name, POSE_FRAME)), None) if property_ == POSE else None
-            yield property_, _property(view, name, property_, told(value, frame))
+            yield property_, _property(view, name, property_, plain(value, frame))
 
 
 def _property(view: Index, name: str, property_: str, value: Any) -> api.Property:
