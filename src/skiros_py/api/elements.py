@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from skiros_py.api.values import ElementId, GivenValue, Name, Placement, Pose, Reason, Value
 from skiros_py.api.wire import Answer, Request
@@ -141,7 +141,7 @@ class NewElement(Addition):
     reason: Reason = Field(default="", description="Why, for people.", examples=["delivered this morning"])
 
 
-class ElementPatch(Answer):
+class ElementPatch(Request):
     """What becomes different of an element, all at once; what is left out stays."""
 
     model_config = ConfigDict(
@@ -169,7 +169,7 @@ class ElementPatch(Answer):
     reason: Reason = Field(default="", description="Why, for people.", examples=["weighed"])
 
 
-class TreeNode(BaseModel):
+class TreeNode(Answer):
     """An element with what is placed there and what it is built of."""
 
     id: str = Field(description='Its id; "" for the node above everything.', examples=["pallet_a"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt
+from pydantic import ConfigDict, Field, StrictBool, StrictInt
 
 from skiros_py.api.values import GivenPose, Number
 from skiros_py.api.wire import Answer, Request
@@ -66,7 +66,7 @@ class Query(Answer):
     )
 
 
-class SelectAnswer(BaseModel):
+class SelectAnswer(Answer):
     """What a SELECT answers."""
 
     form: Literal["SELECT"] = Field(description="What was asked.")

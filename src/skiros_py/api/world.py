@@ -158,7 +158,7 @@ Operation = Annotated[
 ]
 
 
-class TransactionOrder(Answer):
+class TransactionOrder(Request):
     """Several writes, of which all take effect or none."""
 
     model_config = ConfigDict(
@@ -191,7 +191,7 @@ class TransactionOrder(Answer):
     )
 
 
-class Learned(BaseModel):
+class Learned(Answer):
     """Something that a robot was taught, and keeps beyond this scene."""
 
     id: str = Field(description="Its id.", examples=["learned:taught_grasp_1"])
