@@ -742,23 +742,34 @@ class WorldMachine(RuleBasedStateMachine):
             of_class = sorted(n for n, type_ in model.types.items() if is_a(type_, class_))
             assert view.instances(class_) == tuple(n for n in of_class if not learned(n))
             assert view.abstracts(class_) == tuple(n for n in of_class if learned(n))
+        places = {name: model.place_of(name) for name in model.types}
+        values: dict[str, dict[str, Any]] = {name: {} for name in model.types}
+        for (name, property_), value in model.values.items():
+            values[name][property_] = value
         for name, class_ in model.types.items():
-            element = view.element(name)
-            own = {k[1]: v for k, v in model.values.items() if k[0] == name}
+            element, own = view.element(name), values[name]
             assert {"rdfs:label": element.label, **element.properties} == own
             assert repr(sorted(element.properties.items())) == repr(sorted((k, own[k]) for k in element.properties))
             assert (element.id, element.type, view.has(name)) == (name, class_, True)
-            assert view.placement(name) == model.place_of(name)
-            assert view.contents(name) == tuple(model.placed_in(name)) == children(view, name, "sk:placement")
-            assert view.owners(name) == tuple(model.owners(name))
-            at, owners = model.place_of(name), model.owners(name)
+            at, owners = places[name], model.owners(name)
+            guests = tuple(
+                sorted(guest for guest, place in places.items() if place is not None and place.place == name)
+            )
+            assert view.placement(name) == at
+            assert view.contents(name) == guests == children(view, name, "sk:placement")
+            assert view.owners(name) == tuple(owners)
             assert parent(view, name) == (at.place if at else owners[0] if owners else None)
             assert view.value(name, MASS) == own.get(MASS)
         for relation in (*PLACEMENTS, *OTHERS, *NARROWER):
-            held = {(s, o) for s, r, o in model.facts if r in below(relation)}
+            narrower = set(below(relation))
+            held = {(s, o) for s, r, o in model.facts if r in narrower}
+            ends: dict[str, tuple[set[str], set[str]]] = {name: (set(), set()) for name in model.types}
+            for s, o in held:
+                ends[s][1].add(o)
+                ends[o][0].add(s)
             for name in model.types:
-                subjects = tuple(sorted({s for s, o in held if o == name}))
-                assert view.objects(name, relation) == tuple(sorted({o for s, o in held if s == name}))
+                subjects = tuple(sorted(ends[name][0]))
+                assert view.objects(name, relation) == tuple(sorted(ends[name][1]))
                 assert view.subjects(relation, name) == subjects
                 if subjects:
                     bare = tuple(s for s in subjects if not learned(s))
