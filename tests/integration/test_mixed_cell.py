@@ -9,6 +9,7 @@ import pytest
 
 from skiros_py.config import find_scene
 from skiros_py.devices.base import BaseTwist
+from skiros_py.devices.gripper import GripperTarget
 from skiros_py.station.session import Options, Session
 
 CODE = """
@@ -47,3 +48,23 @@ def test_a_cell_mixes_simulated_and_real_robots(site: Any, tmp_path: Path) -> No
     assert "base_1" in simulated
     assert "base_2" not in simulated
     assert "starter_1" in bodies
+
+
+@pytest.mark.physics
+def test_one_device_of_a_simulated_robot_has_a_driver_at_its_own_address(site: Any, tmp_path: Path) -> None:
+    site.install("sk-real", {"drivers": {"real": "sk_real:Real"}}, {"sk_real.py": CODE})
+    text = find_scene("kitting").read_text(encoding="utf-8")
+    said = text + 'scene:gripper_1 sk:driver "real" ; sk:address "/dev/ttyUSB0" .\n'
+    (tmp_path / "grip.ttl").write_text(said, encoding="utf-8")
+
+    with Session(str(tmp_path / "grip.ttl"), Options(seed=1)) as session:
+        sk_real = pytest.importorskip("sk_real")
+
+        for _ in range(3):
+            after = session.cell.exchange({"gripper_1": GripperTarget(0.01, 10.0), "base_1": BaseTwist(0.2, 0.0)})
+        simulated = set(session.simulation.devices)
+
+    assert sk_real.ADDRESSES[-1] == "/dev/ttyUSB0"
+    assert after.devices["gripper_1"].gap == 0.01  # at once, as that driver does
+    assert simulated == {"base_1", "arm_1", "camera_1"}
+    assert after.devices["base_1"].linear > 0.0

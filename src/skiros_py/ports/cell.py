@@ -5,7 +5,7 @@ It is read from the world model once, before anything moves; adapters see this a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from skiros_py.errors import UnknownName
@@ -60,6 +60,7 @@ class RobotSpec:
         footprint: Corners of its outline on the floor [m], counter-clockwise, for a robot that nothing moves.
         driver: Name of its driver; empty for that of the cell.
         address: Where the driver reaches the hardware, as the driver wants it.
+        drivers: Id, driver and address of each of its devices that has a driver or an address of its own.
     """
 
     id: str
@@ -69,6 +70,29 @@ class RobotSpec:
     footprint: tuple[tuple[float, float], ...] = ()
     driver: str = ""
     address: str = ""
+    drivers: tuple[tuple[str, str, str], ...] = ()
+
+    def by_driver(self) -> tuple[RobotSpec, ...]:
+        """Returns it as its drivers see it: for each driver and address the devices that are reached there.
+
+        A part without the device that moves the robot stands where the robot starts.
+        """
+        if not self.drivers:
+            return (self,)
+        at = {device.id: (self.driver, self.address) for device in self.devices}
+        at |= {device: (driver, address) for device, driver, address in self.drivers}
+        return tuple(
+            replace(
+                self,
+                devices=tuple(device for device in self.devices if at[device.id] == (driver, address)),
+                place=self.start,
+                footprint=self.outline,
+                driver=driver,
+                address=address,
+                drivers=(),
+            )
+            for driver, address in dict.fromkeys(at.values())
+        )
 
     def of(self, type_: type[SpecT]) -> tuple[SpecT, ...]:
         """Returns its devices of a kind."""
@@ -139,7 +163,10 @@ class CellSpec:
 
         The driver of the cell has the bodies, without those that devices of another driver carry.
         """
-        away = {device.id for group in self.groups if group.driver for device in group.devices}
+        robots, single = (
+            [part for group in groups for part in group.by_driver()] for groups in (self.robots, self.single)
+        )
+        away = {device.id for part in (*robots, *single) if part.driver for device in part.devices}
         gone = {body.id for body in self.bodies if body.carrier in away}
         while more := {body.id for body in self.bodies if body.place in gone} - gone:
             gone |= more
@@ -147,10 +174,10 @@ class CellSpec:
         return {
             driver: CellSpec(
                 () if driver else bodies,
-                tuple(group for group in self.robots if group.driver == driver),
-                tuple(group for group in self.single if group.driver == driver),
+                tuple(part for part in robots if part.driver == driver),
+                tuple(part for part in single if part.driver == driver),
             )
-            for driver in dict.fromkeys(("", *(group.driver for group in self.groups)))
+            for driver in dict.fromkeys(("", *(part.driver for part in (*robots, *single))))
         }
 
     @property

@@ -209,7 +209,7 @@ def _pose(view: WorldView, element: str) -> tuple[Pose | None, str | None]:
 def _robot(view: WorldView, robot: str, kinds: DeviceKinds) -> RobotSpec:
     """Reads a robot; one that nothing moves stands where its own pose says."""
     devices = _devices(view, _structure(view, robot), kinds)
-    spec = RobotSpec(robot, _text(view, robot, v.MODEL), devices, **_driven(view, robot))
+    spec = RobotSpec(robot, _text(view, robot, v.MODEL), devices, **_driven(view, robot, devices))
     carriers = [device for device in spec.devices if isinstance(device, MobileSpec)]
     if len(carriers) > 1:
         raise DescriptionError(f"{robot} is moved by {' and '.join(c.id for c in carriers)}: one can carry it")
@@ -232,16 +232,25 @@ def _single(view: WorldView, kinds: DeviceKinds) -> tuple[RobotSpec, ...]:
         if owner(view, device) is None and not _is_part_of_device(view, device):
             model = view.value(device, v.MODEL)
             devices = _devices(view, [device, *_structure(view, device)], kinds)
-            group = RobotSpec(device, model if isinstance(model, str) else "", devices, **_driven(view, device))
+            group = RobotSpec(
+                device, model if isinstance(model, str) else "", devices, **_driven(view, device, devices)
+            )
             if devices:
                 groups.append(group if group.carrier is not None else _standing(view, group))
     return tuple(groups)
 
 
-def _driven(view: WorldView, group: str) -> dict[str, Any]:
-    """Reads which driver a robot or device has, and at which address."""
+def _driven(view: WorldView, group: str, devices: Sequence[DeviceSpec[Any, Any]]) -> dict[str, Any]:
+    """Reads which driver a robot or device has, at which address, and which of its devices have their own."""
     individual = _Individual(view, group)
-    return {"driver": individual.text(v.DRIVER, ""), "address": individual.text(v.ADDRESS, "")}
+    driver, address = individual.text(v.DRIVER, ""), individual.text(v.ADDRESS, "")
+    own = []
+    for device in devices:
+        reached = _Individual(view, device.id)
+        found = reached.text(v.DRIVER, driver), reached.text(v.ADDRESS, address)
+        if found != (driver, address):
+            own.append((device.id, *found))
+    return {"driver": driver, "address": address, "drivers": tuple(own)}
 
 
 def _is_part_of_device(view: WorldView, element: str) -> bool:

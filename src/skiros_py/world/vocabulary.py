@@ -146,7 +146,7 @@ APPLIES_TO: Final = PropertyName("sk:appliesTo")
 DEPTH_NOISE: Final = PropertyName("sk:depthNoise")
 """Standard deviation of the depth noise [m]."""
 DRIVER: Final = PropertyName("sk:driver")
-"""Name of the driver of a robot, or of a device that belongs to none, where it is not that of the cell."""
+"""Name of the driver of a robot or device, where it is not that of the cell or of its robot."""
 DRIVING_POSE: Final = PropertyName("sk:drivingPose")
 """Where a robot base docks to work here: its pose in this element's own frame [m, rad]."""
 FOOTPRINT: Final = PropertyName("sk:footprint")
