@@ -1,4 +1,4 @@
-"""Writes effects that nobody sensed, for fakes."""
+"""Writes effects without sensing them, for fakes."""
 
 from __future__ import annotations
 
@@ -46,5 +46,5 @@ class AssertEffects(Behaviour):
         effects = scope.context.effects
         if effects is None:
             return Failure("there is no skill here whose effects could be pretended")
-        effects.happened(*self.only, author=scope.author, reason="pretended by a fake")
+        effects.write(*self.only, author=scope.author, reason="pretended by a fake")
         return Success("pretended")

@@ -16,7 +16,7 @@ from skiros_py.skills.outcome import Failure, Outcome, Success
 def check_children(what: str, children: tuple[Behaviour, ...]) -> None:
     """Refuses what is not a tuple of one or more behaviours."""
     require(isinstance(children, tuple), what, "its parts are a tuple", children)
-    require(bool(children), what, "at least one part: with none, nobody knows whether it has worked", children)
+    require(bool(children), what, "at least one part: without one there is no outcome", children)
     for child in children:
         check_behaviour(what, child)
 

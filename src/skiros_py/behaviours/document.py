@@ -119,7 +119,7 @@ class DocumentKind(ABC):
             return (DocumentFault(place, text) if colon else DocumentFault("", place),)
         except SkirosError as error:
             return (DocumentFault("", str(error)),)
-        except Exception as error:  # noqa: BLE001 - somebody else's parser: its mistake is a fault of this document
+        except Exception as error:  # noqa: BLE001 - a plug-in's parser: its error is a fault of this document
             return (DocumentFault("", f"{self.kind} cannot be read: {type(error).__name__}: {error}"),)
         return ()
 

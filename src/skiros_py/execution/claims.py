@@ -55,7 +55,7 @@ class Claim:
         self._level.remove(self)
 
     def waits_for(self) -> tuple[str, ...]:
-        """Returns why it is not granted yet: "arm_1 (pick)" for each device that is in use or wanted before."""
+        """Returns why it is not granted yet: "arm_1 (pick)" for each device that an earlier claim excludes it from."""
         if self.granted or self.released:
             return ()
         before = ((device, self._level.before(device, self)) for device in sorted(self.devices))
@@ -150,7 +150,7 @@ class _Level:
         return next((other for other in earlier if alone or device not in other.shared), None)
 
     def release_all(self) -> None:
-        for claim in reversed(tuple(self._claims)):  # the youngest first: nobody is granted anything on the way
+        for claim in reversed(tuple(self._claims)):  # the youngest first, so that none is granted in between
             claim.release()
 
     def _grant(self, claim: Claim) -> None:
@@ -183,7 +183,7 @@ def devices_of(
 
 
 def complete(view: WorldView, params: Iterable[Param], values: Mapping[str, Any], agent: str) -> dict[str, Any]:
-    """Fills in devices and robots that nobody specified: the only one of its class that is near the subsystem.
+    """Fills in devices and robots that were not specified: the only one of its class that is near the subsystem.
 
     Near means: the subsystem itself, else what it is built of, else its robot, else what that is built of.
     """

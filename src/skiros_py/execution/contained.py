@@ -1,4 +1,4 @@
-"""What authors' code raises becomes a failure with words for a person; the log has the traceback."""
+"""Errors in authors' code become failures with a text for people; the log has the traceback."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ _log = logging.getLogger(__name__)
 def contained(what: str, action: Callable[[], T]) -> T | Failure:
     """Returns what an action returns, or the failure that it is when it raises.
 
-    A refusal of the platform (an unknown name, a locked element) is an ordinary failure, all else somebody's mistake.
+    A refusal of the platform (an unknown name, a locked element) is an ordinary failure, anything else a mistake in the
+    author's code.
 
     Args:
         what: Whose action it is.
@@ -39,7 +40,7 @@ def contained(what: str, action: Callable[[], T]) -> T | Failure:
 
 
 def broken(what: str, error: BaseException, origin: str = "") -> Failure:
-    """Logs a mistake in somebody's code and returns the failure that it is.
+    """Logs an error in an author's code and returns it as a failure.
 
     Args:
         what: What broke.
@@ -51,7 +52,7 @@ def broken(what: str, error: BaseException, origin: str = "") -> Failure:
 
 
 def words(error: BaseException) -> str:
-    """Says in words what somebody's code did instead of ending well."""
+    """Describes in words how an author's code ended."""
     if isinstance(error, SystemExit):
         return f"it tried to end the program: sys.exit({error.code!r}){_where(error)}"
     return f"{type(error).__name__}: {error}{_where(error)}"

@@ -26,7 +26,7 @@ T = TypeVar("T")
 _log = logging.getLogger(__name__)
 
 _SUCCESSORS = 100
-"""How many tasks that others start have their first tick in the same cycle: who starts for ever must not hold it."""
+"""How many tasks that other tasks start have their first tick in the same cycle: endless starting must not hold it."""
 
 
 class ControlCycle:
@@ -56,7 +56,7 @@ class ControlCycle:
         self._places = math.inf
         self._stopping: list[Task[Any]] = []
         self._exchanging = Chore("the exchange with the devices")
-        self._telling = Chore("a listener of faults")
+        self._reporting = Chore("a listener of faults")
         self._observers: list[tuple[Chore, Callable[[], None]]] = []
         self._fault_listeners: list[Callable[[Task[Any]], None]] = []
         self._epoch = (time.perf_counter(), board.snapshot.time)
@@ -72,7 +72,7 @@ class ControlCycle:
             clock: The task's clock, where others read it too.
 
         Raises:
-            UsageError: Everything was halted, and nobody has called :meth:`reset` since.
+            UsageError: Everything was halted, and :meth:`reset` was not called since.
         """
         task = Task(generator, self.board, self.pulse, name, clock)
         if self.halted:
@@ -82,7 +82,7 @@ class ControlCycle:
         return task
 
     def observe(self, observer: Callable[[], None]) -> Callable[[], None]:
-        """Calls a function at the end of every cycle; it must be quick. Returns how to end that."""
+        """Calls a function at the end of every cycle; it must be quick. Returns a function that ends this."""
         entry = Chore(f"the observer {getattr(observer, '__qualname__', observer)}"), observer
         self._observers.append(entry)
         return lambda: self._observers.remove(entry)
@@ -116,7 +116,7 @@ class ControlCycle:
     # ------------------------------------------------------------------ halting
 
     def halt(self, reason: str) -> None:
-        """Brakes everything at once, past all queues, and ends all tasks as soon as the control thread comes round.
+        """Brakes everything at once, past all queues, and ends all tasks in the control thread's next cycle.
 
         May be called in any thread and in a task. No task can be started until :meth:`reset`.
 
@@ -127,7 +127,7 @@ class ControlCycle:
         self.board.halt()
 
     def forbid(self, reason: str) -> None:
-        """Ends all tasks as soon as the control thread comes round, as :meth:`halt` does; the devices hear nothing."""
+        """Ends all tasks in the next cycle, as :meth:`halt` does; the devices are not told to brake."""
         self.halted = self.halted or reason or "halted"
 
     def stop_all(self, reason: str = "a stop was asked for", *, patience: float | None = None) -> bool:
@@ -196,7 +196,7 @@ class ControlCycle:
     # ------------------------------------------------------------------ parts of a cycle
 
     def _do(self, chore: Chore, work: Callable[[], object]) -> None:
-        """Does a piece of the cycle's own work under the watchdog's eyes."""
+        """Runs a part of the cycle itself, watched by the watchdog."""
         outer = self.pulse.enter(chore)
         try:
             work()
@@ -235,7 +235,7 @@ class ControlCycle:
         self._later.clear()
 
     def _sort_out(self) -> None:
-        """Parts with what is done, and tells of faults."""
+        """Removes finished tasks and reports faults."""
         done = [task for task in self._tasks if task.done]
         if not done:
             return
@@ -243,26 +243,26 @@ class ControlCycle:
         for task in done:
             task.settle()
             if task.fault is not None:
-                self._tell(task)
+                self._report(task)
         self._stopping += [task for task in done if task.stopping]
 
     def _settle(self) -> None:
-        """Looks what has come to a standstill of all that was stopped."""
+        """Checks which stopped tasks have come to a standstill."""
         for task in self._stopping:
             before = task.fault
             task.settle()
             if task.fault is not before:
-                self._tell(task)
+                self._report(task)
         if self._stopping:
             self._stopping = [task for task in self._stopping if task.stopping]
 
-    def _tell(self, task: Task[Any]) -> None:
+    def _report(self, task: Task[Any]) -> None:
         if not self._fault_listeners:
             # The words of our own faults say it all, and the watchdog logs stacks itself.
             own = isinstance(task.fault, SkirosError | CycleOverrun)
             _log.error("%s ended with a fault: %s", task.name, task.fault, exc_info=None if own else task.fault)
         for listener in self._fault_listeners:
-            self._do(self._telling, partial(listener, task))
+            self._do(self._reporting, partial(listener, task))
 
     def _keep_pace(self) -> None:
         if self.pace is None:

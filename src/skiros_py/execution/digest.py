@@ -12,7 +12,7 @@ _SHOWN = 16
 
 
 class RunDigest:
-    """Takes in what happens in a run, from whichever thread it is told."""
+    """Hashes the states and changes of a run; any thread may add to it."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

@@ -72,7 +72,7 @@ class Loader:
         return self._known[module]
 
     def reset(self, module: str, context: RunContext) -> None:
-        """Makes a primitive fit to run again after a fault; where that fails, it is loaded anew for the next run.
+        """Makes a primitive fit to run again after a fault; where that fails, it is loaded again for the next run.
 
         Raises:
             ModuleError: Its code broke.
@@ -90,7 +90,7 @@ class Loader:
             return self._watched(module, context)
         except KeyboardInterrupt:
             raise
-        except CycleOverrun:  # the watchdog has told and halted everything
+        except CycleOverrun:  # the watchdog has reported it and halted everything
             return Failure(f"{module} did not load within {self._limit:g} s", BROKEN)
         except BaseException as error:  # noqa: BLE001 - an author's mistake makes runs of this one fail, and no other
             _log.exception("primitive %s did not load", module)

@@ -69,7 +69,7 @@ class Modules:
         loader: Loads the primitives.
         claims: Who may use which device.
         board: Whose commands are limited to what was taken.
-        directory: Who runs what is called and is not here.
+        directory: Finds the managers of other modules.
         documents: Documents that run as modules, by name; they may be exchanged at any time.
     """
 
@@ -187,7 +187,7 @@ class Modules:
         return claim
 
     def reset(self, module: str, context: RunContext) -> None:
-        """Makes a primitive fit to run again after a fault; where that fails, it is loaded anew for the next run.
+        """Makes a primitive fit to run again after a fault; where that fails, it is loaded again for the next run.
 
         Raises:
             ModuleError: Its code broke.
@@ -248,10 +248,10 @@ class Directory(Generic[OfferT]):
             del self._offers[offer.agent]
 
     def who_runs(self, module: str, arguments: Mapping[str, Any], caller: OfferT) -> OfferT:
-        """Returns who runs a module that somebody calls.
+        """Returns the manager that runs a called module.
 
         That is the subsystem that the arguments name, else the caller itself, else one of the caller's robot, else the
-        first by its id; the caller for what nobody offers as a skill.
+        first by its id; the caller for a module that no manager offers as a skill.
         """
         able = [offer for offer in tuple(self._offers.values()) if offer.agent_of(module) is not None]
         robot = owner(self._view, caller.agent)

@@ -1,4 +1,4 @@
-"""What is going on, as a stream: which module started, how far it is, how it ended (paper §4.1)."""
+"""Module events: which module started, how far it is, how it ended (paper §4.1)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ModuleEvent:
 
     Attributes:
         time: Run time [s].
-        kind: "skill", "primitive", "document", or "node" for what is said of a node in a skill's body.
+        kind: "skill", "primitive", "document", or "node" for a node in a skill's body.
         module: Its name; of a node, the module that it is part of.
         status: Its state.
         code: Progress code; negative for an error.
@@ -87,7 +87,7 @@ class Monitor:
     """Passes module events to listeners, in order, and numbers runs.
 
     Attributes:
-        wants_nodes: True while a listener wants to hear of nodes; where none does, they cost nothing.
+        wants_nodes: True while a listener takes events of nodes; without one they cost nothing.
     """
 
     def __init__(self) -> None:

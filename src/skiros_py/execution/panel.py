@@ -90,7 +90,7 @@ def skill_panel(description: SkillDescription, given: Mapping[str, Any], view: W
         _row(kind, c, found.values, view)
         for kind, conditions in kinds
         for c in conditions
-        if not left_out.intersection(c.arguments)  # nobody asks those
+        if not left_out.intersection(c.arguments)  # not evaluated
     )
     return Panel(description.params, found.values, reasons, open_, rows)
 

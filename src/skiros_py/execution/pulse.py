@@ -1,7 +1,7 @@
-"""What the control thread does at this moment: written by the cycle, read by the watchdog.
+"""What the control thread is doing now: written by the cycle, read by the watchdog.
 
-Writing is a plain assignment per tick, so that watching costs next to nothing; all locking is on the side that hardly
-ever happens, when a tick overruns.
+Writing is a plain assignment per tick, so that watching costs next to nothing; all locking is on the side that rarely
+runs, when a tick overruns.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class Watched(Protocol):
     Attributes:
         name: For messages.
         done: True when nothing more of it will run.
-        interruptible: True when it may be broken off anywhere.
+        interruptible: True when it may be interrupted anywhere.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Watched(Protocol):
 
 @dataclass(eq=False, slots=True)
 class Chore:
-    """Work of the cycle itself (devices, observers): told when it takes too long, never broken off half way.
+    """Work of the cycle itself (devices, observers): reported when it takes too long, never interrupted.
 
     Attributes:
         name: For messages.
@@ -100,7 +100,7 @@ class Pulse:
         thread: Identity of the control thread.
         waits: Above 0 while the control thread legitimately waits.
         allowed: How long the present piece of work may take where that is more than for a tick [s]; else 0.
-        overrun: The tick that was interrupted; None in good times.
+        overrun: The tick that was interrupted; mostly None.
     """
 
     __slots__ = ("_guard", "allowed", "beat", "overrun", "task", "thread", "waits")

@@ -41,7 +41,7 @@ class Running(Protocol):
         ...
 
     def break_off(self, reason: str) -> None:
-        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
+        """Cancels it because the world changed; finishing motion, such as stowing the arm, still runs."""
         ...
 
     def pause(self) -> None:
@@ -74,7 +74,7 @@ class RunningModule:
         account: Gives what it was run with and what was found of its conditions; None where it has none.
 
     Attributes:
-        changes: Numbers of its changes of the world; filled in by whoever runs it.
+        changes: Numbers of its changes of the world; filled in by its skill manager.
     """
 
     def __init__(
@@ -140,7 +140,7 @@ class RunningModule:
         return task.result
 
     def break_off(self, reason: str) -> None:
-        """Ends it because the world changed; it still does what must follow, such as stowing the arm."""
+        """Cancels it because the world changed; finishing motion, such as stowing the arm, still runs."""
         if self._break_off is None:
             self.task.stop(reason)
         else:

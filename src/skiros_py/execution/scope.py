@@ -183,18 +183,18 @@ def _run_node(node: Behaviour, scope: Scope, parent: str) -> Execution[Outcome]:
     """Runs one node: obeys breakpoints, reports its start and end where anybody wants to know."""
     if scope.path in scope.breakpoints:
         yield from _hold(scope)
-    told = scope.monitor.wants_nodes
-    if told:
+    reports = scope.monitor.wants_nodes
+    if reports:
         scope._publish("node", Status.STARTED, 0, node.title, parent)  # noqa: SLF001 - one module
     try:
         outcome = yield from node.run(scope)
     except GeneratorExit:
-        if told:
+        if reports:
             scope._publish("node", Status.PREEMPTED, 0, "cancelled", parent)  # noqa: SLF001 - one module
         raise
     if not isinstance(outcome, Success | Failure):
         raise TypeError(f"node {scope.path} returned {outcome!r:.100}: a run returns Success or Failure")
-    if told:
+    if reports:
         scope._publish("node", *end_of(outcome), parent)  # noqa: SLF001 - one module
     return outcome
 
@@ -322,9 +322,9 @@ def teller(
 
 
 def to_its_end(module: ModuleRun, scope: Scope, tell: Tell) -> Execution[Outcome]:
-    """Runs a module until it ends or is broken off, tells of it, and gives its devices back.
+    """Runs a module until it ends or is cancelled, reports that, and gives its devices back.
 
-    The end of what stands alone and was broken off is told by whoever started it, when all of it stands.
+    The end of an outermost run that was cancelled is reported by its skill manager, when its devices stand.
     """
     kept, nested = False, bool(scope.callers)
     try:
@@ -332,7 +332,7 @@ def to_its_end(module: ModuleRun, scope: Scope, tell: Tell) -> Execution[Outcome
     except GeneratorExit:
         kept = module.leave()
         if module.started:
-            tell(*((Status.PREEMPTED, 0, "broken off") if nested else (Status.RUNNING, 0, "stopping")))
+            tell(*((Status.PREEMPTED, 0, "cancelled") if nested else (Status.RUNNING, 0, "stopping")))
         raise
     except CycleOverrun:
         if nested:

@@ -152,7 +152,7 @@ class Signals:
             return None
 
     def computed(self) -> Mapping[str, Value]:
-        """Returns the values of signals that were computed in this cycle, because somebody read them; computes none."""
+        """Returns the values of signals that were computed in this cycle, because they were read; computes none."""
         cycle = self._board.snapshot.cycle
         return {name: value for node in self._nodes if node.cycle == cycle for name, value in node.values.items()}
 

@@ -93,7 +93,7 @@ class SkillManager:
         driver: Kind of cell driver; a fake one gets the implementations that only pretend.
         claims: Who may use which device, over all managers of the cell.
         watches: Conditions under watch.
-        directory: Who runs what is called, over all managers of the cell.
+        directory: Finds the manager that runs a called module, among all of the cell.
         config: Values of configuration parameters by "module.key".
         documents: Documents that run as modules, by name.
     """
@@ -220,9 +220,9 @@ class SkillManager:
         self._registration.withdraw("goes")
 
     def lose(self, reason: str) -> None:
-        """Gives it up: nobody may count on its skills any more. For any thread; everything else goes on.
+        """Marks it as lost: its skills are no longer offered. For any thread; everything else goes on.
 
-        What is lost may hold the world's pen: then its skills leave the world model when that is given back.
+        A lost module may hold the world's write lock: then its skills leave the world model when the lock is released.
         """
         if self.lost:
             return
@@ -331,14 +331,14 @@ class SkillManager:
         return Scope(context, self._modules, self._watches, self._monitor, self.agent, path=name)
 
     def _attend(self) -> None:
-        """Looks after what it runs, at the end of each cycle: what stands is told to have stopped."""
+        """Removes ended runs at the end of each cycle; reports stopped ones when their devices stand."""
         for name, running in list(self._running.items()):
             if running.done:
                 del self._running[name]
                 for unfinished in running.scope.unfinished:
                     unfinished.claim.release()
                 if running.status == "stopped" or running.task.fault is not None:
-                    self._tell_stopped(running)
+                    self._report_stopped(running)
         if self._retired and not self._running:
             self._leave_cycle()
             self._leave_world()
@@ -352,7 +352,7 @@ class SkillManager:
             if running.task is pulse.task and len(running.changes) < _MOST_CHANGES:
                 running.changes.append(change.number)
 
-    def _tell_stopped(self, running: RunningModule) -> None:
+    def _report_stopped(self, running: RunningModule) -> None:
         broke = running.task.fault is not None
         status, code = (Status.ERROR, BROKEN) if broke else (Status.PREEMPTED, 0)
         kind = self._modules.kind(running.name)

@@ -145,7 +145,7 @@ class SkillRun:
         return outcome
 
     def _granted(self, claim: Claim) -> Execution[Failure | None]:
-        """Waits for its devices, or until it is broken off."""
+        """Waits for its devices, or until it is cancelled."""
         if not claim.granted:
             self._tell(Status.RUNNING, 0, f"waits for {', '.join(claim.waits_for())}")
         while not claim.granted and not self._broken_off:

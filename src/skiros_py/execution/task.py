@@ -12,7 +12,7 @@ from skiros_py.ports.board import DeviceBoard
 T = TypeVar("T")
 
 _CLOSE_TRIES = 3
-"""How often a generator that yields again when it is closed is told once more."""
+"""How often a generator that yields again when it is closed is closed once more."""
 
 
 class Task(Generic[T]):
@@ -31,8 +31,8 @@ class Task(Generic[T]):
         name: For messages.
         clock: Its own time.
         done: True when nothing more of it will run: it returned, broke, or was stopped.
-        fault: What its code raised, with the traceback; None in good times.
-        reason: Why it was stopped; empty where nobody said so.
+        fault: What its code raised, with the traceback; None if nothing was raised.
+        reason: Why it was stopped; may be empty.
         devices: The devices that it may command; None for all.
         interruptible: The watchdog may interrupt it anywhere.
     """
@@ -124,7 +124,7 @@ class Task(Generic[T]):
     # ------------------------------------------------------------------ ending
 
     def stop(self, reason: str = "") -> None:
-        """Breaks it off now; its ``finally`` blocks run, its commands cease, and nothing more of it runs afterwards.
+        """Ends it now; its ``finally`` blocks run, its commands cease, and nothing more of it runs afterwards.
 
         Args:
             reason: Why, for a person.
@@ -146,7 +146,7 @@ class Task(Generic[T]):
             self._close()
 
     def settle(self) -> None:
-        """Looks whether what it commanded stands by now; each cycle after it was broken off."""
+        """Checks whether the devices that it commanded stand; in each cycle after it was stopped."""
         board = self._board
         if self._deadline is None:
             return
@@ -159,14 +159,14 @@ class Task(Generic[T]):
 
     @property
     def stopping(self) -> bool:
-        """True while something that it commanded still brakes after it was broken off."""
+        """True while something that it commanded still brakes after it was stopped."""
         return self._deadline is not None
 
     @property
     def stopped(self) -> bool:
-        """True when it was broken off, by a stop or by a fault, and all that it commanded stands.
+        """True when it was ended by a stop or a fault, and all devices that it commanded stand.
 
-        What does not come to a standstill in its braking time is a fault, and counts as stopped never.
+        A device that does not stand after its braking time is a fault; then the task never counts as stopped.
         """
         return self._broken_off and self._deadline is None and not self._runs_away
 
@@ -208,7 +208,7 @@ class Task(Generic[T]):
             self._pulse.leave(outer)
 
     def _close_generator(self) -> None:
-        """Closes the generator, whatever its clean-up does instead of ending."""
+        """Closes the generator, even if its clean-up raises or yields."""
         for _ in range(_CLOSE_TRIES):
             try:
                 self._generator.close()
@@ -220,7 +220,7 @@ class Task(Generic[T]):
                 return
 
     def _cease(self) -> None:
-        """Takes back what it has commanded for the coming cycle, and waits for standstill."""
+        """Withdraws its commands for the coming cycle, and starts to wait for standstill."""
         board = self._board
         board.withdraw(self)
         if not board.standing(self):

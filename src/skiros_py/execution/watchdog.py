@@ -169,7 +169,7 @@ def _waited_for_processor(ident: int) -> float | None:
 
 
 def _surely(action: Callable[P, object], *args: P.args, **kwargs: P.kwargs) -> None:
-    """Calls what others wrote; whatever it raises is logged, for the watchdog has to go on."""
+    """Calls a listener or driver; whatever it raises is logged, because the watchdog has to go on."""
     try:
         action(*args, **kwargs)
     except BaseException:  # noqa: BLE001 - the last one who watches must not be brought down

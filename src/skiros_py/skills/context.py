@@ -47,7 +47,7 @@ class Caller(Protocol):
         ...
 
 
-def _nobody(module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:  # noqa: ARG001 - the port's signature
+def _no_manager(module: str, arguments: Mapping[str, Any]) -> Execution[Outcome]:  # noqa: ARG001 - the port's signature
     raise RuntimeError(f"{module} cannot be called from here: no skill manager runs this")
 
 
@@ -84,7 +84,7 @@ class RunContext:
     report: Callable[[str, int, str], None]
     clock: Clock
     questions: Questions = field(default_factory=Questions)
-    call: Caller = _nobody
+    call: Caller = _no_manager
     emit: Callable[[str, Any], None] = lambda _event, _value: None
     effects: Effects | None = None
     floor: Floor = field(default_factory=OpenFloor)
@@ -123,8 +123,8 @@ class Effects:
         self._post = {condition.key: condition for condition in post}
         self._arguments = arguments
 
-    def happened(self, *keys: str, author: str, reason: str) -> None:
-        """Writes some postconditions into the world: somebody has sensed that they are so.
+    def write(self, *keys: str, author: str, reason: str) -> None:
+        """Writes some postconditions into the world, after they were sensed.
 
         Args:
             *keys: Their keys (:attr:`Condition.key`); none at all means every postcondition.

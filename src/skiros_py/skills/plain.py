@@ -122,7 +122,7 @@ class Reader:
         """Goes one step into the data, for messages."""
         self._place.append(f"[{step}]" if isinstance(step, int) else f".{step}")
         yield
-        self._place.pop()  # not after an error: the place of the innermost one is told
+        self._place.pop()  # not after an error: messages name the innermost place
 
     def behaviour(self, data: Any) -> Behaviour:
         """Reads a behaviour.

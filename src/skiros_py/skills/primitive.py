@@ -25,7 +25,7 @@ class Primitive(ABC, Generic[P]):
 
     Life cycle. Once per skill manager, before the first run: :meth:`load`. For each run a new object is made (nothing
     happens) and then :meth:`start` is called; unless it refuses, :meth:`execute` is ticked once per cycle until it
-    returns. When it is broken off, the generator is closed: its ``finally`` must be instantaneous, and so must
+    returns. When it is cancelled, the generator is closed: its ``finally`` must be instantaneous, and so must
     :meth:`stop`, which follows (the ports brake by themselves); motion that must follow a stop is a second generator,
     :meth:`recover`, ticked afterwards under a time limit. After a fault a person may :meth:`reset` the module.
 
@@ -33,7 +33,7 @@ class Primitive(ABC, Generic[P]):
         name: Its name; compositions refer to it.
         Params: Frozen dataclass whose fields are declared with :func:`~skiros_py.skills.parameters.param`.
         takes: Further fields of ``Params``, besides those of kind HARDWARE, whose element is taken with all devices it
-            has: nobody else commands them meanwhile.
+            has: no other module commands them meanwhile.
         watches: Class of device that this primitive watches in the background for as long as its manager runs; its
             ``Params`` then have one field, ``device``. None for primitives that are called.
         version: Version of this implementation.
@@ -76,7 +76,7 @@ class Primitive(ABC, Generic[P]):
         """Does it; returns how it ended."""
 
     def stop(self) -> None:
-        """Tidies up at once when it was broken off; nothing by default."""
+        """Cleans up at once when it was cancelled; nothing by default."""
 
     def recover(self) -> Execution[None]:
         """Motion that must follow a stop (retreat, open); nothing by default."""
@@ -84,7 +84,7 @@ class Primitive(ABC, Generic[P]):
 
     @classmethod
     def reset(cls, context: RunContext, loaded: Any) -> Any:  # noqa: ARG003 - what overriding methods get
-        """Makes it fit to run again after a fault; by default it is loaded anew."""
+        """Makes it fit to run again after a fault; by default it is loaded again."""
         return cls.load(context)
 
     # ------------------------------------------------------------------ what it may reach
@@ -99,7 +99,7 @@ class Primitive(ABC, Generic[P]):
         self.context.report(self.name, code, text)
 
     def emit(self, event: str, value: Any = None) -> None:
-        """Announces a named event ("slipped"), with a value as plain data; who records or watches the run hears it."""
+        """Announces a named event ("slipped"), with a value as plain data; recordings and listeners get it."""
         self.context.emit(event, value)
 
     def wait(self, pending: Pending[T]) -> Execution[T]:
@@ -147,7 +147,7 @@ class Primitive(ABC, Generic[P]):
             for call in calls:
                 call.close()
 
-    def happened(self, *effects: str, reason: str) -> None:
+    def assert_effects(self, *effects: str, reason: str) -> None:
         """Writes effects of the skill that this primitive is part of: it has sensed that they are so.
 
         Args:
@@ -155,7 +155,7 @@ class Primitive(ABC, Generic[P]):
             reason: What was sensed.
         """
         if self.context.effects is not None:
-            self.context.effects.happened(*effects, author=self.name, reason=reason)
+            self.context.effects.write(*effects, author=self.name, reason=reason)
 
     def seed(self) -> int:
         """Draws a seed for a library's random choices."""

@@ -24,7 +24,7 @@ class QuestionKind(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One question to whoever watches.
+    """One question to a person.
 
     Attributes:
         id: Number of the question within the run.
@@ -62,12 +62,12 @@ class Questions:
 
     @property
     def open(self) -> tuple[Question, ...]:
-        """The questions nobody has answered yet, oldest first."""
+        """The open questions, oldest first."""
         return tuple(asked.question for asked in list(self._open.values()))
 
     @property
     def heard(self) -> bool:
-        """True when somebody listens: else a question would wait for ever."""
+        """True when a listener answers: else a question would wait for ever."""
         return bool(self._listeners)
 
     def subscribe(self, listener: Callable[[Question], None]) -> Callable[[], None]:

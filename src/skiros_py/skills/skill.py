@@ -25,7 +25,7 @@ class SkillDescription:
         params: Parameters; each element parameter has a class.
         pre: Must hold before it starts.
         hold: Must hold while it runs.
-        post: Hold after it; asserted by whoever sensed them, then checked.
+        post: Hold after it; asserted by the primitives that sensed them, then checked.
         target: Key of the parameter it is done to or for; when the skill keeps failing, this element is left out of
             further plans.
         duration: How long it takes as a rule [s]; what robots learn from their runs counts before it. None where the
@@ -50,7 +50,7 @@ class SkillDescription:
             self._check_elements(condition.arguments, f"in {condition} of skill '{self.name}'")
         self._check_elements((self.agent, self.target), f"as agent or target of skill '{self.name}'")
         if not self.post:
-            raise DescriptionError(f"skill '{self.name}' has no postcondition: nobody could ever want it")
+            raise DescriptionError(f"skill '{self.name}' has no postcondition: no goal could ever need it")
         if self.duration is not None and not 0.0 < self.duration < inf:
             raise DescriptionError(f"duration of skill '{self.name}': {self.duration:g}; it must be some seconds")
 
@@ -94,7 +94,7 @@ class SkillDescription:
     def under(self, alternatives: Iterable[Sequence[Condition]]) -> SkillDescription:
         """Returns the description for those who count on it: all conditions of one of the alternatives must hold, too.
 
-        What is sensed or speaks of optional parameters is left out: nobody knows that before.
+        What is sensed or speaks of optional parameters is left out: it is not known before.
 
         Args:
             alternatives: What each of the implementations asks for besides (:attr:`Skill.when`).
@@ -130,7 +130,7 @@ class Skill:
         body: What is done between the checks of pre- and postconditions.
         pre_sense: Sensing before the preconditions are checked, or None.
         post_sense: Sensing before the postconditions are checked, or None.
-        finish: Done after the body whether it worked or not (stow the arm), also when the skill is broken off for
+        finish: Done after the body whether it worked or not (stow the arm), also when the skill is cancelled for
             another plan; not when everything is stopped.
         driver: Kind of cell driver it is for ("fake"), or None for every driver that is not a fake.
         version: Version of this implementation.
@@ -139,7 +139,7 @@ class Skill:
         when: Further conditions, over the parameters, under which this implementation can be used.
         order: Implementations are tried by this number, then by label.
         takes: Keys of further parameters, besides those of kind HARDWARE, whose element is taken with all devices it
-            has: nobody else commands them meanwhile. A location (a kit) is taken itself: one at a time works there.
+            has: no other module commands them meanwhile. A location (a kit) is taken itself: one at a time works there.
     """
 
     description: SkillDescription

@@ -66,4 +66,4 @@ def test_a_skill_for_robots_that_pretends_is_left_out() -> None:
     good, reasons = fitted(hop=replace(skill("hop"), driver=None), tour=skill("tour"))
 
     assert good == {"tour"}
-    assert "asserts effects that nobody sensed" in reasons["hop"]
+    assert "asserts effects without sensing them" in reasons["hop"]

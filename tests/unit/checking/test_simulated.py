@@ -31,7 +31,7 @@ class Boast(Primitive["Boast.Params"]):
 
     def execute(self) -> Execution[Outcome]:
         yield
-        self.happened(reason="it feels so")
+        self.assert_effects(reason="it feels so")
         return Success()
 
 

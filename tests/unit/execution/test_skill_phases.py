@@ -106,7 +106,7 @@ class Sense(Primitive["Sense.Params"]):
 
     def execute(self) -> Execution[Outcome]:
         yield
-        self.happened(*self.params.keys, reason="saw it")
+        self.assert_effects(*self.params.keys, reason="saw it")
         return Success()
 
 

@@ -55,7 +55,7 @@ def test_agent_and_target_must_be_parameters(role: str) -> None:
 
 
 def test_a_skill_without_postcondition_is_refused() -> None:
-    with pytest.raises(DescriptionError, match="nobody could ever want it"):
+    with pytest.raises(DescriptionError, match="no goal could ever need it"):
         replace(DRIVE, post=())
 
 

@@ -17,7 +17,7 @@ from skiros_py.world.view import WorldView
 
 _VARIABLE = re.compile(r"[^\W\d]\w*")
 _TRIED_SHOWN = 5
-"""Of elements for which a condition was tried in vain, so many are told of."""
+"""How many of the elements for which a condition did not hold are listed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Junction(Condition):
     word: Literal["and", "or"] = field(kw_only=True)
     parts: tuple[Condition, ...] = field(kw_only=True)
 
-    def told(self, naming: Callable[[str], str]) -> str:
+    def written(self, naming: Callable[[str], str]) -> str:
         """Returns it as text; parts that are joined themselves stand in parentheses."""
         text = f" {self.word} ".join(_enclosed(part, naming) for part in self.parts)
         return f"not ({text})" if self.negated else text
@@ -68,7 +68,7 @@ class Junction(Condition):
         together = Verdict(all(parts), "all of these", parts)
         if self.word == "or":
             together = Verdict(any(parts), "any of these", parts)
-        return Verdict(together.holds is not self.negated, self.told(_naming(binding or {})), (together,))
+        return Verdict(together.holds is not self.negated, self.written(_naming(binding or {})), (together,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +91,10 @@ class Quantified(Condition):
     class_: str = field(kw_only=True)
     part: Condition = field(kw_only=True)
 
-    def told(self, naming: Callable[[str], str]) -> str:
+    def written(self, naming: Callable[[str], str]) -> str:
         """Returns it as text."""
         head = f"{self.quantifier} {self.variable}: {naming(self.class_)}"
-        inner = self.part.told(lambda name: name if name == self.variable else naming(name))
+        inner = self.part.written(lambda name: name if name == self.variable else naming(name))
         return f"{'not ' if self.negated else ''}{head} ({inner})"
 
     @property
@@ -136,7 +136,7 @@ class Quantified(Condition):
             tried = [*tried, verdict][:_TRIED_SHOWN]
         else:
             inner = self._undecided(len(candidates), tuple(tried))
-        return Verdict(inner.holds is not self.negated, self.told(_naming(binding or {})), (inner,))
+        return Verdict(inner.holds is not self.negated, self.written(_naming(binding or {})), (inner,))
 
     def _decided(self, candidate: str, verdict: Verdict) -> Verdict:
         class_ = local_name(self.class_)
@@ -235,7 +235,7 @@ def _roles(condition: Condition) -> Iterator[tuple[str, Role]]:
 
 
 def _enclosed(condition: Condition, naming: Callable[[str], str]) -> str:
-    text = condition.told(naming)
+    text = condition.written(naming)
     return f"({text})" if isinstance(condition, Junction) and not condition.negated else text
 
 

@@ -87,13 +87,13 @@ class Condition:
 
     @property
     def key(self) -> str:
-        """The name by which it is told from a skill's other conditions: its author's, else what it says."""
+        """The name that tells it apart from a skill's other conditions: its author's, else its text."""
         return str(self) if self.name is None else self.name
 
     def __str__(self) -> str:
-        return self.told(_short)
+        return self.written(_short)
 
-    def told(self, naming: Callable[[str], str]) -> str:
+    def written(self, naming: Callable[[str], str]) -> str:
         """Returns it as text, as goals are written.
 
         Args:

@@ -101,7 +101,7 @@ class ExpressionCondition(Condition):
         assert isinstance(pattern, Expression)
         return pattern.names
 
-    def told(self, naming: Callable[[str], str]) -> str:  # noqa: ARG002 - it is written as its author did
+    def written(self, naming: Callable[[str], str]) -> str:  # noqa: ARG002 - it is written as its author did
         """Returns its text."""
         return self.type.name
 

@@ -103,7 +103,7 @@ class Watches:
         return Watch(self, conditions, dict(binding or {}))
 
     def close(self) -> None:
-        """Hears of no more changes; no watch must be asked any more."""
+        """Stops listening to changes; its watches must not be used any more."""
         self._unsubscribe()
 
     def evaluate(self, one: _Watched) -> None:
@@ -138,7 +138,7 @@ class Watches:
                 _touch(one)
 
     def _hear(self, change: Change) -> None:
-        """Marks who reads what changed. Called by whoever wrote, so it does no more than that."""
+        """Marks the conditions that read what changed. Called in the writer's thread, so it must be quick."""
         with self._lock:
             self._heard = change.number
             for edit in change.edits:

@@ -1,4 +1,4 @@
-"""Parameters that nobody specified, found in the world: what fits the conditions under which a skill can start."""
+"""Parameters that were left out, found in the world: what fits the conditions under which a skill can start."""
 
 from skiros_py.skills.inference.inferring import applying, infer
 from skiros_py.skills.inference.result import Inferred, Missing

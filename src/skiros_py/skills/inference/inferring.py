@@ -1,4 +1,4 @@
-"""Finds elements for the parameters of a skill that nobody specified."""
+"""Finds elements for the parameters of a skill that were left out."""
 
 from __future__ import annotations
 
@@ -129,10 +129,10 @@ def _solve(group: _Group, view: WorldView) -> _Found:
     solutions = group.solutions(group.needs, view)
     if solutions:
         return _chosen(group, solutions, view)
-    nobody = [param for param in group.params if not view.instances(param.element_class)]
-    if nobody:
-        rest = _solve(group.without(nobody), view) if len(nobody) < len(group.params) else _Found({}, {}, {})
-        there_is_none = {p.key: Verdict(False, f"{p.key}: there is no {p.element_class}") for p in nobody}
+    without_any = [param for param in group.params if not view.instances(param.element_class)]
+    if without_any:
+        rest = _solve(group.without(without_any), view) if len(without_any) < len(group.params) else _Found({}, {}, {})
+        there_is_none = {p.key: Verdict(False, f"{p.key}: there is no {p.element_class}") for p in without_any}
         return _Found(rest.values, rest.reasons, {**rest.missing, **there_is_none})
     return _as_far_as_possible(group, view)
 

@@ -98,7 +98,7 @@ def check(
 def _contained(rule: Rule, subject: Subject, known: Known) -> Iterator[Problem]:
     try:
         yield from _asked(rule, subject, known)
-    except Exception as error:  # noqa: BLE001 - to look at somebody else's objects may run their code
+    except Exception as error:  # noqa: BLE001 - looking at a plug-in's objects may run their code
         yield Problem(f"it cannot be looked at: {type(error).__name__}: {error}")
 
 
@@ -114,7 +114,7 @@ def problems_of(
     reasoners: Reasoners = NO_REASONERS,
     skills: Sequence[Skill] = (),
 ) -> tuple[str, ...]:
-    """Returns why a skill cannot be used: words that no ontology declares, questions and calls that nobody answers.
+    """Returns why a skill cannot be used: undeclared words, relations without a reasoner, calls of unknown modules.
 
     Args:
         skill: The skill.

@@ -17,7 +17,7 @@ class Severity(StrEnum):
     ERROR = "error"
     """It cannot work, or not as its author means it."""
     WARNING = "warning"
-    """It may work, and will surprise somebody."""
+    """It may work, but is likely to surprise."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ class Kind(enum.Enum):
 
     @property
     def has_default(self) -> bool:
-        """True when its parameters have a value that holds where nobody specifies one."""
+        """True when its parameters have a default."""
         return self in (Kind.OFFLINE, Kind.CONFIG)
 
 
@@ -68,7 +68,7 @@ class Param:
             "class" (CURIE of a class); or a Python class that can be written as JSON: a frozen dataclass, an Enum.
         help: One sentence for people.
         kind: Who specifies it.
-        default: Value where nobody specifies one.
+        default: Value where none is specified.
         unit: Unit of a number.
         length: How many values it takes: more than one are a tuple, 0 stands for a tuple of any length.
         where: What the element must be besides of its class, over the variable ``it`` and other keys: "any container
@@ -125,7 +125,7 @@ class Param:
 
     @property
     def is_inferred(self) -> bool:
-        """True when it is looked for in the world where nobody specifies it."""
+        """True when it is inferred from the world where it is not specified."""
         return self.is_element and self.kind.is_required
 
 

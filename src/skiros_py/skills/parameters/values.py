@@ -56,7 +56,7 @@ def as_json(param: Param, value: Any) -> Any:
 
 
 def as_shown(param: Param, value: Any) -> Any:
-    """Returns a value as plain data for those who look on: what nobody can read as text, as somebody gave it."""
+    """Returns a value as plain data to be shown; a value that cannot be read is shown as it was given."""
     try:
         return as_json(param, value)
     except (TypeError, ValueError, AttributeError):
@@ -158,7 +158,7 @@ Arguments = Mapping[str, Any]
 
 
 def read_arguments(params: Sequence[Param], given: Mapping[str, Any], view: WorldView) -> Arguments:
-    """Checks the values that somebody gives for a call, and adds the defaults.
+    """Checks the values given for a call, and adds the defaults.
 
     Args:
         params: The parameters.

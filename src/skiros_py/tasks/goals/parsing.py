@@ -34,11 +34,11 @@ def parse_goal(texts: Sequence[str], view: WorldView, conditions: Mapping[str, C
 
 def goal_as_text(goal: Sequence[Condition]) -> str:
     """Writes a goal as a text that :func:`parse_goal` reads as the same, wherever there are the same elements."""
-    return " and ".join(_enclosed(condition) if len(goal) > 1 else condition.told(_quoted) for condition in goal)
+    return " and ".join(_enclosed(condition) if len(goal) > 1 else condition.written(_quoted) for condition in goal)
 
 
 def _enclosed(condition: Condition) -> str:
-    text = condition.told(_quoted)
+    text = condition.written(_quoted)
     return f"({text})" if isinstance(condition, Junction) and not condition.negated else text
 
 

@@ -89,7 +89,7 @@ UNKNOWN_MODULE = Rule(
     "unknown-module", Severity.ERROR, "A body calls what is not there, or with parameters it has not.", _calls, True
 )
 MISSING_ARGUMENT = Rule(
-    "missing-argument", Severity.ERROR, "A call leaves out what nobody can fill in.", _gaps, disables=True
+    "missing-argument", Severity.ERROR, "A call leaves out an argument that cannot be inferred.", _gaps, disables=True
 )
 MISSING_PARAMETER = Rule(
     "missing-parameter", Severity.ERROR, "Something refers to a parameter that is not there.", _strays, True

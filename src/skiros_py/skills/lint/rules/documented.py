@@ -1,4 +1,4 @@
-"""People must be told what things are for, and in which unit numbers are."""
+"""Everything needs a help text, and numbers a unit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from skiros_py.skills.lint.subject import Known, Source, Subject
 from skiros_py.skills.skill import Skill, SkillDescription
 
 _SHORTEST = 3
-"""Fewer characters than this help nobody."""
+"""Shorter help texts are no help."""
 
 
 def _unexplained(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature

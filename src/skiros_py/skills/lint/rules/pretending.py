@@ -1,4 +1,4 @@
-"""Only fakes pretend: elsewhere an effect is written by whoever sensed it."""
+"""Only fakes pretend: elsewhere the primitive that sensed an effect writes it."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ def _pretended(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: AR
     if any(node.uses().pretends is not None for root in subject.nodes for node in walk(root)):
         said = "every driver" if subject.driver is None else f"driver '{subject.driver}'"
         yield Problem(
-            f"it is for {said} and asserts effects that nobody sensed: only skills for driver 'fake' may; let the "
-            "primitive that senses an effect call self.happened(…)"
+            f"it is for {said} and asserts effects without sensing them: only skills for driver 'fake' may; let the "
+            "primitive that senses an effect call self.assert_effects(…)"
         )
 
 
-PRETENDS = Rule("pretends", Severity.ERROR, "A skill for a real robot asserts what nobody sensed.", _pretended, True)
+PRETENDS = Rule(
+    "pretends", Severity.ERROR, "A skill for a real robot asserts effects without sensing them.", _pretended, True
+)

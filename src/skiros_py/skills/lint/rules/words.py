@@ -1,4 +1,4 @@
-"""Words must be declared, and questions must have somebody who answers."""
+"""Words must be declared, and computed relations must have a reasoner."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _uncomputed(subject: Subject, known: Known) -> Iterator[Problem]:
 
 
 UNKNOWN_WORD = Rule(
-    "unknown-word", Severity.ERROR, "A class, relation, property or quantity that nobody declares.", _undeclared, True
+    "unknown-word", Severity.ERROR, "A class, relation, property or signal that is not declared.", _undeclared, True
 )
 NOT_COMPUTED = Rule(
     "not-computed", Severity.ERROR, "A computed relation that no reasoner works out.", _uncomputed, True
