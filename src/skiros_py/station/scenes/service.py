@@ -198,8 +198,9 @@ class SceneService(Service):
         if not file.saved:
             text = f"'{name}' is a scene that came with a package: choose another name"
             raise Refused("SceneInstalled", text)
-        require_seen(seen, file.version)
-        return file.version
+        version = file.version  # read once: another save may come in between
+        require_seen(seen, version)
+        return version
 
 
 def _robots(scene: Index) -> list[SceneRobot]:
