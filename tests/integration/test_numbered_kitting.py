@@ -9,7 +9,7 @@ import pytest
 from skiros_py.station.session import Options, Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 
 STARTER = "ObjectAtLocation(starter_1, kit_1_a)"
 COMPRESSOR = "ObjectAtLocation(compressor_1, kit_1_b)"
@@ -35,7 +35,9 @@ def until(session: Session, reached: Callable[[], bool], cycles: int = 40_000) -
 
 
 def visited(task: TaskHandle) -> list[str]:
-    return [e.arguments["Location"] for e in task.trace.entries if e.what is Happening.ENDED and e.skill == "drive"]
+    return [
+        e.arguments["Location"] for e in task.trace.entries if e.what is TraceEventKind.ENDED and e.skill == "drive"
+    ]
 
 
 def move(session: Session, part: str, place: str) -> None:

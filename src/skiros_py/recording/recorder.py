@@ -25,7 +25,7 @@ from skiros_py.recording.topics import Topic, own_schema, plain, record_plugins
 from skiros_py.recording.writer import RecordingWriter, Write
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.index import Index
 from skiros_py.world.journal.snapshot import snapshot_pieces
 
@@ -166,7 +166,7 @@ class Recorder:
         def on_entry(entry: TraceEntry) -> None:
             self.put(_TRACE, {"task": number, **entry.as_json()}, entry.time)
             self.put(_LOG, (entry.text, task.name), entry.time)
-            if entry.what is Happening.FINISHED:
+            if entry.what is TraceEventKind.FINISHED:
                 self._put_task(number, task, task.report)
 
         self.on_end(task.trace.subscribe(on_entry))

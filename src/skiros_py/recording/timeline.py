@@ -8,10 +8,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from skiros_py.execution.monitor import Status
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 
 _OVER = {Status.TERMINATED.value: "good", Status.ERROR.value: "bad", Status.PREEMPTED.value: "cut"}
-_WAIT_ENDS = {Happening.STARTED, Happening.FINISHED, Happening.STOPPED, Happening.REPLANS, Happening.NO_PLAN}
+_WAIT_ENDS = {
+    TraceEventKind.STARTED,
+    TraceEventKind.FINISHED,
+    TraceEventKind.STOPPED,
+    TraceEventKind.REPLANS,
+    TraceEventKind.NO_PLAN,
+}
 _WAITS = "waits for "
 """What a module tells that waits for something which another one has."""
 _ROWS = ("skill", "part", "primitive", "wait")
@@ -139,7 +145,7 @@ def _waits(trace: Iterable[Mapping[str, Any]], end: float) -> list[tuple[str, Ba
     open_: dict[tuple[object, ...], list[Bar]] = {}
     for entry in trace:
         step = (entry["task"], entry["skill"], *sorted(entry["arguments"].items()))
-        if entry["what"] == Happening.WAITS and entry["agent"]:
+        if entry["what"] == TraceEventKind.WAITS and entry["agent"]:
             bar = Bar("wait", f"{entry['skill']} waits", entry["time"], end, "wait", entry["text"])
             open_.setdefault(step, []).append(bar)
             waits.append((entry["agent"], bar))

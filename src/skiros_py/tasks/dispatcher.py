@@ -22,8 +22,8 @@ from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.reservations import robot_of
 from skiros_py.tasks.share import Share
-from skiros_py.tasks.telling import Telling
-from skiros_py.tasks.trace import Happening, step_id
+from skiros_py.tasks.trace import TraceEventKind, step_id
+from skiros_py.tasks.trace_writer import TraceWriter
 from skiros_py.world.stock import take
 
 
@@ -38,7 +38,7 @@ class Dispatcher:
 
     Attributes:
         agenda: What is to be done of the present plan.
-        telling: Tells what happens.
+        trace: Writes the trace.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Dispatcher:
         self._context = context
         self._history = history
         self._skills = skills
-        self.telling = Telling(task.name, task.trace, context, skills)
+        self.trace = TraceWriter(task.name, task.trace, context, skills)
         self._share = Share(task.name, context, skills)
         self._active: list[Active] = []
         self._coming: dict[int, tuple[StepRun, tuple[Future[None], ...]]] = {}  # steps that wait for the disk
@@ -87,7 +87,7 @@ class Dispatcher:
         for index, one in kept.items():
             one.index = index + len(before)
             self.agenda.start(one.index)
-        self.telling.forget_waits()
+        self.trace.forget_waits()
         self._reserve()
 
     def break_off(self, one: Active, reason: str) -> None:
@@ -151,8 +151,8 @@ class Dispatcher:
         why = self._context.cycle.halted or "stopped"
         for one in self._active:
             one.running.stop()
-            said = f"{self.telling.said(one.step)} is broken off: {why}"
-            self.telling.tell_of(Happening.BROKEN_OFF, said, one.run, {"reason": why, **one.running.account})
+            said = f"{self.trace.describe(one.step)} is broken off: {why}"
+            self.trace.write_step(TraceEventKind.BROKEN_OFF, said, one.run, {"reason": why, **one.running.account})
         braking = tuple(one.running for one in self._active)
         moving = {id_ for one in self._active for id_ in (one.robot, *one.step.arguments.values())}
         self._active.clear()
@@ -184,10 +184,10 @@ class Dispatcher:
         self._round_began = bool(self._active)
         if wanted is Mode.PAUSE:
             self._each(lambda one: one.running.pause())
-            self.telling.tell(Happening.PAUSED, "pauses: everything comes to a standstill where it is")
+            self.trace.write(TraceEventKind.PAUSED, "pauses: everything comes to a standstill where it is")
         elif before is Mode.PAUSE:
             self._each(lambda one: one.running.resume())
-            self.telling.tell(Happening.RESUMED, "goes on" if wanted is Mode.RUN else "goes on by one step")
+            self.trace.write(TraceEventKind.RESUMED, "goes on" if wanted is Mode.RUN else "goes on by one step")
         self._reserve()  # while it stood it asked for nothing
 
     def _each(self, action: Callable[[Active], None]) -> None:
@@ -198,14 +198,14 @@ class Dispatcher:
 
     def _may_start(self, index: int) -> bool:
         step = self.agenda.steps[index]
-        agent = self.telling.agent(step)
+        agent = self.trace.agent(step)
         if any(
             run.agent == agent for run in (*(a.run for a in self._active), *(run for run, _ in self._coming.values()))
         ):
             return False
         managers = self._context.managers
         if agent in managers and step.skill in managers[agent].running:
-            self.telling.waits(step, f"{step.skill} of {agent} is running already")
+            self.trace.write_wait(step, f"{step.skill} of {agent} is running already")
             return False
         return True
 
@@ -216,7 +216,7 @@ class Dispatcher:
             return [(self.agenda.steps[index], refusal)]
         step = self.agenda.steps[index]
         self._started += 1
-        run = StepRun(self._started, step, self.telling.agent(step), self._context.now)
+        run = StepRun(self._started, step, self.trace.agent(step), self._context.now)
         self._coming[index] = run, self._task.starts(run)
         return self._start_prepared(index)
 
@@ -232,7 +232,7 @@ class Dispatcher:
     def _start(self, index: int, run: StepRun) -> list[tuple[Step, Failure]]:
         self._round_began = True
         self.agenda.start(index)
-        self.telling.tell_of(Happening.STARTED, f"{self.telling.said(run.step)} starts", run)
+        self.trace.write_step(TraceEventKind.STARTED, f"{self.trace.describe(run.step)} starts", run)
         try:
             running = self._begin(run)
         except UsageError as refusal:
@@ -256,7 +256,7 @@ class Dispatcher:
         if not tokens:
             return None
         try:
-            with self._context.world.transaction(self._task.name, f"{self.telling.said(step)} is next") as tx:
+            with self._context.world.transaction(self._task.name, f"{self.trace.describe(step)} is next") as tx:
                 taken = {token: take(tx, token) for token in tokens}
         except WorldError as refusal:
             return Failure(str(refusal), BROKEN_OFF)  # the plan is to blame, not the step
@@ -289,14 +289,14 @@ class Dispatcher:
     def _note_end(self, run: StepRun, outcome: Outcome, account: Mapping[str, Any]) -> None:
         now = self._context.now
         self._history.record(run.step, self._skills[run.step.skill], run.start, now, outcome)
-        said, data = self.telling.said(run.step), {"start": run.start, "seconds": now - run.start, **account}
+        said, data = self.trace.describe(run.step), {"start": run.start, "seconds": now - run.start, **account}
         if isinstance(outcome, Failure):
-            what = Happening.BROKEN_OFF if outcome.code == BROKEN_OFF else Happening.FAILED
+            what = TraceEventKind.BROKEN_OFF if outcome.code == BROKEN_OFF else TraceEventKind.FAILED
             verb = "is broken off" if outcome.code == BROKEN_OFF else "failed"
             more = {"reason": outcome.reason, "code": outcome.code}
-            self.telling.tell_of(what, f"{said} {verb}: {outcome.reason}", run, data | more)
+            self.trace.write_step(what, f"{said} {verb}: {outcome.reason}", run, data | more)
         else:
-            self.telling.tell_of(Happening.ENDED, f"{said} is done", run, data | {"message": outcome.message})
+            self.trace.write_step(TraceEventKind.ENDED, f"{said} is done", run, data | {"message": outcome.message})
         self._task.ended(run, outcome)
 
     # ------------------------------------------------------------------ what others use
@@ -321,12 +321,12 @@ class Dispatcher:
             return True
         others = self._share.waits_for
         for index in self.agenda.ready[:1] if others else ():
-            self.telling.waits(self.agenda.steps[index], "for " + ", ".join(others))
+            self.trace.write_wait(self.agenda.steps[index], "for " + ", ".join(others))
         return False
 
     def _meet(self, one: Active, step: Step) -> bool:
         """Tells whether two steps have to do with the same robot or thing, so that one has to wait for the other."""
-        if robot_of(self._context.world, self.telling.agent(step)) == one.robot:
+        if robot_of(self._context.world, self.trace.agent(step)) == one.robot:
             return True
         return not set(one.step.arguments.values()).isdisjoint(step.arguments.values())
 

@@ -24,7 +24,7 @@ from skiros_py.tasks.plan_monitor import PlanMonitor
 from skiros_py.tasks.replanner import Replanner
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report_builder import ReportBuilder
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 
 T = TypeVar("T")
 
@@ -58,7 +58,7 @@ class GoalExecutor:
             PlanningError: The planner broke before anything was done.
         """
         task = self._task
-        self._tell(Happening.BEGUN, f"{task.name}: {' and '.join(map(str, task.goal))}")
+        self._tell(TraceEventKind.BEGUN, f"{task.name}: {' and '.join(map(str, task.goal))}")
         try:
             yield from self._until_it_ends()
             task.report = self._report.report()
@@ -73,7 +73,7 @@ class GoalExecutor:
             self._monitor.close()
             if task.report is None:  # everything was halted, or somebody's code held the control cycle
                 task.report = self._report.report_cut_off()
-            self._tell(Happening.FINISHED, f"{task.name}: {task.report.outcome}")
+            self._tell(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
         return task.report
 
     def _until_it_ends(self) -> Execution[None]:
@@ -81,7 +81,7 @@ class GoalExecutor:
             yield from self._pursue()
         except StopWanted as wish:
             self._report.stopped = True
-            self._tell(Happening.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
+            self._tell(TraceEventKind.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
             yield from self._dispatcher.halt(str(wish) or "stopped")
 
     # ------------------------------------------------------------------ rounds
@@ -94,7 +94,7 @@ class GoalExecutor:
             if self._all_hold(kept) or (self._report.given_up and not self._task.policy.rest):
                 break
             if (yield from self._meanwhile(self._monitor.is_right_for(kept))):
-                self._tell(Happening.RETRIED, f"{self._monitor.trouble}: it is tried again")
+                self._tell(TraceEventKind.RETRIED, f"{self._monitor.trouble}: it is tried again")
             else:
                 planned = yield from self._plan(kept)
                 if isinstance(planned.outcome, NoPlan):
@@ -176,7 +176,7 @@ class GoalExecutor:
         self._task.phase = "planning"
         if self._monitor.began:
             why = self._monitor.trouble or "the goal does not hold yet"
-            self._tell(Happening.REPLANS, f"plans anew: {why}")
+            self._tell(TraceEventKind.REPLANS, f"plans anew: {why}")
         self._skills |= {c.skill.name: c.skill for c in self._context.capabilities}  # managers come and go
         planning = self._replanner.plan(kept, self._monitor.undoubted)
         planned = yield from self._meanwhile(planning)
@@ -190,8 +190,8 @@ class GoalExecutor:
         self._context.on_plan(planned)
         self._monitor.adopt(plan, kept)
         self._task.plan = plan
-        said = ", then ".join(self._dispatcher.telling.said(step) for step in plan.steps) or "nothing is to be done"
-        self._tell(Happening.PLANNED, f"plan: {said}", plan.as_json())
+        said = ", then ".join(self._dispatcher.trace.describe(step) for step in plan.steps) or "nothing is to be done"
+        self._tell(TraceEventKind.PLANNED, f"plan: {said}", plan.as_json())
 
     # ------------------------------------------------------------------ what cannot be reached
 
@@ -200,7 +200,7 @@ class GoalExecutor:
         if not self.history.steps:
             self._report.no_plan = answer.reasons
             self._context.on_plan(planned)
-        self._tell(Happening.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", answer.as_json())
+        self._tell(TraceEventKind.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", answer.as_json())
         self._monitor.break_off()
         if self._dispatcher.active:  # when that has ended, it is known better what is possible
             yield from self._let_end()
@@ -243,7 +243,7 @@ class GoalExecutor:
 
     def _drop(self, condition: Condition, reason: str, text: str) -> None:
         self._report.given_up[condition] = reason
-        self._tell(Happening.GIVEN_UP, f"{condition} is given up: {text}", {"condition": str(condition)})
+        self._tell(TraceEventKind.GIVEN_UP, f"{condition} is given up: {text}", {"condition": str(condition)})
 
     def _help(self, condition: Condition, why: str) -> Execution[str | None]:
         """Asks a person about one condition; returns who wants it skipped, or None where it is no more in question.
@@ -254,10 +254,10 @@ class GoalExecutor:
         said = f"{condition} cannot be reached: "  # a reason of planning may begin so
         text = said + why.removeprefix(said)
         while True:
-            self._tell(Happening.ASKED, text)
+            self._tell(TraceEventKind.ASKED, text)
             with self._dispatcher.lending():
                 choice, by = yield from self._meanwhile(ask_for_help(self._task, self._context, text))
-            self._tell(Happening.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
+            self._tell(TraceEventKind.ANSWERED, f"{by} answers: {choice}", {"choice": choice.value, "by": by})
             self._allow_rounds()
             match choice:
                 case Choice.RETRY:
@@ -272,5 +272,5 @@ class GoalExecutor:
                 return None
             text = refusal.reason
 
-    def _tell(self, what: Happening, text: str, data: Mapping[str, object] | None = None) -> None:
-        self._dispatcher.telling.tell(what, text, data)
+    def _tell(self, what: TraceEventKind, text: str, data: Mapping[str, object] | None = None) -> None:
+        self._dispatcher.trace.write(what, text, data)

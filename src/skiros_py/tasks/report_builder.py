@@ -12,7 +12,7 @@ from skiros_py.tasks.context import TaskContext
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.history import History
 from skiros_py.tasks.report import ConditionReport, GoalReport
-from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.world import World
 
 
@@ -92,8 +92,8 @@ def end_before_beginning(task: TaskHandle, context: TaskContext) -> None:
         ConditionReport(str(c), holds, None, 0, "" if holds else why or "stopped") for c, holds in held.items()
     )
     task.report = GoalReport(conditions, (), 0.0, 0.0, stopped=not why, fault=why)
-    task.trace.add(TraceEntry(now, Happening.BEGUN, task.name))
-    task.trace.add(TraceEntry(now, Happening.FINISHED, f"{task.name}: {task.report.outcome}"))
+    task.trace.add(TraceEntry(now, TraceEventKind.BEGUN, task.name))
+    task.trace.add(TraceEntry(now, TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}"))
 
 
 class Moments:

@@ -21,8 +21,8 @@ from skiros_py.tasks.history import History
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report_builder import Moments
 from skiros_py.tasks.sequences import StepCheck, StepsCheck
-from skiros_py.tasks.telling import short_step
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
+from skiros_py.tasks.trace_writer import short_step
 
 T = TypeVar("T")
 
@@ -63,7 +63,7 @@ class SequenceRun:
         """Runs the sequence to its end; the task has a report in any case."""
         task = self._task
         task.plan, task.phase = Plan(self._steps), "running"
-        self._dispatcher.telling.tell(Happening.BEGUN, f"{task.name}: {len(self._steps)} steps")
+        self._dispatcher.trace.write(TraceEventKind.BEGUN, f"{task.name}: {len(self._steps)} steps")
         try:
             yield from self._until_it_ends()
             task.report = self._report()
@@ -77,7 +77,7 @@ class SequenceRun:
             if task.report is None:
                 self._fault = self._fault or self._context.cycle.halted or "stopped"
                 task.report = self._report()
-            self._dispatcher.telling.tell(Happening.FINISHED, f"{task.name}: {task.report.outcome}")
+            self._dispatcher.trace.write(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
         return task.report
 
     def _until_it_ends(self) -> Execution[None]:
@@ -87,7 +87,7 @@ class SequenceRun:
                     return
         except StopWanted as wish:
             self._stopped = True
-            self._dispatcher.telling.tell(Happening.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
+            self._dispatcher.trace.write(TraceEventKind.STOPPED, f"is stopped{f': {wish}' if str(wish) else ''}")
             yield from self._dispatcher.halt(str(wish) or "stopped")
 
     def _once(self, number: int) -> Execution[bool]:
@@ -147,11 +147,11 @@ class SequenceRun:
 
     def _is_too_much(self, failures: int, step: Step, failure: Failure) -> bool:
         if failures < self._task.policy.attempts:
-            self._dispatcher.telling.tell(
-                Happening.RETRIED, f"{step.skill} failed: {failure.reason}: it is tried again"
+            self._dispatcher.trace.write(
+                TraceEventKind.RETRIED, f"{step.skill} failed: {failure.reason}: it is tried again"
             )
             return False
-        self._fault = f"{self._dispatcher.telling.said(step)} failed {failures} times: {failure.reason}"
+        self._fault = f"{self._dispatcher.trace.describe(step)} failed {failures} times: {failure.reason}"
         return True
 
     def _report(self) -> GoalReport:

@@ -19,7 +19,7 @@ from skiros_py.skills.inference import Inferred, Missing, applying, infer
 from skiros_py.skills.outcome import Failure
 from skiros_py.skills.parameters import read_arguments
 from skiros_py.skills.skill import SkillDescription
-from skiros_py.tasks.telling import short_step
+from skiros_py.tasks.trace_writer import short_step
 from skiros_py.world.index import Index
 from skiros_py.world.overlay import Overlay
 from skiros_py.world.view import WorldView

@@ -14,7 +14,7 @@ _LONGEST = 10_000
 """Entries kept of one task; the oldest go first."""
 
 
-class Happening(enum.StrEnum):
+class TraceEventKind(enum.StrEnum):
     """What kind of thing happened."""
 
     BEGUN = "begun"
@@ -71,7 +71,7 @@ class TraceEntry:
     """
 
     time: float
-    what: Happening
+    what: TraceEventKind
     text: str
     step: int | None = None
     skill: str = ""

@@ -8,7 +8,7 @@ from skiros_py.behaviours import Wait
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport, Outcome
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, answers, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.world import World
@@ -114,7 +114,7 @@ def test_abort_ends_the_whole_task() -> None:
         report = finish(bench, task)
 
     assert report.outcome is Outcome.STOPPED
-    assert [e.text for e in task.trace.entries if e.what is Happening.STOPPED] == ["is stopped: aborted by ann"]
+    assert [e.text for e in task.trace.entries if e.what is TraceEventKind.STOPPED] == ["is stopped: aborted by ann"]
 
 
 @pytest.mark.parametrize("ending", ["stop", "halt"])

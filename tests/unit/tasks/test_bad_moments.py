@@ -14,7 +14,7 @@ from skiros_py.ports.pending import Pending
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.sequences import StepSequence
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -26,7 +26,7 @@ def begin(bench: Bench, goal: str = GOAL) -> TaskHandle:
     return bench.tasks.begin(bench.goal(goal))
 
 
-def what(task: TaskHandle) -> list[Happening]:
+def what(task: TaskHandle) -> list[TraceEventKind]:
     return [entry.what for entry in task.trace.entries]
 
 
@@ -40,7 +40,7 @@ def test_a_task_that_is_halted_before_its_first_cycle_is_over_with_a_report() ->
     assert task.report is not None
     assert task.report.fault == "somebody hit the button"
     assert task.report.conditions[0].reason == "somebody hit the button"
-    assert what(task) == [Happening.BEGUN, Happening.FINISHED]
+    assert what(task) == [TraceEventKind.BEGUN, TraceEventKind.FINISHED]
 
 
 def test_a_sequence_that_is_halted_before_its_first_cycle_is_over_with_a_report() -> None:
@@ -81,7 +81,7 @@ def test_a_halt_in_a_long_step_tells_its_end_and_the_next_task_runs_after_a_rese
         task = begin(bench)
         bench.advance(1.0)
         bench.cycle.stop_all("a hand was seen")
-        assert what(task)[-2:] == [Happening.BROKEN_OFF, Happening.FINISHED]
+        assert what(task)[-2:] == [TraceEventKind.BROKEN_OFF, TraceEventKind.FINISHED]
         assert task.trace.entries[-2].text == "base_1: drive box_a is broken off: a hand was seen"
         bench.cycle.reset()
         again = begin(bench, "At(robot_1, box_b)")
@@ -99,8 +99,8 @@ def test_a_stop_in_a_long_step_ends_it_in_a_few_cycles_also_when_it_is_said_twic
         task.stop("enough, I said")
         bench.until(lambda: task.done, limit=0.1)
 
-    assert what(task).count(Happening.STOPPED) == 1
-    assert what(task).count(Happening.BROKEN_OFF) == 1
+    assert what(task).count(TraceEventKind.STOPPED) == 1
+    assert what(task).count(TraceEventKind.BROKEN_OFF) == 1
 
 
 @pytest.mark.parametrize("before", range(4))
@@ -118,7 +118,7 @@ def test_a_stop_around_the_moment_of_completion_gives_a_report_that_is_true(befo
         assert task.report is not None
         assert task.report.conditions[0].believed == bench.world.related("ball_1", "sk:in", "slot_1")
     assert task.report.reached == task.report.conditions[0].believed
-    assert what(task).count(Happening.FINISHED) == 1
+    assert what(task).count(TraceEventKind.FINISHED) == 1
 
 
 def test_what_breaks_in_a_task_itself_is_in_its_report_and_is_no_stop() -> None:
@@ -171,15 +171,15 @@ def test_a_planner_that_breaks_at_once_is_the_fault_in_the_report() -> None:
 def test_a_planner_that_breaks_when_it_is_needed_again_is_the_reason_in_the_report_and_nothing_runs_on() -> None:
     with Bench(tiny_world(), planner=Breaks(1)) as bench:
         task = begin(bench)
-        bench.until(lambda: Happening.STARTED in what(task))
+        bench.until(lambda: TraceEventKind.STARTED in what(task))
         with bench.world.transaction("somebody", "moved it") as tx:
             tx.place("ball_1", "sk:in", "box_b")
         bench.until(lambda: task.done, limit=5.0)
 
     assert task.report is not None
     assert "the planner was killed" in task.report.conditions[0].reason
-    assert what(task).count(Happening.STARTED) == what(task).count(Happening.BROKEN_OFF) == 1
-    assert what(task)[-1] is Happening.FINISHED
+    assert what(task).count(TraceEventKind.STARTED) == what(task).count(TraceEventKind.BROKEN_OFF) == 1
+    assert what(task)[-1] is TraceEventKind.FINISHED
 
 
 def test_a_broken_planner_is_no_matter_where_the_goal_holds_already() -> None:

@@ -13,7 +13,7 @@ from skiros_py.ports.pending import Pending
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome
 from skiros_py.tasks.task_manager import TaskManager
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -99,4 +99,4 @@ def test_that_there_is_no_plan_is_looked_into_again_where_the_world_has_changed_
         bench.until(lambda: slept() and task.done)
 
     assert outcome(task) is Outcome.REACHED
-    assert not [entry for entry in task.trace.entries if entry.what is Happening.NO_PLAN]
+    assert not [entry for entry in task.trace.entries if entry.what is TraceEventKind.NO_PLAN]

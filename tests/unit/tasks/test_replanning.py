@@ -17,7 +17,7 @@ from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -67,7 +67,7 @@ def finish(bench: Bench, task: TaskHandle, limit: float = 60.0) -> GoalReport:
     return task.report
 
 
-def told(task: TaskHandle, what: Happening) -> list[str]:
+def told(task: TaskHandle, what: TraceEventKind) -> list[str]:
     return [entry.text for entry in task.trace.entries if entry.what is what]
 
 
@@ -82,7 +82,7 @@ def test_a_step_that_failed_is_repeated_without_planning_where_the_plan_is_still
 
     assert report.reached
     assert len(bench.plans) == 1
-    assert told(task, Happening.RETRIED) == ["pick failed: ball_1 slipped: it is tried again"] * 2
+    assert told(task, TraceEventKind.RETRIED) == ["pick failed: ball_1 slipped: it is tried again"] * 2
     failed = next(s for s in report.steps if s.reason)
     again = next(s for s in report.steps if s.start > failed.start)
     assert again.start == pytest.approx(failed.end)
@@ -110,7 +110,7 @@ def test_the_rest_is_done_where_that_is_the_policy() -> None:
     assert report.outcome is TaskOutcome.PARTLY_REACHED
     assert "slipped" in given_up.reason
     assert done.believed
-    assert len(told(task, Happening.GIVEN_UP)) == 1
+    assert len(told(task, TraceEventKind.GIVEN_UP)) == 1
 
 
 def test_the_rest_is_left_where_that_is_the_policy() -> None:
@@ -152,7 +152,7 @@ def test_a_part_that_is_moved_is_planned_for_anew_and_the_trace_says_why() -> No
         report = finish(bench, task)
 
     assert report.reached
-    assert told(task, Happening.REPLANS) == ["plans anew: ball_1 is not in box_a: it is in box_b"]
+    assert told(task, TraceEventKind.REPLANS) == ["plans anew: ball_1 is not in box_a: it is in box_b"]
     assert len(bench.plans) == 2
 
 
@@ -211,7 +211,7 @@ def test_changes_that_nothing_of_the_plan_reads_are_not_even_looked_at() -> None
 
     assert report.reached
     assert [s.skill for s in report.steps] == ["drive", "pick", "place"]
-    assert told(task, Happening.REPLANS) == []
+    assert told(task, TraceEventKind.REPLANS) == []
 
 
 def test_what_makes_the_goal_hold_ends_the_task_and_what_runs_for_it() -> None:
@@ -253,7 +253,7 @@ def test_a_manager_lost_that_the_rest_of_the_plan_counts_on_is_replanned_at_once
         report = finish(bench, task)
 
     assert report.reached
-    assert told(task, Happening.REPLANS) == [f"plans anew: {arm} has no skill pick any more"]
+    assert told(task, TraceEventKind.REPLANS) == [f"plans anew: {arm} has no skill pick any more"]
     assert report.steps[-1].agent != arm
 
 

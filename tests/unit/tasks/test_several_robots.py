@@ -7,7 +7,7 @@ import pytest
 from skiros_py.behaviours import AssertEffects, Sequence, Wait
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.report import Outcome, StepReport
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.change import Change
@@ -127,7 +127,7 @@ def test_two_tasks_that_want_one_robot_take_turns_and_the_second_says_what_it_wa
     assert first.report is not None
     assert second.report is not None
     assert min(s.start for s in second.report.steps) >= max(s.end for s in first.report.steps)
-    waits = [e.text for e in second.trace.entries if e.what is Happening.WAITS]
+    waits = [e.text for e in second.trace.entries if e.what is TraceEventKind.WAITS]
     assert waits == ["base_1: drive box_b waits: for robot_1 (kit 1)"]
 
 

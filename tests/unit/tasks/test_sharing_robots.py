@@ -20,7 +20,7 @@ from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import Outcome as TaskOutcome
-from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -92,7 +92,12 @@ def test_a_task_that_waits_for_a_person_lends_the_robot_that_does_nothing() -> N
         bench.until(lambda: task.question is not None, limit=10.0)
 
     assert outcome(other) is TaskOutcome.REACHED
-    assert [e.skill for e in task.trace.entries if e.what is Happening.STARTED] == ["drive", "pick", "drive", "pick"]
+    assert [e.skill for e in task.trace.entries if e.what is TraceEventKind.STARTED] == [
+        "drive",
+        "pick",
+        "drive",
+        "pick",
+    ]
 
 
 def test_a_task_that_waits_for_a_person_keeps_a_robot_that_has_its_thing_in_the_hand() -> None:
@@ -119,7 +124,7 @@ def test_after_the_answer_it_waits_for_its_turn() -> None:
         ended = bench.time
         bench.until(lambda: task.question is not None, limit=10.0)
 
-    later = [e for e in task.trace.entries if e.what is Happening.STARTED][2:]
+    later = [e for e in task.trace.entries if e.what is TraceEventKind.STARTED][2:]
     assert [e.skill for e in later] == ["drive", "pick"]
     assert all(e.time >= ended - 1e-9 for e in later)
 
@@ -184,7 +189,7 @@ def test_a_robot_that_still_brakes_for_a_task_that_is_over_is_nobody_elses_yet(
         still: list[bool] = []
 
         def hear(entry: TraceEntry) -> None:
-            if entry.what is Happening.STARTED:
+            if entry.what is TraceEventKind.STARTED:
                 still.append(bench.cycle.board.still)
 
         other.trace.subscribe(hear)

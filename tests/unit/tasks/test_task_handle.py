@@ -17,7 +17,7 @@ from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.policy import Policy
 from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.report import Outcome as TaskOutcome
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 
@@ -41,7 +41,7 @@ def running(bench: Bench, skill: str) -> bool:
     return any(skill in manager.running for manager in bench.managers.values())
 
 
-def what(task: TaskHandle) -> list[Happening]:
+def what(task: TaskHandle) -> list[TraceEventKind]:
     return [entry.what for entry in task.trace.entries]
 
 
@@ -134,7 +134,7 @@ def test_the_trace_tells_the_whole_story_in_sentences_and_as_data() -> None:
         "arm_1: place ball_1 slot_1 is done",
         "kit 7: reached",
     ]
-    started = [e for e in task.trace.entries if e.what is Happening.STARTED]
+    started = [e for e in task.trace.entries if e.what is TraceEventKind.STARTED]
     assert [(e.step, e.skill, e.agent) for e in started] == [
         (1, "drive", "base_1"),
         (2, "pick", "arm_1"),
@@ -203,9 +203,9 @@ def test_a_paused_task_stands_and_goes_on_where_it_was() -> None:
     assert report.outcome is TaskOutcome.REACHED
     assert took < 1.0, "half of it was done before"
     assert [step.skill for step in report.steps] == STEPS
-    assert [w for w in what(task) if w in (Happening.PAUSED, Happening.RESUMED)] == [
-        Happening.PAUSED,
-        Happening.RESUMED,
+    assert [w for w in what(task) if w in (TraceEventKind.PAUSED, TraceEventKind.RESUMED)] == [
+        TraceEventKind.PAUSED,
+        TraceEventKind.RESUMED,
     ]
 
 
@@ -289,7 +289,7 @@ def test_a_second_stop_changes_nothing() -> None:
         bench.advance(0.1)
 
     assert task.report is report
-    assert [e.text for e in task.trace.entries if e.what is Happening.STOPPED] == ["is stopped: lunch"]
+    assert [e.text for e in task.trace.entries if e.what is TraceEventKind.STOPPED] == ["is stopped: lunch"]
 
 
 def test_a_stop_at_the_moment_of_completion_does_not_undo_what_is_reached() -> None:

@@ -21,7 +21,7 @@ from skiros_py.skills.parameters import param
 from skiros_py.skills.primitive import Execution, Primitive
 from skiros_py.tasks.handle import StepRun, TaskHandle
 from skiros_py.tasks.policy import Policy
-from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.testing.tiny_skills import DRIVE, PICK, PLACE, pretend
 from skiros_py.world.element import Placement
@@ -41,8 +41,8 @@ GOALS = (
 BALLS = ("ball_1", "ball_2", "red_ball_1")
 PLACES = (("sk:in", "box_a"), ("sk:in", "box_b"), ("sk:in", "slot_1"), ("sk:in", "slot_2"), ("sk:on", "floor"))
 SUBSYSTEMS = ("arm_1", "base_1", "arm_2", "base_2")
-STARTS = {Happening.STARTED}
-ENDS = {Happening.ENDED, Happening.FAILED, Happening.BROKEN_OFF}
+STARTS = {TraceEventKind.STARTED}
+ENDS = {TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.BROKEN_OFF}
 SECONDS = 60.0
 
 
@@ -87,13 +87,13 @@ class Watched:
         self.intents[run.number] += 1
 
     def _hear(self, entry: TraceEntry) -> None:
-        if entry.what is Happening.STARTED and entry.step is not None:
+        if entry.what is TraceEventKind.STARTED and entry.step is not None:
             self.busy[entry.step] = entry.agent
         elif entry.what in ENDS and entry.step is not None:
             self.busy.pop(entry.step, None)
-        elif entry.what is Happening.ANSWERED:
+        elif entry.what is TraceEventKind.ANSWERED:
             self.answers += 1
-        elif entry.what is Happening.FINISHED and not self._bench.cycle.halted:
+        elif entry.what is TraceEventKind.FINISHED and not self._bench.cycle.halted:
             self._compare()
 
     def _compare(self) -> None:
@@ -108,12 +108,12 @@ class Watched:
         entries = self.task.trace.entries
         starts = Counter(e.step for e in entries if e.what in STARTS)
         ends = Counter(e.step for e in entries if e.what in ENDS)
-        plans = sum(e.what in (Happening.PLANNED, Happening.RETRIED) for e in entries)
+        plans = sum(e.what in (TraceEventKind.PLANNED, TraceEventKind.RETRIED) for e in entries)
         most = self.task.policy.attempts * (len(self.task.goal) + 2) * (1 + self.answers)
         found = {
-            "it did not begin once, first of all": [e.what for e in entries].index(Happening.BEGUN) != 0,
-            "it did not finish once, last of all": [e.what for e in entries].count(Happening.FINISHED) != 1
-            or entries[-1].what is not Happening.FINISHED,
+            "it did not begin once, first of all": [e.what for e in entries].index(TraceEventKind.BEGUN) != 0,
+            "it did not finish once, last of all": [e.what for e in entries].count(TraceEventKind.FINISHED) != 1
+            or entries[-1].what is not TraceEventKind.FINISHED,
             f"starts {starts} and ends {ends} differ": starts != ends,
             f"not every step starts once: {starts}": any(n != 1 for n in starts.values()),
             f"intents {self.intents} are not the starts": self.intents != starts,
@@ -257,7 +257,7 @@ class SeveralTasks(RuleBasedStateMachine):
         self.bench.until(lambda: task.done, limit=5.0)
         assert task.report is not None
         assert task.report.reached, task.trace
-        assert not [e for e in task.trace.entries if e.what is Happening.WAITS], task.trace
+        assert not [e for e in task.trace.entries if e.what is TraceEventKind.WAITS], task.trace
         devices = [device for agent in SUBSYSTEMS for device in (agent, agent.replace("arm", "gripper"))]
         with self.bench.managers.claims.request("the test", devices) as claim:
             assert claim.granted, claim.waits_for()

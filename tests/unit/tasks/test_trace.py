@@ -2,11 +2,13 @@ from __future__ import annotations
 
 import json
 
-from skiros_py.tasks.trace import Happening, Trace, TraceEntry
+from skiros_py.tasks.trace import Trace, TraceEntry, TraceEventKind
 
 
 def entry(number: int) -> TraceEntry:
-    return TraceEntry(0.1 * number, Happening.STARTED, f"step {number} starts", number, "pick", {"Ball": "b"}, "arm_1")
+    return TraceEntry(
+        0.1 * number, TraceEventKind.STARTED, f"step {number} starts", number, "pick", {"Ball": "b"}, "arm_1"
+    )
 
 
 def test_a_trace_keeps_the_latest_and_counts_what_it_forgot() -> None:

@@ -14,7 +14,7 @@ from skiros_py.station.control import CLOSING, ControlThread
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
-from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 _log = logging.getLogger(__name__)
 
@@ -173,7 +173,7 @@ class AlarmSources:
             report = task.report
             if self._session.cycle.halted:  # there is an alarm of that
                 return
-            if entry.what is Happening.FINISHED and report is not None and report.fault:
+            if entry.what is TraceEventKind.FINISHED and report is not None and report.fault:
                 text = f"{task.name} ended before its time: {report.fault}"
                 self._alarms.raise_(AlarmKind.TASK, text, task.name, lasts=False)
 

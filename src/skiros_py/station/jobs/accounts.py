@@ -17,11 +17,11 @@ from skiros_py.api.jobs import (
 from skiros_py.planning.plan import Plan
 from skiros_py.station.jobs.views import job_view, steps_view, transitions_view
 from skiros_py.tasks.jobs import Job, JobManager
-from skiros_py.tasks.trace import Happening
+from skiros_py.tasks.trace import TraceEventKind
 
 Trace = Sequence[Mapping[str, Any]]
 
-_ENDS = (Happening.ENDED.value, Happening.FAILED.value, Happening.BROKEN_OFF.value)
+_ENDS = (TraceEventKind.ENDED.value, TraceEventKind.FAILED.value, TraceEventKind.BROKEN_OFF.value)
 
 
 def response_of(jobs: JobManager, job: Job, now: float) -> JobResponse:
@@ -61,7 +61,7 @@ def planned_steps(plan: Plan) -> tuple[PlannedStep, ...]:
 
 def plan_of(job: Job, trace: Trace) -> JobPlan:
     """Returns the last plan of a job, from its trace; where that says nothing of it, as the job itself has it."""
-    entry = _last(trace, Happening.PLANNED)
+    entry = _last(trace, TraceEventKind.PLANNED)
     if entry is not None:
         return JobPlan(steps=_steps(entry["data"]))
     bare = {"steps": job.plan, "after": [[index - 1] if index else [] for index in range(len(job.plan))]}
@@ -85,8 +85,8 @@ def report_of(job: Job, trace: Trace, now: float) -> JobReport:
 
 def explanation_of(job: Job, trace: Trace) -> JobExplanation:
     """Returns why there is no plan for a job; empty if there is one, or planning has not begun."""
-    refused = _last(trace, Happening.NO_PLAN)
-    planned = _last(trace, Happening.PLANNED)
+    refused = _last(trace, TraceEventKind.NO_PLAN)
+    planned = _last(trace, TraceEventKind.PLANNED)
     missing = tuple(condition for condition in _conditions(job) if not condition.reached)
     if refused is None or (planned is not None and trace.index(planned) > trace.index(refused)):
         return JobExplanation(reasons=job.reasons, causes=(), repairs=(), conditions=missing)
@@ -99,7 +99,7 @@ def explanation_of(job: Job, trace: Trace) -> JobExplanation:
     )
 
 
-def _last(trace: Trace, what: Happening) -> Mapping[str, Any] | None:
+def _last(trace: Trace, what: TraceEventKind) -> Mapping[str, Any] | None:
     return next((entry for entry in reversed(trace) if entry["what"] == what.value), None)
 
 

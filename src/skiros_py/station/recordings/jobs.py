@@ -12,7 +12,7 @@ from skiros_py.station.recordings.runs import recorder_of
 from skiros_py.station.session import Session
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.jobs import Job
-from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
 _log = logging.getLogger(__name__)
 
@@ -100,7 +100,7 @@ class JobRecordings:
         recorder.follow(task)
 
         def on_entry(entry: TraceEntry) -> None:
-            if entry.what is Happening.FINISHED and self._running.get(number) is recorder:
+            if entry.what is TraceEventKind.FINISHED and self._running.get(number) is recorder:
                 del self._running[number]
                 recorder.end()
 

@@ -9,9 +9,9 @@ from skiros_py.api.tasks import TaskInfo, TaskQuestion, TaskReport, TaskStep, Ta
 from skiros_py.station.jobs.accounts import planned_steps
 from skiros_py.station.tasks.book import KeptTask
 from skiros_py.tasks.report import GoalReport
-from skiros_py.tasks.trace import Happening, TraceEntry
+from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 
-_ENDS = (Happening.ENDED, Happening.FAILED, Happening.BROKEN_OFF)
+_ENDS = (TraceEventKind.ENDED, TraceEventKind.FAILED, TraceEventKind.BROKEN_OFF)
 
 
 def task_info(task: KeptTask, *, in_full: bool = True) -> TaskInfo:
@@ -33,7 +33,7 @@ def _steps(entries: tuple[TraceEntry, ...]) -> tuple[TaskStep, ...]:
     for entry in entries:
         if entry.step is None:
             continue
-        if entry.what is Happening.STARTED:
+        if entry.what is TraceEventKind.STARTED:
             found[entry.step] = _started(entry.step, entry)
         elif entry.what in _ENDS and entry.step in found:
             ended = {"end": entry.time, "ended": entry.what.value, "text": entry.text}
