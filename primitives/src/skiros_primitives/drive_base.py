@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from skiros_primitives import other_robots
+from skiros_primitives.driving import DrivingPrimitive
 from skiros_primitives.other_robots import reach
 from skiros_py.devices.base import Base, BaseSpec, BaseTwist
 from skiros_py.geometry import Pose, wrap_angle
@@ -15,9 +16,9 @@ from skiros_py.ports.motion import BaseLeg, BasePath, BasePathRequest, BasePlann
 from skiros_py.skills.floor import Outline, Way
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
-from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import map_pose, obstacles
-from skiros_py.world.vocabulary import AT, BASE, DRIVING_POSE, FLOOR, LOCATION, POSE_FRAME, ROBOT
+from skiros_py.world.vocabulary import AT, BASE, DRIVING_POSE, LOCATION, ROBOT
 
 _ARRIVED = 0.03
 """Greatest distance from the driving pose after standstill [m]."""
@@ -34,7 +35,7 @@ _APART = 0.02
 """Distance between two robots where both are as far from their path as they may be [m]."""
 
 
-class DriveBase(Primitive["DriveBase.Params"]):
+class DriveBase(DrivingPrimitive):
     """Turns, drives straight, turns: what a differential drive can do; follows localisation, ends at standstill."""
 
     name: ClassVar[str] = "drive_base"
@@ -71,14 +72,14 @@ class DriveBase(Primitive["DriveBase.Params"]):
 
     def _follow(self, base: Base, path: BasePath, way: Way, goal: Pose) -> Execution[Outcome]:
         if path.legs:
-            self._leave()
+            self.leave("drives off")
         for number, leg in enumerate(path.legs):
             self.progress(number + 1, f"leg {number + 1} of {len(path.legs)}")
             if not (yield from self._drive(base, leg, way, number)):
                 return Failure(f"stuck on leg {number + 1} of {len(path.legs)} to {self.params.location}")
         if not (yield from self._turn(base, path.heading)):
             return Failure(f"stuck while turning at {self.params.location}")
-        yield from self._stand(base)
+        yield from self.stand(base)
         return self._arrived(base.state.pose, goal)
 
     def _goal(self) -> Pose | Failure:
@@ -103,7 +104,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
 
     def _path(self, base: Base, goal: Pose, robots: tuple[Obstacle, ...]) -> Execution[BasePath | NoMotion]:
         planner = self.context.port(BasePlanner, self.params.base)
-        carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self._rides(o.id))
+        carried = frozenset(o.id for o in obstacles(self.context, parts=False) if self.rides(o.id))
         around = obstacles(self.context, parts=False, without=carried)
         request = BasePathRequest(
             base.state.pose, goal, self._spec().footprint, (*around, *robots), base=self.params.base
@@ -143,20 +144,8 @@ class DriveBase(Primitive["DriveBase.Params"]):
         others = other_robots.others(self.context, self.params.robot)
         return [other.id for other in others if self.context.floor.is_driving(other.id)]
 
-    def _rides(self, element: str) -> bool:
-        frames = self.world.objects(element, POSE_FRAME)
-        return any(f == self.params.base or self._rides(f) for f in frames)
-
     def _spec(self) -> BaseSpec:
         return self.context.cell.device(self.params.base, BaseSpec)
-
-    def _leave(self) -> None:
-        """Between places a robot is on the floor."""
-        floors = self.world.instances(FLOOR)
-        placement = self.world.placement(self.params.robot)
-        if floors and (placement is None or placement.place != floors[0]):
-            with self.world.transaction(author=self.name, reason="drives off") as tx:
-                tx.place(self.params.robot, AT, floors[0])
 
     def _drive(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
         pose = base.state.pose
@@ -166,15 +155,7 @@ class DriveBase(Primitive["DriveBase.Params"]):
         return (yield from self._straight(base, leg, way, driven))
 
     def _turn(self, base: Base, heading: float) -> Execution[bool]:
-        spec, deadline = self._spec(), self.context.now + _PATIENCE
-        while self.context.now < deadline:
-            error = wrap_angle(heading - base.state.pose.yaw)
-            if abs(error) < math.radians(0.3):
-                return True
-            speed = min(spec.max_angular, math.sqrt(2.0 * 0.8 * spec.max_angular_acceleration * abs(error)))
-            base.command(BaseTwist(0.0, math.copysign(min(speed, 4.0 * abs(error)), error)))
-            yield
-        return False
+        return (yield from self.turn(base, heading, fastest=self._spec().max_angular, patience=_PATIENCE))
 
     def _straight(self, base: Base, leg: BaseLeg, way: Way, driven: int) -> Execution[bool]:
         """Follows the line from here to the leg's end; steers by heading and by distance from the line."""
@@ -201,16 +182,6 @@ class DriveBase(Primitive["DriveBase.Params"]):
             base.command(BaseTwist(sign * speed, max(-spec.max_angular, min(spec.max_angular, steer))))
             yield
         return False
-
-    def _stand(self, base: Base) -> Execution[None]:
-        """Brakes, and gives localisation a moment to settle."""
-        deadline = self.context.now + 5.0
-        yield
-        while not base.state.still and self.context.now < deadline:
-            yield
-        settled = self.context.now + 0.1
-        while self.context.now < settled:
-            yield
 
     def _arrived(self, pose: Pose, goal: Pose) -> Outcome:
         distance = math.dist(pose.position[:2], goal.position[:2])

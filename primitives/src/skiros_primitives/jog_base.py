@@ -11,6 +11,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from skiros_primitives import other_robots
+from skiros_primitives.driving import DrivingPrimitive
 from skiros_primitives.floor_outlines import covered, placed
 from skiros_py.devices.arm import ArmSpec, ArmState
 from skiros_py.devices.base import Base, BaseTwist
@@ -20,9 +21,9 @@ from skiros_py.ports.motion import BaseLeg, BasePath, Obstacle
 from skiros_py.skills.floor import Outline
 from skiros_py.skills.outcome import Failure, Outcome, Success
 from skiros_py.skills.parameters import Kind, param
-from skiros_py.skills.primitive import Execution, Primitive
+from skiros_py.skills.primitive import Execution
 from skiros_py.skills.surroundings import obstacles
-from skiros_py.world.vocabulary import AT, BASE, FLOOR, POSE_FRAME, ROBOT
+from skiros_py.world.vocabulary import BASE, ROBOT
 
 _FARTHEST = 0.2
 """Longest step [m]."""
@@ -44,7 +45,7 @@ _PATIENCE = 20.0
 """Longest time for the way, and for a turn [s]."""
 
 
-class JogBase(Primitive["JogBase.Params"]):
+class JogBase(DrivingPrimitive):
     """Drives a base by at most 0.2 m and 0.35 rad, with its arms at home, where nothing is touched.
 
     A step to the side is a turn, a straight way and a turn back: wheels do not roll sideways.
@@ -86,7 +87,7 @@ class JogBase(Primitive["JogBase.Params"]):
         with self.context.floor.ask(self.params.robot, self._robot.outline, before, path) as way:
             if not way.free:
                 return Failure(f"{' and '.join(way.waits_for())} is in the way")
-            self._leave()
+            self.leave("is moved by hand")
             arrived = yield from self._drive(base, path)
         return self._came(before.inverse() @ base.state.pose, arrived=arrived)
 
@@ -105,25 +106,13 @@ class JogBase(Primitive["JogBase.Params"]):
 
         Folded arms are above everything but other robots.
         """
-        things = [o for o in obstacles(self.context, parts=False) if not self._rides(o.id)]
+        things = [o for o in obstacles(self.context, parts=False) if not self.rides(o.id)]
         robots = other_robots.standing(self.context, self.params.robot, margin=0.0)
         outline = other_robots.outline(self.context, self._robot)
         near = _nearing(things, self._robot.outline, start, path) + _nearing(robots, outline, start, path)
         return " and ".join(near)
 
-    def _rides(self, element: str) -> bool:
-        frames = self.world.objects(element, POSE_FRAME)
-        return any(f == self.params.base or self._rides(f) for f in frames)
-
     # ------------------------------------------------------------------ driving
-
-    def _leave(self) -> None:
-        """Whoever was moved by hand stands at no place that is known: it is on the floor."""
-        floors = self.world.instances(FLOOR)
-        placement = self.world.placement(self.params.robot)
-        if floors and (placement is None or placement.place != floors[0]):
-            with self.world.transaction(author=self.name, reason="is moved by hand") as tx:
-                tx.place(self.params.robot, AT, floors[0])
 
     def _drive(self, base: Base, path: BasePath) -> Execution[bool]:
         for leg in path.legs:
@@ -132,19 +121,11 @@ class JogBase(Primitive["JogBase.Params"]):
             if not ((yield from self._turn(base, along)) and (yield from self._straight(base, leg))):
                 return False
         arrived = yield from self._turn(base, path.heading)
-        yield from self._stand(base)
+        yield from self.stand(base)
         return arrived
 
     def _turn(self, base: Base, heading: float) -> Execution[bool]:
-        limit, deadline = base.spec.max_angular_acceleration, self.context.now + _PATIENCE
-        while self.context.now < deadline:
-            error = wrap_angle(heading - base.state.pose.yaw)
-            if abs(error) < math.radians(0.3):
-                return True
-            speed = min(_TURNING, math.sqrt(1.6 * limit * abs(error)), 4.0 * abs(error))
-            base.command(BaseTwist(0.0, math.copysign(speed, error)))
-            yield
-        return False
+        return (yield from self.turn(base, heading, fastest=_TURNING, patience=_PATIENCE))
 
     def _straight(self, base: Base, leg: BaseLeg) -> Execution[bool]:
         """Goes along its heading until it is beside the leg's end."""
@@ -157,16 +138,6 @@ class JogBase(Primitive["JogBase.Params"]):
             base.command(BaseTwist(math.copysign(speed, left), 0.0))
             yield
         return False
-
-    def _stand(self, base: Base) -> Execution[None]:
-        """Brakes, and gives localisation a moment to settle."""
-        deadline = self.context.now + 5.0
-        yield
-        while not base.state.still and self.context.now < deadline:
-            yield
-        settled = self.context.now + 0.1
-        while self.context.now < settled:
-            yield
 
     def _came(self, step: Pose, *, arrived: bool) -> Outcome:
         x, y, _ = step.position

@@ -26,7 +26,7 @@ from skiros_py.geometry import Pose, wrap_angle
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.cell import RobotSpec
 from skiros_py.ports.motion import BasePath
-from skiros_py.skills.floor import Outline
+from skiros_py.skills.floor import Outline, Path
 
 _MARGIN = 0.06
 """Greatest distance of a base from its path [m]."""
@@ -56,7 +56,7 @@ class FloorAreas:
         """Returns True when a robot is on its way."""
         return any(way.granted for way in self._ways if way.robot == robot)
 
-    def ask(self, robot: str, outline: Outline, start: Pose, path: BasePath) -> FloorWay:
+    def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> FloorWay:
         """Asks for the way along a path: all of it or nothing; whoever asked first goes first."""
         self._outlines[robot] = outline
         way = FloorWay(self, robot, list(_stretches(outline, start, path)))
@@ -176,8 +176,21 @@ class _Stretch:
     end: float
 
 
-def _stretches(outline: Outline, start: Pose, path: BasePath) -> Iterator[_Stretch]:
-    """Yields short stretches of each leg of a path, from the turn before it on, and where the base ends."""
+def _stretches(outline: Outline, start: Pose, path: Path) -> Iterator[_Stretch]:
+    """Yields short stretches of a path, and where the base ends."""
+    return _legs(outline, start, path) if isinstance(path, BasePath) else _steps(outline, start, path)
+
+
+def _steps(outline: Outline, start: Pose, poses: Sequence[Pose]) -> Iterator[_Stretch]:
+    """Yields what is covered from each pose to the next: the hull of the outline at both."""
+    stops = [_hull(outline, pose) for pose in (start, *poses)]
+    for number, (here, there) in enumerate(pairwise(stops), start=1):
+        yield _Stretch(_widened(shapely.union(here, there).convex_hull), number)
+    yield _Stretch(_widened(stops[-1]), math.inf)
+
+
+def _legs(outline: Outline, start: Pose, path: BasePath) -> Iterator[_Stretch]:
+    """Yields short stretches of each leg, from the turn before it on, and where the base ends."""
     at, heading = (start.position[0], start.position[1]), start.yaw
     reach = max(math.hypot(x, y) for x, y in outline)
     for number, leg in enumerate(path.legs):
@@ -212,6 +225,8 @@ def _turn(at: tuple[float, float], before: float, after: float, reach: float) ->
 
 
 def _hull(outline: Outline, pose: Pose) -> BaseGeometry:
+    if not len(outline):  # a robot that does not touch the floor
+        return shapely.Polygon()
     corners = np.array([(x, y, 0.0) for x, y in outline])
     return shapely.MultiPoint(pose.apply(corners)[:, :2]).convex_hull
 

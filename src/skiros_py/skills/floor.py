@@ -16,6 +16,10 @@ Outline = Sequence[tuple[float, float]]
 """Points on the floor in the frame of a base [m]; what is in their convex hull belongs to the robot."""
 
 
+Path = BasePath | Sequence[Pose]
+"""What a base wants to drive: turns and straight legs, or poses in close succession."""
+
+
 class Way(Protocol):
     """A path that a base wants to drive. Release it when the base stands again, or use it in a ``with``."""
 
@@ -34,7 +38,7 @@ class Way(Protocol):
         ...
 
     def passed(self, legs: float) -> None:
-        """Gives back what lies behind: so many legs have been driven, 1.5 being half of the second."""
+        """Gives back what lies behind: so many legs (or poses) have been driven, 1.5 being half of the second leg."""
         ...
 
     def release(self) -> None:
@@ -55,14 +59,15 @@ class Floor(Protocol):
         """Returns True when a robot is on its way: it will not stay where it is."""
         ...
 
-    def ask(self, robot: str, outline: Outline, start: Pose, path: BasePath) -> Way:
+    def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:
         """Asks for the way along a path; whoever asked first goes first.
 
         Args:
             robot: Id of the robot.
             outline: What it covers while it drives.
             start: Where its base stands.
-            path: Where it wants to drive.
+            path: The legs of a base that turns and drives straight, or the poses of any other base in the map: between
+                two of them it stays within the hull of its outline at both.
         """
         ...
 
@@ -90,7 +95,7 @@ class OpenFloor:
         """Returns False: there is nobody else."""
         return False
 
-    def ask(self, robot: str, outline: Outline, start: Pose, path: BasePath) -> Way:  # noqa: ARG002
+    def ask(self, robot: str, outline: Outline, start: Pose, path: Path) -> Way:  # noqa: ARG002
         """Returns a way that is free."""
         return _OpenWay()
 

@@ -247,3 +247,24 @@ def test_giving_back_what_lies_behind_never_adds_to_a_way(legs: float) -> None:
     way.passed(legs)
 
     assert whole.buffer(1e-9).contains(way.area)
+
+
+def test_a_base_that_drives_sideways_claims_what_it_sweeps_on_the_way_and_nothing_else() -> None:
+    floor = floor_with((0.0, 0.0), (2.0, 0.0), (2.0, 4.0))
+    sideways = [Pose((0.2 * step, 0.2 * step, 0.0)) for step in range(1, 11)]
+
+    way = floor.ask("robot_1", OUTLINE, Pose(), sideways)
+
+    assert way.free  # robot_2 stands beside the diagonal, robot_3 behind its end
+    crossing = straight(floor, 2, (2.0, 0.0), (0.0, 2.0))
+    assert (crossing.free, crossing.waits_for()) == (False, ("robot_1",))
+    way.passed(9.0)
+    assert crossing.free
+
+
+def test_a_base_that_touches_no_floor_claims_none_and_blocks_nobody() -> None:
+    floor = floor_with((0.0, 0.0), (1.0, 0.0))
+    way = floor.ask("robot_2", (), Pose((1.0, 0.0, 1.0)), [Pose((0.0, 0.0, 1.0)), Pose((3.0, 0.0, 1.0))])
+
+    assert way.free
+    assert straight(floor, 1, (0.0, 0.0), (4.0, 0.0)).free
