@@ -82,6 +82,17 @@ def test_a_replay_has_all_devices_at_the_same_ascending_moments(replay: Replay) 
     assert {len(row) for row in frames.arms["arm_1"]} == {7}
 
 
+def test_a_replay_is_read_by_ranges_of_time(server: Served, replay: Replay) -> None:
+    middle = (replay.start + replay.end) / 2.0
+    with Client(server.url) as client:
+        first, second = client.jobs.replay("kit", end=middle), client.jobs.replay("kit", middle)
+
+    assert (first.start, first.end) == (second.start, second.end) == (replay.start, replay.end)
+    assert (*first.changes, *second.changes) == replay.changes
+    assert sorted({*first.frames.times, *second.frames.times}) == list(replay.frames.times)
+    assert first.beginning == replay.beginning != second.beginning
+
+
 def test_a_replay_is_compressed_for_those_who_take_that(server: Served, replay: Replay) -> None:
     with api(server) as http:
         plain = http.get("/jobs/kit/replay", headers={"Accept-Encoding": "identity"})

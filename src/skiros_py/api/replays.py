@@ -62,6 +62,8 @@ class Replay(Answer):
         description="Run time begins again with the server: from the first number on [s], all times in here are later"
         " by the second [s] than run time was.",
     )
-    beginning: WorldView = Field(description="The world at the beginning.")
-    frames: ReplayFrames = Field(description="Where the robots were.")
-    changes: tuple[ReplayChange, ...] = Field(description="What changed, in order.")
+    beginning: WorldView = Field(description="The world at the beginning, or at the start of the range asked for.")
+    frames: ReplayFrames = Field(
+        description="Where the robots were; of a range also the last frame before it and the first one after it."
+    )
+    changes: tuple[ReplayChange, ...] = Field(description="What changed after that, in order.")

@@ -4721,7 +4721,10 @@ export interface operations {
     };
     get_job_replay: {
         parameters: {
-            query?: never;
+            query?: {
+                start?: number;
+                end?: number | null;
+            };
             header?: {
                 "accept-encoding"?: string;
             };

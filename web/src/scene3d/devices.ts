@@ -44,8 +44,8 @@ export function followDevices(): () => void {
 
 /** Brings the devices to where they are at a moment [ms, performance.now()]. */
 export function moveDevices(now: number): void {
-  const { replay, time } = useReplay.getState();
-  if (replay !== null) framesAt(replay, time, devices);
+  const { replay, piece, time } = useReplay.getState();
+  if (replay !== null && piece !== null) framesAt(piece, time, devices);
   else between(from, to, Math.min((now - arrived) / span, 1), devices);
 }
 

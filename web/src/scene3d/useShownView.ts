@@ -6,8 +6,8 @@ import { useLiveView, type View } from "./view";
 /** The world that is drawn: the present, or that of the replay at its moment. */
 export function useShownView(): View | null {
   const live = useLiveView((state) => state.view);
-  const replay = useReplay((state) => state.replay);
-  const past = useMemo(() => (replay === null ? null : new PastViews(replay)), [replay]);
+  const piece = useReplay((state) => (state.replay === null ? null : state.piece));
+  const past = useMemo(() => (piece === null ? null : new PastViews(piece)), [piece]);
   const then = useReplay((state) => past?.at(state.time) ?? null);
   return then ?? live;
 }

@@ -2,10 +2,10 @@ import { Alert, Anchor, Button, Group, Loader, Stack, Text, Title } from "@manti
 import { IconHistory, IconListNumbers } from "@tabler/icons-react";
 import { useState } from "react";
 import { useTranslation } from "react-i18next";
-import { answer, api, type Schema } from "../api/client";
+import type { Schema } from "../api/client";
 import { useSingleMutation } from "../api/mutations";
 import { GoalText } from "../goal/GoalText";
-import { useReplay } from "../scene3d/replay";
+import { showReplay, useReplay } from "../scene3d/replay";
 import { notifyProblem } from "../widgets/problems";
 import { Status } from "../widgets/Status";
 import { forget, useIsGone } from "./gone";
@@ -110,11 +110,7 @@ function ReplayButton({ job }: { job: string }) {
   const { t } = useTranslation("task");
   const shown = useReplay(({ replay }) => replay?.job === job);
   const { mutate, isPending } = useSingleMutation({
-    mutationFn: () => answer(api.GET("/api/v1/jobs/{id}/replay", { params: { path: { id: job } } })),
-    onSuccess: (read) => {
-      const replay = read as Schema<"Replay">; // the client forgets how long its tuples are
-      useReplay.getState().set({ replay, time: replay.start, speed: 0 });
-    },
+    mutationFn: () => showReplay(job),
     onError: notifyProblem,
   });
   // One button for both, not disabled meanwhile, so that who uses the keyboard stays where they are.

@@ -19,7 +19,7 @@ const KEY_STEPS: Readonly<Record<string, number>> = {
 /** The time of a replay: play, pause, go anywhere, from step to step; the 3D view shows that moment. */
 export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (step: string) => void }) {
   const { t } = useTranslation("task");
-  const { replay, time, speed: going, set } = useReplay();
+  const { replay, time, waits, speed: going, set } = useReplay();
   const [speed, setSpeed] = useState(1);
   if (replay === null) return null;
   const [start, end] = [replay.start, replay.end];
@@ -45,7 +45,7 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
     play();
   };
   return (
-    <div role="group" aria-label={t("replay.label", { job: replay.job })} onKeyDownCapture={keys}>
+    <div role="group" aria-label={t("replay.label", { job: replay.job })} aria-busy={waits} onKeyDownCapture={keys}>
       <Group gap={4}>
         <Tool
           name={t("replay.before")}

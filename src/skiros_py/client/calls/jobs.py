@@ -145,9 +145,9 @@ def get_job_report(job: str) -> Call[JobReport]:
     return Call("GET", _path(job, "report"), JobReport)
 
 
-def get_job_replay(job: str) -> Call[Replay]:
-    """Shows what a job looked like."""
-    return Call("GET", _path(job, "replay"), Replay)
+def get_job_replay(job: str, start: float = 0.0, end: float | None = None) -> Call[Replay]:
+    """Shows what a job looked like, all of it or from one run time to another [s]."""
+    return Call("GET", _path(job, "replay"), Replay, query={"start": start, "end": end})
 
 
 def get_job_recording(job: str) -> Call[bytes]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gzip
+import math
 import re
+from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Response
@@ -31,6 +33,7 @@ router = APIRouter()
 _NEEDS = [needs(Role.VIEWER, mes=True)]
 _GZIP = re.compile(r"(?:^|[,\s])(?:gzip|\*)\s*(?!\s*;\s*q=0(?:\.0*)?\s*(?:,|$))")
 _LEVEL = 5
+_Time = partial(Query, ge=0.0, allow_inf_nan=False)
 
 
 @router.get("/jobs/{id}/response", summary="What a job has come to (ISA-95 job response)", dependencies=_NEEDS)
@@ -84,13 +87,16 @@ def get_job_explanation(id: JobId, station: StationDep) -> JobExplanation:  # no
 def get_job_replay(
     id: JobId,  # noqa: A002 - the name in the address
     station: StationDep,
+    start: Annotated[float, _Time(description="From this run time on [s].")] = 0.0,
+    end: Annotated[float | None, _Time(description="Up to this run time [s]; left out: to the end.")] = None,
     accept_encoding: Annotated[str, Header(max_length=1000)] = "",
 ) -> Response:
     """Shows a job that runs or ran as moving pictures: the world at its beginning, what changed, where the robots were.
 
+    A range of time begins with the world at that time, and has the frames just before and after it as well.
     Of a job that runs, the last seconds may be missing. Replays are kept for the last 200 jobs, and go with the job.
     """
-    text = station.recordings.replay(id)
+    text = station.recordings.replay(id, start, math.inf if end is None else end)
     headers = {"Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if _GZIP.search(accept_encoding):
         text = gzip.compress(text, _LEVEL)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Collection, Mapping, Sequence
-from itertools import groupby, pairwise
+from itertools import groupby, islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -20,24 +20,31 @@ MOST_FRAMES = 5000
 _DIGITS = 5
 
 
-def replay_text(recording: Recording, *, over: bool) -> bytes:
+def replay_text(recording: Recording, *, over: bool, start: float = -math.inf, end: float = math.inf) -> bytes:
     """Returns the replay of a job as JSON; see :class:`skiros_py.api.replays.Replay`.
 
     Args:
         recording: The recording of the job.
         over: Whether the job is over.
+        start: Start of the range whose frames and changes it has [s, run time].
+        end: End of that range [s].
 
     Raises:
         FileError: The recording is damaged.
         ValueError: It has no beginning yet.
     """
-    views = list(recording.messages(VIEW.name))
-    if not views:
+    frames = _frames(recording, start, end)
+    until = max([end, *frames["times"][-1:]])
+    _, began, beginning = next(recording.messages(VIEW.name), ("", 0.0, None))
+    if beginning is None:
         raise ValueError("it has no beginning")
+    later = islice(recording.messages(VIEW.name, end=until), 1, None)
+    views = [(began, beginning), *((time, one) for _, time, one in later if time <= end or one["anew"])]
+    before = max(sum(time <= start for time, _ in views), 1)
     runs = {part["run"] for part in recording.parts}
     replay = {
         "job": recording.meta["job"],
-        "start": views[0][1],
+        "start": began,
         "end": recording.end,
         "complete": over and recording.complete and len(runs) == 1 and not recording.left_out,
         "shifts": [
@@ -45,19 +52,41 @@ def replay_text(recording: Recording, *, over: bool) -> bytes:
             for before, part in pairwise(recording.parts)
             if part["shift"] != before["shift"]
         ],
-        "beginning": views[0][2]["view"],
-        "frames": _frames(recording),
-        "changes": [{"time": time, **message} for _, time, message in views[1:]],
+        "beginning": _world_after([message for _, message in views[:before]]),
+        "frames": frames,
+        "changes": [{"time": time, **message} for time, message in views[before:]],
     }
     return json.dumps(replay, separators=(",", ":")).encode()
 
 
-def _frames(recording: Recording) -> dict[str, Any]:
-    """Returns the states of the devices at the same times each; a device that is no longer there stays where it was."""
-    found = [
-        (time, [(channel.topic, message.data) for _, channel, message in group])
-        for time, group in groupby(recording.raw_messages(DEVICES), key=lambda one: one[2].log_time)
-    ]
+def _world_after(changes: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
+    """Returns the view of the whole world after some changes, with all shapes that came with them."""
+    elements: dict[str, Any] = {}
+    shapes: dict[str, Any] = {}
+    for change in changes:
+        view = change["view"]
+        if change["anew"]:
+            elements.clear()
+        for name in view["gone"]:
+            elements.pop(name, None)
+        elements |= {element["id"]: element for element in view["elements"]}
+        shapes |= view["shapes"]
+    return {**changes[-1]["view"], "elements": list(elements.values()), "shapes": shapes, "gone": []}
+
+
+def _frames(recording: Recording, start: float, end: float) -> dict[str, Any]:
+    """Returns the states of the devices at the same times each.
+
+    Of a range there are also the last frame before it and the first one after it. A device that is no longer there
+    stays where it was.
+    """
+    if start > recording.start:
+        start = recording.frame(start).time
+    found = []
+    for time, group in groupby(recording.raw_messages(DEVICES, start=start), key=lambda one: one[2].log_time):
+        found.append((time, [(channel.topic, message.data) for _, channel, message in group]))
+        if time > end * 1e9:
+            break
     times = np.array([time for time, _ in found]) / 1e9
     kept = _thinned(times)
     present: dict[tuple[str, str], Any] = {}
@@ -85,7 +114,8 @@ def _poses(recording: Recording, devices: Collection[str], times: Sequence[int])
         return {}
     tracks: dict[str, list[list[float]]] = {}
     last: dict[str, list[float]] = {}
-    frames = iter([(one.log_time, json.loads(one.data)) for _, _, one in recording.raw_messages("/frames")])
+    written = recording.raw_messages("/frames", start=times[0] / 1e9, end=times[-1] / 1e9)
+    frames = ((one.log_time, json.loads(one.data)) for _, _, one in written)
     ahead = next(frames, None)
     for time in times:
         while ahead is not None and ahead[0] <= time:

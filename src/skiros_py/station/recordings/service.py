@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from skiros_py.errors import FileError, Refused
@@ -26,8 +27,13 @@ class RecordingService(Service):
             raise _no_replay(known, FileError(path, "there is no such recording"))
         return path
 
-    def replay(self, job: str) -> bytes:
-        """Returns the replay of a job as JSON.
+    def replay(self, job: str, start: float = -math.inf, end: float = math.inf) -> bytes:
+        """Returns the replay of a job, or of a range of it, as JSON.
+
+        Args:
+            job: Id of the job.
+            start: Start of the range [s, run time].
+            end: End of the range [s].
 
         Raises:
             UnknownName: There is no such job.
@@ -36,7 +42,7 @@ class RecordingService(Service):
         known = self._station.session.jobs.job(job)
         try:
             with self._station.job_recordings.read(known.number) as recording:
-                return replay_text(recording, over=not known.state.is_open)
+                return replay_text(recording, over=not known.state.is_open, start=start, end=end)
         except (FileError, ValueError, KeyError) as error:
             raise _no_replay(known, error) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from pathlib import Path
 
@@ -73,9 +74,9 @@ class Job:
         assert self.writer.fault == ""
 
 
-def told(file: Path, *, over: bool = True) -> Replay:
+def told(file: Path, *, over: bool = True, start: float = 0.0, end: float = math.inf) -> Replay:
     with Recording(file) as recording:
-        return Replay.model_validate_json(replay_text(recording, over=over))
+        return Replay.model_validate_json(replay_text(recording, over=over, start=start, end=end))
 
 
 def test_a_recording_is_told_with_where_everything_was_and_what_changed(tmp_path: Path, world: World) -> None:
@@ -98,6 +99,43 @@ def test_a_recording_is_told_with_where_everything_was_and_what_changed(tmp_path
     assert (change.author, change.anew, held["starter_1"]) == ("pick", False, "gripper_1")
     assert "starter_1" in {element.id for element in replay.beginning.elements}
     assert change.view.shapes == {}
+
+
+def test_a_range_begins_with_the_world_at_its_start_and_joins_its_neighbours(tmp_path: Path, world: World) -> None:
+    job = Job(tmp_path / "one", world)
+    for number in range(1, 101):
+        job.frame(snapshot(10.0 + number / 10.0, number / 100.0))
+        if number == 35:
+            with world.transaction("pick", "it is in the gripper") as tx:
+                tx.place("starter_1", "sk:heldBy", "gripper_1")
+            job.change(tx.change, snapshot(13.55))
+        if number == 65:
+            with world.transaction("place", "it is broken") as tx:
+                tx.remove("relay_box_1")
+            job.change(tx.change, snapshot(16.55))
+    job.end(20.1)
+
+    whole = told(tmp_path / "one")
+    first, second, third = (told(tmp_path / "one", start=at, end=at + 3.02) for at in (10.0, 14.02, 17.04))
+    assert {(part.start, part.end, part.complete) for part in (first, second, third)} == {(10.0, 20.1, True)}
+    assert first.beginning == whole.beginning
+    assert [len(part.changes) for part in (whole, first, second, third)] == [2, 0, 1, 0]
+    held = {element.id: element.held_by for element in second.beginning.elements}
+    assert held["starter_1"] == "gripper_1"
+    assert second.beginning.shapes == whole.beginning.shapes
+    assert held.keys() - {element.id for element in third.beginning.elements} == {"relay_box_1"}
+    assert second.frames.times == pytest.approx([14.0 + number / 10.0 for number in range(32)])
+    rows = dict(zip(whole.frames.times, whole.frames.arms["arm_1"], strict=True))
+    assert second.frames.arms["arm_1"] == tuple(rows[time] for time in second.frames.times)
+
+
+def test_a_range_in_which_nothing_moves_has_the_frames_around_it(tmp_path: Path, world: World) -> None:
+    job = Job(tmp_path / "one", world)
+    for number in range(1, 1001):
+        job.frame(snapshot(10.0 + number / 10.0))
+    job.frame(snapshot(110.1, 0.1))
+    job.end(110.1)
+    assert told(tmp_path / "one", start=50.0, end=60.0).frames.times == pytest.approx((10.0, 110.0))
 
 
 def test_while_nothing_moves_only_the_last_moment_of_it_is_kept(tmp_path: Path, world: World) -> None:
@@ -162,6 +200,9 @@ def test_a_job_that_is_continued_after_a_restart_follows_in_time_with_the_whole_
     assert len(replay.frames.grippers["gripper_1"]) == 5
     assert replay.end == pytest.approx(51.3)
     assert not replay.complete
+    before = told(tmp_path / "one", start=50.0, end=50.5)
+    assert before.frames.times == pytest.approx((50.0, 50.1, 51.1))
+    assert [change.anew for change in before.changes] == [True]  # or it would seem to move until 51.1
 
 
 def test_shifts_are_told_where_they_change_also_back_to_none(tmp_path: Path, world: World) -> None:

@@ -6,15 +6,16 @@ import { wake } from "../ticker";
 const SHORT = 200; // ms: how long frames are asked for at once
 const MOST = 0.25; // s: a page that was away does not jump
 
-/** Lets a replay go on, and stops it at its end. */
+/** Lets a replay go on, waits for what is still being read, and stops at the end. */
 export function ReplayClock() {
   const replay = useReplay((state) => state.replay);
   const time = useReplay((state) => state.time);
   const speed = useReplay((state) => state.speed);
-  useEffect(() => wake(speed > 0 ? SHORT : 0), [replay, time, speed]);
+  const piece = useReplay((state) => state.piece);
+  useEffect(() => wake(speed > 0 ? SHORT : 0), [replay, piece, time, speed]);
   useFrame((_, delta) => {
     const now = useReplay.getState();
-    if (now.replay === null || now.speed <= 0) return;
+    if (now.replay === null || now.speed <= 0 || now.waits) return;
     const then = now.time + Math.min(delta, MOST) * now.speed;
     const ended = then >= now.replay.end;
     now.set({ time: ended ? now.replay.end : then, ...(ended && { speed: 0 }) });
