@@ -31,7 +31,7 @@ export function Answers({ alarm }: { alarm: Alarm }) {
     <Group gap={6} role="group" aria-label={t("answers.label", { text: alarm.text })}>
       {alarm.choices.map((choice) => {
         const known = isKnown(choice) ? KNOWN[choice] : undefined;
-        const early = halted && known === "retry"; // the robots cannot move before somebody has reset
+        const early = halted && known === "retry"; // the robots cannot move before a reset
         const means = early ? t("answers.early") : known && t(`answers.${known}.means`);
         return (
           <Tooltip key={choice} label={means} disabled={!means} multiline maw={280}>

@@ -5,7 +5,7 @@ import { HaltBanner } from "./HaltBanner";
 import { QuestionBanners } from "./QuestionBanners";
 import { StopVerdict } from "./StopVerdict";
 
-/** What nobody shall miss: a stop, a lost connection, a halt, questions to a person. */
+/** What must not be missed: a stop, a lost connection, a halt, questions to a person. */
 export function Banners() {
   const { t } = useTranslation("always");
   return (

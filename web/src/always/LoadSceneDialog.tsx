@@ -7,7 +7,7 @@ import { MayButton } from "../widgets/MayButton";
 import { problemText, problemTitle } from "../widgets/problems";
 import { useDialogs } from "./dialogs";
 
-/** Loads another scene: the present one goes, so that somebody has to say so. */
+/** Loads another scene: the present one is replaced, so that a person has to confirm. */
 export function LoadSceneDialog() {
   const { t } = useTranslation("always");
   const { opened, about, close } = useDialogs();

@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import { KeyForm } from "./KeyForm";
 import { LanguageButton, SchemeButton } from "./Preferences";
 
-/** Where somebody shows a key. */
+/** Asks for a key. */
 export function Login() {
   const { t } = useTranslation("always");
   return (

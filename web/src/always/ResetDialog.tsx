@@ -11,7 +11,7 @@ import { useDialogs } from "./dialogs";
 import { useStopping } from "./stopping";
 import { useHalt } from "./useHalt";
 
-/** Lets things start again: of somebody who has looked, and says so. */
+/** Lets things start again, after a person has looked and confirmed. */
 export function ResetDialog() {
   const { t } = useTranslation("always");
   const { opened, close } = useDialogs();
@@ -23,7 +23,7 @@ export function ResetDialog() {
   );
 }
 
-/** Is about the halt that was in force when it was opened: nobody has looked at a later one yet. */
+/** Is about the halt that was in force when it was opened: a later one has not been looked at yet. */
 function Question({ halt, done }: { halt: Schema<"StopInfo">; done: () => void }) {
   const { t } = useTranslation("always");
   const { t: common } = useTranslation();

@@ -19,7 +19,7 @@ const ICONS: Record<Verdict, TablerIcon> = {
 };
 const SHOWN = 8000; // ms, of a good verdict: that everything is halted is said as long as it is so
 
-/** What became of a stop that was asked for here, in big words: nobody shall rely on one that was not obeyed. */
+/** What became of a stop that was asked for here, in big words: one that was not obeyed must not be relied on. */
 export function StopVerdict() {
   const { verdict } = useStopping();
   const forget = useStopping((stopping) => stopping.forget);

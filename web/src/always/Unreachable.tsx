@@ -7,7 +7,7 @@ import { problemText } from "../widgets/problems";
 
 const AGAIN = 1500; // ms
 
-/** Nobody answers yet: says so, and asks again until somebody does. */
+/** The server does not answer yet: says so, and asks again until it does. */
 export function Unreachable({ error }: { error: Error }) {
   const { t } = useTranslation("always");
   const { refetch } = useMe();

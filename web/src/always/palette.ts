@@ -3,7 +3,7 @@
 import { create } from "zustand";
 
 interface Palette {
-  /** How often somebody wanted to see it. */
+  /** How often it was opened. */
   asked: number;
   open: () => void;
 }

@@ -7,7 +7,7 @@ export type Command = "stop" | "palette" | "help" | "view3d" | { tab: Tab };
 type Press = Pick<KeyboardEvent, "code" | "key" | "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
 
 /**
- * Tells what a press of keys commands; undefined for nothing.
+ * Returns the command of a key press; undefined for none.
  *
  * @param writing - Whether it goes into a text field, where letters alone command nothing.
  */

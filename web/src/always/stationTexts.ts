@@ -16,7 +16,7 @@ interface Robot {
   grippers: { id: string }[];
 }
 
-/** Names of the robots that move, with commas; as text, so that what does not change draws nothing anew. */
+/** Names of the robots that move, with commas; as text, so that no change draws nothing again. */
 export function movingRobots(state: StationState | null, robots: readonly Robot[]): string {
   if (state === null) return "";
   return robots
@@ -33,7 +33,7 @@ function moves({ arms, bases, grippers }: StationState, robot: Robot): boolean {
   );
 }
 
-/** What the window of the browser is called, so that it says how things are while somebody looks elsewhere. */
+/** The title of the browser window: the state at a glance from other windows. */
 export function windowTitle(state: StationState | null, lost: boolean, questions: number, t: TitleWords): string {
   const said = lost ? `⚠ ${t.lost}` : questions > 0 ? `? ${t.asks}` : doing(state, t);
   return said ? `${said} – skiros` : "skiros";

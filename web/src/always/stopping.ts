@@ -1,4 +1,4 @@
-/** Stops everything: past queues, dialogs and caches, and again and again until somebody has answered. */
+/** Stops everything: past queues, dialogs and caches, and again and again until the server has answered. */
 
 import { create } from "zustand";
 import { BASE, type Schema } from "../api/client";
@@ -8,13 +8,13 @@ import { reconnect } from "../live/connection";
 export type Verdict = "asking" | "noAnswer" | "notObeyed" | "refused" | "signedOut" | "unsent" | "obeyed";
 
 interface Stopping {
-  /** Null while nobody has asked for a stop here, or what became of it has been read. */
+  /** Null while no stop was asked for here, or its result has been read. */
   verdict: Verdict | null;
   /** What the server said besides: why it was refused. */
   text: string;
-  /** Ends it: a stop that nobody has answered is withdrawn by that, one that was answered stands. */
+  /** Ends it: a stop without an answer is withdrawn, one with an answer stands. */
   forget: () => void;
-  /** Somebody is signed in again: a stop that was not sent for that is asked about, since it may not be wanted any more. */
+  /** A user signed in again: a stop that could not be sent before is asked about, since it may no longer be wanted. */
   signedIn: () => void;
 }
 
@@ -70,7 +70,7 @@ function settle(answer: Answer | null, mine: () => boolean): void {
   if (answer.verdict === "notObeyed") void untilObeyed(mine);
 }
 
-/** Asks once; null where nobody answers. */
+/** Asks once; null without an answer. */
 async function ask(reason: string): Promise<Answer | null> {
   try {
     const response = await fetch(`${BASE}/api/v1/stop`, {
@@ -93,7 +93,7 @@ async function meaning(response: Response): Promise<Answer | null> {
     return { verdict: obeyed ? "obeyed" : "notObeyed", text: "" };
   }
   if (response.status === 401) return { verdict: "signedOut", text: "" };
-  if (response.status >= 500) return null; // a proxy that reaches nobody, a server that ends
+  if (response.status >= 500) return null; // a proxy without a server, a server that ends
   const problem = (await response.json().catch(() => ({}))) as Partial<Schema<"ProblemDetails">>;
   return { verdict: "refused", text: problem.detail ?? `HTTP ${response.status}` };
 }

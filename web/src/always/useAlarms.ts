@@ -20,7 +20,7 @@ export function useAlarms(active: boolean): readonly Alarm[] {
   return data?.items ?? NONE;
 }
 
-/** Notes that somebody has seen an alarm. */
+/** Notes that an alarm was seen. */
 export function useAcknowledge() {
   return useSingleMutation({
     mutationFn: (alarm: Alarm) =>

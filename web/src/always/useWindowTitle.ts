@@ -16,7 +16,7 @@ export function useWindowTitle(): void {
     halted: t("title.halted"),
     running: t("title.running"),
   };
-  const hidden = useDocumentVisibility() === "hidden"; // nothing is followed then: what was so is not told as if it were
+  const hidden = useDocumentVisibility() === "hidden"; // nothing is followed then: an old state must not look like the present one
   useDocumentTitle(
     useStation(({ state }) => windowTitle(hidden ? null : state, lost && !hidden, hidden ? 0 : questions, words)),
   );

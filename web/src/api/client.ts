@@ -11,7 +11,7 @@ export const BASE = new URL(".", document.baseURI).href.replace(/\/$/, "");
 
 export const api = createClient<paths>({
   baseUrl: BASE,
-  // Looked up at each request, so that whoever replaces it later is heard.
+  // Looked up at each request, so that a later replacement counts.
   fetch: (request) => globalThis.fetch(request),
 });
 

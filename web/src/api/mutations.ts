@@ -12,7 +12,7 @@ import { useEffect, useRef } from "react";
 /**
  * A mutation that is not begun again while it runs: a double click means one thing, not two.
  *
- * A disabled button is not enough: on a busy machine the second click comes before the page was drawn anew.
+ * A disabled button is not enough: on a busy machine the second click comes before the page was drawn again.
  */
 export function useSingleMutation<Data = unknown, Failure = DefaultError, Input = void, Context = unknown>(
   options: UseMutationOptions<Data, Failure, Input, Context>,

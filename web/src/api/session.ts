@@ -11,7 +11,7 @@ export function useMe() {
   return useQuery<Schema<"Me">>({ queryKey: keys.me, queryFn: () => answer(api.GET("/api/v1/session")), retry: false });
 }
 
-/** Returns whether somebody who was let in, or wants to be, is not let in any more: the key has ended, not the server. */
+/** Returns whether the login has ended (its key is no longer valid), while the server answers. */
 export function useLoginEnded(): boolean {
   const { error } = useMe();
   return error instanceof ApiProblem && error.status === 401;

@@ -7,7 +7,7 @@ import { useLoginEnded, useMe } from "../api/session";
 import { Shell } from "./Shell";
 import { useServer } from "./useServer";
 
-/** The pages: of somebody who is let in, else the place to show a key. */
+/** The pages, or the login where a key is needed. */
 export function App() {
   const { t } = useTranslation();
   const { data: me, error } = useMe();

@@ -34,7 +34,7 @@ class Keeper {
   hear({ key, repeat }: KeyboardEvent): void {
     if (MODIFIERS.has(key) || repeat) return;
     this.byKeyboard = true;
-    // Who presses a key while nothing has the focus goes on without: the next key shall not go to what comes back later.
+    // A key pressed while nothing has the focus ends this: later keys must not go to what comes back.
     if (nothingHasIt()) this.had = [];
   }
 

@@ -6,7 +6,7 @@ import { connect, disconnect } from "../live/connection";
 import { keepFresh } from "../live/freshness";
 import { watch } from "../live/watch";
 
-/** Follows the server while somebody is let in and sees the page; a lost connection heals itself. */
+/** Follows the server while the page is visible and its user signed in; a lost connection heals itself. */
 export function useServer(letIn: boolean): void {
   useEffect(() => (letIn ? keepFresh() : undefined), [letIn]);
   useEffect(() => (letIn ? whileSeen(followed) : undefined), [letIn]);

@@ -16,7 +16,7 @@ import { TemplateForm } from "./TemplateForm";
 import { type Template, templateOrder, useTemplates } from "./templates";
 import { useFreshWords } from "./words";
 
-/** What shall be so: stated, looked at, planned, ordered, followed. */
+/** The goal: stated, checked, planned, ordered, followed. */
 export default function GoalTab() {
   const { t } = useTranslation();
   const scene = useSceneName();

@@ -66,7 +66,7 @@ export function JobPanel({ id, onClose }: Props) {
   );
 }
 
-/** Details that the state says already; others are told beside it. */
+/** Details that the state says already; others are shown beside it. */
 const SAID = new Set(["", "queued", "planning", "running", "paused", "waits for leave to start"]);
 
 function Course({ job }: { job: Job }) {

@@ -21,7 +21,7 @@ interface Props {
   verdicts: readonly Told[];
 }
 
-/** A kit's bill of parts: what shall lie in each of its places. It is another look at the same conditions. */
+/** A kit's bill of parts: the part for each of its places. It shows the same conditions in another form. */
 export function KitTable({ words, verdicts }: Props) {
   const { t } = useTranslation("goal");
   const { draft, change } = useDraft();
@@ -96,7 +96,7 @@ function useOnlyKit(kitClass: string): void {
   });
 }
 
-/** Whether a row says what shall lie in a place. */
+/** Whether a row names the part for a place. */
 function puts(row: Row, place: string): boolean {
   return row.kind === "word" && row.word === PUT && !row.not && row.arguments[1] === place;
 }

@@ -18,7 +18,7 @@ interface Props {
   /** Whether it is about what is wanted now. */
   fits: boolean;
   conditions: readonly CheckedCondition[];
-  /** Plans anew; for another goal where one is given. */
+  /** Plans again; for another goal where one is given. */
   again: (order?: GoalOrder | null) => void;
 }
 

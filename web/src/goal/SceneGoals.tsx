@@ -25,7 +25,7 @@ export function SceneGoals() {
   const { t } = useTranslation("goal");
   const { draft, setRows } = useDraft();
   const { data } = useQuery({ queryKey: KEY, queryFn: () => answerWithTag(api.GET("/api/v1/goals")) });
-  const [seen, setSeen] = useState<string>(); // the version that somebody has looked at, whatever came after it
+  const [seen, setSeen] = useState<string>(); // the version that was looked at, whatever came after it
   if (seen === undefined && data !== undefined) setSeen(data.tag);
   const take = useSingleMutation({
     mutationFn: ({ goals }: { goals: readonly string[]; tag: string }) => understood(goals.join("\n")),

@@ -11,7 +11,7 @@ interface Props {
   preview: Preview;
   /** The conditions that are wanted now. */
   conditions: readonly CheckedCondition[];
-  /** Plans anew. */
+  /** Plans again. */
   again: (order?: GoalOrder | null) => void;
 }
 

@@ -38,7 +38,7 @@ export interface Draft {
   options: Options;
   /** The kit whose places are shown as a table; null for none. */
   kit: string | null;
-  /** The plan that was asked for last: its id and time (ids begin anew with the server), and for which order. */
+  /** The plan that was asked for last: its id and time (ids start again with the server), and for which order. */
   preview: { id: string; asked: string; order: string } | null;
   /** An order that is on its way: sent again under the same key, it makes no second job. */
   pending: { key: string; body: string } | null;
@@ -105,7 +105,7 @@ export function useDraft() {
   };
 }
 
-/** Whether nobody has changed since what a draft wants. */
+/** Whether the goals are still those that a draft was made from. */
 export function isUntouched(before: Draft | undefined, now: Draft): boolean {
   return before?.rows === now.rows && before.template === now.template;
 }

@@ -1,9 +1,9 @@
-/** What the conditions mean in space: where things shall be, shown as ghosts in the 3D view. */
+/** Target places of things by the conditions, shown as ghosts in the 3D view. */
 
 import type { Ghost } from "../scene3d/ghosts";
 import { type GoalData, isWord } from "./goals";
 
-/** Conditions that say of their first argument that it shall be in the second. */
+/** Conditions that want their first argument in the second. */
 const PLACING = new Set(["ObjectAtLocation", "InKit"]);
 
 /** The ghosts of conditions that do not hold yet. */

@@ -16,12 +16,12 @@ export function jobOrder(order: GoalOrder, options: Options): JobOrder {
   return { ...order, ...options, expires: false };
 }
 
-/** Returns the key under which an order is sent: the same one as long as nobody knows whether it has arrived. */
+/** Returns the key under which an order is sent: the same one until it is known whether it has arrived. */
 export function keyFor(body: string, pending: { key: string; body: string } | null): string {
   return pending?.body === body ? pending.key : newKey();
 }
 
-/** A key that nobody else has; randomUUID is there only where the page came over HTTPS or from this machine. */
+/** A unique key; randomUUID is there only where the page came over HTTPS or from this machine. */
 function newKey(): string {
   return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
 }

@@ -45,7 +45,7 @@ function isDone(planned: Step, ran: Step): boolean {
   return planned.skill === ran.skill && given.every(([name, value]) => ran.arguments[name] === value);
 }
 
-/** A step that was run, as a task tells of it: ended, failed, broken off, or null while it runs. */
+/** A step that was run, as a task reports it: ended, failed, cancelled, or null while it runs. */
 type RunStep = Step & Pick<Schema<"TaskStep">, "ended">;
 
 /** Minutes and seconds: "1:05". */

@@ -98,7 +98,7 @@ export function variablesOf(conditions: readonly CheckedCondition[], words: read
   return [...found.values()];
 }
 
-/** Puts placeholders where conditions name what shall be a parameter. */
+/** Puts placeholders where conditions name what becomes a parameter. */
 export function withPlaceholders(data: unknown, variables: readonly Variable[]): unknown {
   if (Array.isArray(data)) return data.map((one) => withPlaceholders(one, variables));
   if (typeof data === "object" && data !== null)

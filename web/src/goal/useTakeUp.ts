@@ -6,7 +6,7 @@ import { goalOrder, keyed } from "./goals";
 import { usePreview } from "./preview";
 import { understood } from "./TextEditor";
 
-/** Takes up a goal that somebody ordered: its conditions become the draft, and it is planned, to see what is wrong. */
+/** Takes up the goal of a job: its conditions become the draft, which is planned to see what is wrong. */
 export function useTakeUp() {
   const { draft, change, setRows } = useDraft();
   const [, open] = useTab();

@@ -19,7 +19,7 @@ interface Connection {
 export const useConnection = create<Connection>(() => ({ status: "connecting", since: null, silent: null }));
 
 const STATE_RATE = 20; // Hz, the most that there is
-const FORGOTTEN_AFTER = 60_000; // ms: after a longer gap all is read anew, which is less than all the events
+const FORGOTTEN_AFTER = 60_000; // ms: after a longer gap all is read again, which is less than all the events
 
 let endings: End[] = [];
 let lastSeen = ""; // id of the last event
@@ -37,13 +37,13 @@ export function connect(): void {
   endings = [followEvents(), followState()];
 }
 
-/** Follows nothing any more: a page that nobody sees shall not hold connections, of which a browser has six. */
+/** Follows nothing any more: a hidden page must not hold connections, of which a browser has six. */
 export function disconnect(): void {
   leftAt = Date.now();
   closeAll();
 }
 
-/** Opens the streams anew: whatever hangs in the connection hangs no longer. */
+/** Opens the streams again, in case a connection hangs. */
 export function reconnect(): void {
   noteLost();
   if (endings.length === 0) return;

@@ -1,4 +1,4 @@
-/** What happens, passed on to whoever wants to know. */
+/** Events of the server, passed on to listeners. */
 
 import type { Schema } from "../api/client";
 
@@ -24,7 +24,7 @@ export function onEvent(listener: (event: EventInfo) => void): () => void {
   return () => listeners.delete(listener);
 }
 
-/** Calls a function when events may have been missed, so that everything has to be read anew. */
+/** Calls a function when events may have been missed, so that everything has to be read again. */
 export function onReset(listener: () => void): () => void {
   resetListeners.add(listener);
   return () => resetListeners.delete(listener);

@@ -31,7 +31,7 @@ const OLD_BY: Record<EventInfo["kind"], readonly string[]> = {
 /** What people call things: asked for one by one, therefore only after a change that may have renamed some. */
 const NAMES = "names";
 const LABEL = "rdfs:label";
-const PAUSE = 80; // ms: more often nobody sees it, and two cores have other work
+const PAUSE = 80; // ms: more often is not visible, and costs computing time
 
 /** Begins; returns how to end it. */
 export function keepFresh(): () => void {
@@ -59,7 +59,7 @@ export function keepFresh(): () => void {
  * Makes queries old by the first words of their keys, or by their hashes; returns the hashes of those that are being read.
  *
  * These have to wait until they were answered: what is under way may have been answered before the event, and if it
- * was broken off at each event instead, a slow answer would never come through while robots work.
+ * was cancelled at each event instead, a slow answer would never come through while robots work.
  */
 function makeOld(words: ReadonlySet<string>, hashes: ReadonlySet<string>): Set<string> {
   const isOld = ({ queryKey, queryHash }: Query) => words.has(String(queryKey[0])) || hashes.has(queryHash);
@@ -81,6 +81,6 @@ function oldBy(event: EventInfo): readonly string[] {
 function mayRename({ kind, data }: EventInfo): boolean {
   if (kind !== "world" || !Array.isArray(data.edits)) return false;
   const edits = data.edits as { edit?: unknown; property?: unknown }[];
-  const isCut = data.all_edits !== undefined; // of a long change only a part is told
+  const isCut = data.all_edits !== undefined; // of a long change only a part is sent
   return isCut || edits.some(({ edit, property }) => edit === "element" || property === LABEL);
 }

@@ -2,10 +2,10 @@
 
 import { EVENT_KINDS } from "./events";
 
-/** What a page tells: that it listens to an address, or no longer; `anew` ends the stream for all, who come back. */
+/** A page's request: listens to an address, or no longer; `anew` ends the stream for all pages, which open it again. */
 export type Wish = { listen: string } | { leave: string; anew: boolean };
 
-/** What a page is told of an address. */
+/** What a page receives of an address. */
 export type Told =
   | { address: string; what: "open" | "error" }
   | { address: string; what: "message"; kind: string; data: string; id: string };
@@ -26,7 +26,7 @@ interface Shared {
   last: string;
 }
 
-/** Keeps one stream for each place, however many pages listen; those are told which address they asked for. */
+/** Keeps one stream for each place, however many pages listen; each gets the address that it asked for. */
 export class Sharing {
   readonly #streams = new Map<string, Shared>();
 

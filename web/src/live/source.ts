@@ -47,7 +47,7 @@ class SharedSource implements Source {
   static #connected(): MessagePort {
     const worker = new SharedWorker(new URL("./shared.worker.ts", import.meta.url), { type: "module" });
     worker.port.onmessage = ({ data }: MessageEvent<Told>) => SharedSource.#hand(data);
-    // A page that goes for good says so; of one that only rests, the connection is closed by whoever follows it.
+    // A page that goes for good says so; of one that only rests, its follower closes the connection.
     addEventListener("pagehide", () => {
       for (const source of SharedSource.#open.values()) source.close();
     });

@@ -11,7 +11,7 @@ const PATIENCE = 2500; // ms
 /**
  * Watches until the function that it returns is called.
  *
- * @param onBack - Called when a server that was lost answers again: who we are to it has to be asked anew.
+ * @param onBack - Called when a server that was lost answers again: the session has to be read again.
  */
 export function watch(onBack: () => void): () => void {
   const begun = performance.now();
@@ -39,7 +39,7 @@ async function ask(since: number, onBack: () => void): Promise<void> {
   if (!answered && status === "open") reconnect();
 }
 
-/** Tells whether the server answers at all; also when it says that its robots do not. */
+/** Returns whether the server answers at all; also when it says that its robots do not. */
 async function answers(): Promise<boolean> {
   try {
     const { status } = await fetch(`${BASE}/healthz`, { signal: AbortSignal.timeout(PATIENCE), cache: "no-store" });

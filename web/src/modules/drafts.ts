@@ -1,4 +1,4 @@
-/** What somebody has filled in, by module: it is still there when they come back to the tab. */
+/** Arguments as they were filled in, by module: kept while other tabs are shown. */
 
 import { create } from "zustand";
 import type { Arguments } from "../widgets/ArgumentsForm";

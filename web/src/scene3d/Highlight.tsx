@@ -25,7 +25,7 @@ export function Highlight({ palette }: { palette: Palette }) {
   );
 }
 
-// Kept for good: a new one would have its program built anew, at each thing that is pointed at.
+// Kept for good: a new one would compile its program again for each thing that is pointed at.
 const STRONG = new LineMaterial({ linewidth: 2.5 });
 const FINE = new LineMaterial({ linewidth: 1.5 });
 

@@ -50,7 +50,7 @@ export function Stage({ palette }: { palette: Palette }) {
   );
 }
 
-/** Draws when somebody wakes the picture, and lets tests look at it. */
+/** Draws when asked to, and gives tests access to the picture. */
 function useDrawing(): void {
   const get = useThree((three) => three.get);
   const gl = useThree((three) => three.gl);

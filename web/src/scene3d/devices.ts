@@ -23,7 +23,7 @@ const NONE: Numbers = [];
 const KINDS = ["arms", "grippers", "bases"] as const;
 const LONGEST = 120; // ms
 const SHORTEST = 30; // ms
-const STILL = 2e-4; // rad or m: less than that nobody sees
+const STILL = 2e-4; // rad or m: less is not visible
 
 /** As they are drawn now; read only. */
 export const devices: Devices = nothing();

@@ -23,7 +23,7 @@ export function bearTool(gripper: string, arm: string, link: Object3D | null): (
   };
 }
 
-/** Writes where a frame is in the map; false where nobody knows. */
+/** Writes where a frame is in the map; false where that is unknown. */
 export function frameInMap(frame: Frame, into: Matrix4): boolean {
   if (frame.on === "map") into.copy(IDENTITY);
   else if (frame.on === "base") return baseInMap(frame.id, into);

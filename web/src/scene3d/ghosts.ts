@@ -1,4 +1,4 @@
-/** What shall be somewhere, shown as ghosts in the 3D view: goals before and while they are pursued. */
+/** Targets of goals, shown as ghosts in the 3D view before and while they are pursued. */
 
 import { create } from "zustand";
 
@@ -7,7 +7,7 @@ export interface Ghost {
   key: string;
   /** Element or class whose shape it has. */
   like: string;
-  /** Element that it shall be in, on or at. */
+  /** Element that it is to be in, on or at. */
   place: string;
 }
 

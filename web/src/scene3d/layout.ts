@@ -1,4 +1,4 @@
-/** Where everything is drawn: in the map, on a robot's base, in its hand; or above its place where nobody knows. */
+/** Where everything is drawn: in the map, on a robot's base, in its hand; or above its place where its pose is unknown. */
 
 import { type Box3, Matrix4, Vector3 } from "three";
 import { matrixOf } from "./pose";
@@ -28,7 +28,7 @@ type Bounds = (element: ViewElement) => Box3 | null;
 
 /** Lays out a view.
  *
- * @param bounds - Tells how large the shape of an element is, in its frame; null for none.
+ * @param bounds - Returns how large the shape of an element is, in its frame; null for none.
  */
 export function layout(view: View, bounds: Bounds): Map<string, Item> {
   const items = new Map<string, Item>();

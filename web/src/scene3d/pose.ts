@@ -57,7 +57,7 @@ export function poseFrom(numbers: PoseNumbers): MapPose {
   return { position: [numbers.x, numbers.y, numbers.z], orientation: [x, y, z, w] };
 }
 
-/** A pose of the map, seen from a frame that is itself told in the map; null for the map. */
+/** A pose of the map, seen from a frame that is itself given in the map; null for the map. */
 export function seenFrom(pose: MapPose, frame: MapPose | null): MapPose {
   if (frame === null) return pose;
   return poseOf(matrixOf(frame).invert().multiply(matrixOf(pose)));

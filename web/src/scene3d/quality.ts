@@ -30,7 +30,7 @@ export function qualityOf(renderer: string): Quality {
   return { software: false, dpr: Math.min(globalThis.devicePixelRatio || 1, 1.5), antialias: true, rate: 30 };
 }
 
-/** Who draws; null for nobody. Asked once: a context of its own takes long to make, and a browser has few. */
+/** The renderer; null for none. Asked once: a context of its own takes long to make, and a browser has few. */
 function rendererName(): string | null {
   renderer ??= nameFrom(document.createElement("canvas").getContext("webgl2"));
   return renderer;

@@ -9,7 +9,7 @@ type Replay = Schema<"Replay">;
 /**
  * Writes where the devices were at a moment [s]: on the straight way between the two frames around it.
  *
- * While the job was held, or no server ran, nobody knows how they came from one to the other: they stay, and are there.
+ * While the job was held, or no server ran, their way is unknown: they stay where they were, then jump.
  */
 export function framesAt(replay: Replay, time: number, into: Devices): void {
   const { times, arms, bases, grippers } = replay.frames;
@@ -58,13 +58,13 @@ export function firstAfter(ascending: readonly number[], value: number): number 
   return low;
 }
 
-/** The view after a change; where the whole world is told anew, what is not in it is gone. */
+/** The view after a change; one of the whole world replaces what was there. */
 function changed(view: View, { anew, view: told }: Replay["changes"][number]): View {
   if (!anew) return merged(view, told);
   return { ...viewFrom(told), shapes: { ...view.shapes, ...told.shapes } };
 }
 
-/** Tells what was to be seen at a moment; going on is quick, going back begins anew. */
+/** Returns the view at a moment; going forward is quick, going back starts at the beginning. */
 export class PastViews {
   private view: View;
   private done = 0;

@@ -26,7 +26,7 @@ export function wake(duration = 0): void {
 function tick(): void {
   const now = performance.now();
   const due = last + pause();
-  last = now - due < pause() ? due : now; // one that comes late shall not delay all that follow
+  last = now - due < pause() ? due : now; // a late frame must not delay those after it
   timer = now < until ? setTimeout(tick, Math.max(0, last + pause() - now)) : undefined;
   draw?.();
 }

@@ -2,7 +2,7 @@
 
 import { create } from "zustand";
 
-/** `belief` changes what the robots believe (the scene); `body` moves the simulated thing and tells nobody. */
+/** `belief` changes what the robots believe (the scene); `body` moves the simulated thing without the robots knowing. */
 export type Tool = "select" | "belief" | "body";
 export type GizmoMode = "translate" | "rotate";
 

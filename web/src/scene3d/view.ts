@@ -1,4 +1,4 @@
-/** What there is to be seen of the world, kept up to date by events: only what they name is read anew. */
+/** The visible world, kept up to date by events: only what they name is read again. */
 
 import { create } from "zustand";
 import { answer, api, type Schema } from "../api/client";
@@ -37,7 +37,7 @@ export function viewFrom(told: WorldView): View {
   };
 }
 
-/** The view with what was read anew; the one before stays as it was. */
+/** The view with what was read again; the view before is not changed. */
 export function merged(view: View, told: WorldView): View {
   const elements = new Map(view.elements);
   for (const id of told.gone) elements.delete(id);

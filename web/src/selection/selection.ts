@@ -2,11 +2,11 @@
 
 import { create } from "zustand";
 
-/** Somebody waits for an element to be clicked, in 3D or in the tree, to fill a slot with it. */
+/** A slot that waits for an element to be clicked, in 3D or in the tree. */
 export interface Pick {
   /** What for, to be read by a person: "Kit of InKit". */
   purpose: string;
-  /** Tells whether an element will do. */
+  /** Returns whether an element fits. */
   fits: (id: string) => boolean;
   take: (id: string) => void;
 }
@@ -15,7 +15,7 @@ interface Selection {
   selected: string | null;
   hovered: string | null;
   pick: Pick | null;
-  /** Selects an element, or hands it to whoever waits for a pick. */
+  /** Selects an element, or hands it to the slot that waits for a pick. */
   choose: (id: string | null) => void;
   hover: (id: string | null) => void;
   /** Waits for a click; another wait ends the one before. */

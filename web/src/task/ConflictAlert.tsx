@@ -12,7 +12,7 @@ interface Props {
   drop: () => void;
 }
 
-/** Somebody else has changed the sequence: what is different now, and what was wanted, to be decided by a person. */
+/** Another person has changed the sequence: shows the differences, for a decision. */
 export function ConflictAlert({ conflict, skills, again, drop }: Props) {
   const { t } = useTranslation("task");
   const possible = onto(conflict);
@@ -32,7 +32,7 @@ export function ConflictAlert({ conflict, skills, again, drop }: Props) {
   );
 }
 
-/** What somebody saw, and what there is now. */
+/** The step as it was seen, and as it is now. */
 export function Versions({ seen, there, skills }: Pick<Conflict, "seen" | "there"> & Pick<Props, "skills">) {
   const { t } = useTranslation("task");
   return (

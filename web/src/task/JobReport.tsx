@@ -136,7 +136,7 @@ function Conditions({ job }: { job: Schema<"Job"> }) {
 function Parts({ job }: { job: Schema<"Job"> }) {
   const { t } = useTranslation("task");
   if (job.materials.length === 0) {
-    // What was moved is told when it is over.
+    // What was moved is reported when the job is over.
     return <Text c="dimmed">{t(job.ended === null ? "report.notYet" : "report.noParts")}</Text>;
   }
   return (

@@ -107,7 +107,7 @@ function SequenceList({ current, open }: ListProps) {
   const { data, error, refetch } = useQuery({
     queryKey: keys.sequences("list"),
     queryFn: () => answer(api.GET("/api/v1/sequences")),
-    staleTime: 0, // nobody tells of those that others make
+    staleTime: 0, // there are no events for those that others make
   });
   return (
     <>

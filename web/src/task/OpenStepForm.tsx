@@ -18,7 +18,7 @@ interface Props {
   close: () => void;
 }
 
-/** The form of a step as it was opened; where somebody else has changed the sequence since, it says what. */
+/** The form of a step as it was opened; where another person has changed the sequence since, it says what. */
 export function OpenStepForm({ form, fate, sequence, skills, pending, edit, close }: Props) {
   const { t } = useTranslation("task");
   const removed = fate.fate === "removed";

@@ -3,7 +3,7 @@ import { Answers } from "../always/Answers";
 import { useAlarms } from "../always/useAlarms";
 import type { Schema } from "../api/client";
 
-/** What a job waits for a person to answer; nothing while it waits for nobody. */
+/** The question that a job asks a person; nothing while it asks none. */
 export function Question({ job }: { job: Schema<"Job"> }) {
   const alarm = useAlarms(true).find((one) => one.job === job.id && one.choices.length > 0);
   if (alarm === undefined || job.choices.length === 0) return null;

@@ -30,7 +30,7 @@ export function ReplayBar({ steps, choose }: { steps: readonly Step[]; choose: (
   };
   const go = (to: number) => set({ time: Math.min(Math.max(to, start), end) });
   // Heard on the way down: the slider would take the arrow and page keys first, with its own steps, those of the mouse.
-  // Space plays and pauses wherever in the bar somebody is, but on what takes it itself.
+  // Space plays and pauses anywhere in the bar, except on controls that use it themselves.
   const keys = (event: KeyboardEvent) => {
     const by = event.target instanceof Element && event.target.role === "slider" ? KEY_STEPS[event.key] : undefined;
     if (by !== undefined) {

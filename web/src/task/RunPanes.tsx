@@ -36,7 +36,7 @@ const ICONS = { timeline: IconTimeline, tree: IconBinaryTree, output: IconTermin
 type Pane = keyof typeof ICONS;
 const PANES = Object.keys(ICONS) as Pane[];
 
-/** What is under way, or was, from its four sides; and the step of it that somebody has chosen. */
+/** A run in its four panes, with the chosen step. */
 export function RunPanes({ name, run, skills, title, state, paused, from, to, report, ...rest }: Props) {
   const { chosen, choose } = rest;
   const { t } = useTranslation("task");

@@ -91,7 +91,7 @@ type Move = (at: number, to: number, by: Mover) => void;
 
 /**
  * Returns what has the focus go with a step that is moved, once the new order is drawn: it can be moved on from there.
- * What was not moved must be ended, or the focus would go there when somebody else changes the sequence.
+ * What was not moved must be ended, or the focus would go there when another person changes the sequence.
  */
 function useFocusFollowing(list: RefObject<HTMLElement | null>, version: number, pending: boolean) {
   const wanted = useRef<{ at: number; by: Mover; version: number } | null>(null);

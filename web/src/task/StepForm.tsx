@@ -100,7 +100,7 @@ function forRobot(skill: Skill | undefined, robot: string | null): Arguments {
   return skill === undefined || agent === undefined ? {} : { [skill.agent]: agent };
 }
 
-/** What a step was given, without what is inferred for planning: that is inferred anew. */
+/** What a step was given, without what is inferred for planning: that is inferred again. */
 function given(skills: Skills, step: WantedStep | undefined): Arguments {
   const parameters = (step && skills.get(step.skill)?.parameters) ?? [];
   const inferred = new Set(parameters.filter(({ planning }) => planning).map(({ key }) => key));

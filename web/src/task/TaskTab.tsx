@@ -94,7 +94,7 @@ function Present({ name }: { name: string }) {
   return task.job === "" ? <TaskView key={name} name={name} /> : <JobView key={name} id={task.job} />;
 }
 
-/** Whether the server does not know it any more: it was started anew. */
+/** Whether the server does not know it any more: it was restarted. */
 function isForgotten(error: Error): boolean {
   return error instanceof ApiProblem && error.status === 404;
 }

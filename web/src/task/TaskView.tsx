@@ -15,7 +15,7 @@ import type { Run } from "./trace";
 import { useSkills, useTask, useTaskRun } from "./useRun";
 import { taskMood } from "./words";
 
-/** A task that is of no job: a sequence that runs, or what somebody began at once. */
+/** A task without a job: a sequence that runs, or a goal that was started directly. */
 export function TaskView({ name }: { name: string }) {
   const { data: task, error, refetch } = useTask(name);
   if (error !== null && task === undefined) return <Problem error={error} again={refetch} />;

@@ -261,7 +261,7 @@ function anchor(x: number, right: number): "start" | "middle" | "end" {
   return x > right - LABEL ? "end" : "middle";
 }
 
-/** The moment of a replay of this job; it alone is drawn anew while that goes on. */
+/** The moment of a replay of this job; only it is drawn again while that goes on. */
 function Cursor({ name, ...drawn }: Pick<Props, "name"> & Pick<MarkProps, "scale" | "height">) {
   const { t } = useTranslation("task");
   const at = useReplay(({ replay, time }) => (replay?.job === name ? time : null));

@@ -28,7 +28,7 @@ const SIGNS: Record<Mood, string> = {
   warning: "!",
 };
 
-/** Hatches of bars, by their state: nobody has to tell colours apart. */
+/** Hatches of bars, by their state, so that colours are not needed to distinguish them. */
 export function Hatches() {
   return (
     <defs>

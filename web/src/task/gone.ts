@@ -1,4 +1,4 @@
-/** Jobs that were removed while this page was there: nobody asks for them any more, and what shows them ends. */
+/** Jobs that were removed while this page was open: they are not read again, and views of them end. */
 
 import { create } from "zustand";
 import { onEvent, onReset } from "../live/events";

@@ -13,7 +13,7 @@ export function remember(look: Look): void {
   last = look;
 }
 
-/** What was under way last when somebody looked. */
+/** What was under way when the list was last shown. */
 export function lastTask(): string | null {
   return last.task;
 }

@@ -1,4 +1,4 @@
-/** What the modules say, the last of it: read once, then followed as long as somebody looks. */
+/** What the modules say, the last of it: read once, then followed while it is shown. */
 
 import { create } from "zustand";
 import { answer, api } from "../api/client";
@@ -39,7 +39,7 @@ interface Output {
 export const MOST_ROWS = 2000;
 const PAGE = 1000;
 const LOOKED_BACK = 4000; // events of all kinds
-const PAUSE = 200; // ms: oftener nobody reads it
+const PAUSE = 200; // ms: faster than people can read
 
 export const useOutput = create<Output>(() => ({ rows: [], failed: null }));
 

@@ -1,4 +1,4 @@
-/** Run time that goes on where the server was started anew: it begins at zero again with each start. */
+/** Run time that goes on over restarts of the server: it starts at zero each time. */
 
 import type { TraceEntry } from "./trace";
 

@@ -15,7 +15,7 @@ export interface Span {
 export interface Slot {
   index: number;
   step: PlannedStep;
-  /** Id of the subsystem that shall do it; empty where nobody knows. */
+  /** Id of the subsystem that is to do it; empty where it is unknown. */
   agent: string;
   planned: Span;
   /** The attempts at it, in order. */
@@ -25,7 +25,7 @@ export interface Slot {
   expected: Span;
 }
 
-const USUAL = 10; // s, of a skill of which nobody said how long it takes
+const USUAL = 10; // s, of a skill without a known duration
 
 export function agentOf(step: PlannedStep, skills: Skills): string {
   const parameter = skills.get(step.skill)?.agent;

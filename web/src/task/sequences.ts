@@ -16,7 +16,7 @@ export type Edit =
   | { kind: "remove"; at: number }
   | { kind: "move"; at: number; to: number };
 
-/** A change that was not made, because somebody else had changed the sequence; of a step its form says so. */
+/** A change that was not made, because another person had changed the sequence; of a step its form says so. */
 export interface Conflict {
   edit: Exclude<Edit, { kind: "change" }>;
   /** What it was based on, and what is there now. */
@@ -62,7 +62,7 @@ export function useEdits(sequence: Sequence, made: (there: Sequence) => void) {
   return { edit: mutate, isPending, conflict, drop: () => setConflict(null) };
 }
 
-/** Whether somebody else has changed it meanwhile. */
+/** Whether another person has changed it meanwhile. */
 export function isConflict(error: unknown): boolean {
   return error instanceof ApiProblem && error.status === 412;
 }
@@ -95,7 +95,7 @@ export function onto({ edit, seen, there }: Conflict): Conflict["edit"] | null {
   return edit.kind === "move" ? { ...edit, at, to: Math.min(edit.to, there.steps.length - 1) } : { ...edit, at };
 }
 
-/** A step as somebody saw it. */
+/** A step as it was shown. */
 export interface SeenStep {
   seen: Sequence;
   /** From 0. */
@@ -110,7 +110,7 @@ function sameStep({ seen, at }: SeenStep, there: Sequence): number | null {
   return same.sort((one, other) => Math.abs(one - at) - Math.abs(other - at))[0] ?? null;
 }
 
-/** What has become of a step since somebody saw it; removed is also what cannot be told from that. */
+/** What has become of a step since it was shown; removed is also what cannot be told from that. */
 export type Fate = { fate: "stays" | "changed"; at: number } | { fate: "removed" };
 
 export function fateOf(step: SeenStep, there: Sequence): Fate {

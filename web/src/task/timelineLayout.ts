@@ -29,7 +29,7 @@ export interface TimelineLayout extends Span {
   lanes: Lane[];
   /** When the rest of the plan will have been done [s, run time]; null when it is over or unknown. */
   eta: number | null;
-  /** When it was planned anew [s, run time]. */
+  /** When it was planned again [s, run time]. */
   replanned: number[];
   slots: Slot[];
 }

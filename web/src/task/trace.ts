@@ -21,7 +21,7 @@ export interface TraceEntry {
   data: Record<string, unknown>;
 }
 
-/** A condition of a step as it was when somebody looked. */
+/** A condition of a step as it was when it was checked. */
 export interface ConditionRow {
   kind: string;
   condition: string;
@@ -33,7 +33,7 @@ export type StepEnd = "ended" | "failed" | "broken off";
 
 /** One step that was started; what is done once more is another one. */
 export interface Step {
-  /** Its id as the server tells it: the root of what its modules say. */
+  /** Its id at the server: the root of what its modules say. */
   id: string;
   /** Names it in its task, over restarts of the server, too. */
   key: string;
@@ -51,7 +51,7 @@ export interface Step {
   /** What came of it, or that it starts. */
   text: string;
   conditions: ConditionRow[];
-  /** Label of the implementation that ran, known at its end; null where that is not told. */
+  /** Label of the implementation that ran, known at its end; null where that is unknown. */
   implementation: string | null;
   /** Numbers of the changes of the world that it made. */
   changes: number[];
@@ -69,7 +69,7 @@ export interface Run {
   begun: number;
   /** Run time of its end [s]; null while it goes on. */
   end: number | null;
-  /** How much later its times are than those that the server says now [s]: run time begins anew with each start. */
+  /** How much later its times are than those that the server says now [s]: run time starts again with each start. */
   shift: number;
   steps: Step[];
   /** All plans, the last one is the present one. */
@@ -81,7 +81,7 @@ export const NO_RUN: Run = { begun: 0, end: null, shift: 0, steps: [], plans: []
 
 const ENDS: readonly string[] = ["ended", "failed", "broken off"];
 
-/** Reads entries as the API tells them: each is plain data, of which nothing is promised but its names. */
+/** Reads entries of the API: plain data, of which only the names are guaranteed. */
 export function readEntry(raw: Record<string, unknown>): TraceEntry {
   return {
     time: typeof raw.time === "number" ? raw.time : 0,
@@ -133,7 +133,7 @@ export function readRun(told: readonly TraceEntry[], shifts: Shifts = []): Run {
 }
 
 /**
- * Ends what nobody does any more though nobody ended it: the server was ended.
+ * Ends what was under way when the server stopped.
  *
  * @param until - As far as a replay knows it [s]; else it is known up to its last entry.
  */

@@ -34,7 +34,7 @@ export function moduleMood(status: string): Mood {
  * @param shift - How much later the times of the present are than those that the server says now [s].
  */
 export function messagesOf(step: Step, rows: readonly OutputRow[], shift: number): OutputRow[] {
-  if (step.shift !== shift) return []; // it ran before the server was started anew, and messages are not kept so long
+  if (step.shift !== shift) return []; // it ran before a restart of the server, and messages are not kept so long
   return rows.filter((row) => row.root === step.id);
 }
 

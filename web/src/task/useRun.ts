@@ -1,4 +1,4 @@
-/** What is known of a job or a task: read once, and anew when an event says that there is more. */
+/** What is known of a job or a task: read once, and again when an event says that there is more. */
 
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
@@ -44,7 +44,7 @@ export function useJobRun({ id, number, ended }: Schema<"Job">) {
 
 interface Happenings {
   entries: TraceEntry[];
-  /** Whether somebody has it in hand; what was cut off by a restart nobody has. */
+  /** Whether a task of the running server works on it; false for what a restart cut off. */
   inHand: boolean;
 }
 

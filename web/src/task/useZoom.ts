@@ -1,4 +1,4 @@
-/** The part of a timeline that is looked at: all of it, what follows the present, or what somebody chose. */
+/** The part of a timeline that is looked at: all of it, a window that follows the present, or a chosen range. */
 
 import { useCallback, useEffect, useRef, useState } from "react";
 import type { Span } from "./schedule";

@@ -21,7 +21,7 @@ interface Props {
   parameters: readonly Parameter[];
   value: Arguments;
   onChange: (value: Arguments) => void;
-  /** Planning parameters are inferred and not shown, unless somebody has a reason to look at them. */
+  /** Planning parameters are inferred and not shown, unless asked for. */
   hidePlanning?: boolean;
   /** More about a parameter, by key: what would be inferred, why it is still open. It is not marked as required then. */
   notes?: Readonly<Record<string, string>>;

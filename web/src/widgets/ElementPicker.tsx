@@ -31,9 +31,9 @@ interface Props {
   /** What is said below the field. */
   description?: string | undefined;
   disabled?: boolean;
-  /** Stands in a line of text: its label is not shown, only told to who cannot see. */
+  /** Stands in a line of text: its label is not shown, only read by screen readers. */
   inline?: boolean;
-  /** Stands in a table: its label is only told to who cannot see, and it takes the width there is. */
+  /** Stands in a table: its label is only read by screen readers, and it takes the width there is. */
   hideLabel?: boolean;
 }
 
@@ -200,7 +200,7 @@ function PickButton({ label, class_, take, disabled }: PickButtonProps) {
   );
 }
 
-/** Keeps what is to be called in the end: what else was filled in while somebody looks for the place to click stays. */
+/** Keeps what is to be called in the end: what else was filled in meanwhile stays. */
 function useLatest<Action>(action: Action) {
   const latest = useRef<Action | null>(null);
   useEffect(() => {

@@ -106,7 +106,7 @@ function Drawn({ label, nodes, edges, direction = "down", chosen = null, onChoos
   );
 }
 
-/** Shows all of a graph whenever it grows, until somebody has moved it. */
+/** Shows all of a graph whenever it grows, until it is moved by hand. */
 function useFitted(shape: string) {
   const { fitView } = useReactFlow();
   const touched = useRef(false);

@@ -18,7 +18,7 @@ export function momentText(moment: Date, language: string, now = Date.now()): st
   );
 }
 
-/** The language as it is written where the reader lives, if the browser knows: it tells how clocks and days are said. */
+/** The language as it is written where the reader lives, if the browser knows: it sets how times and days are written. */
 function regional(language: string): string {
   const known = navigator.languages.find((one) => one.startsWith(`${language}-`));
   return known ?? (language === "en" ? "en-GB" : language);

@@ -11,7 +11,7 @@ import {
   type TablerIcon,
 } from "@tabler/icons-react";
 
-/** What a state means for people: they are told apart by icon and text, the colour only helps. */
+/** What a state means for people: icon and text distinguish them, the colour only helps. */
 export type Mood = "waiting" | "running" | "paused" | "asking" | "good" | "bad" | "stopped" | "warning";
 
 const LOOKS: Record<Mood, { icon: TablerIcon; color: MantineColor }> = {

@@ -20,7 +20,7 @@ export interface Candidates {
   more: boolean;
 }
 
-const SHOWN = 50; // more than these nobody reads: one types a letter more
+const SHOWN = 50; // longer lists are not read: one types another letter
 const PAGE = 1000;
 
 /** Finds candidates by a text in id, label or class. */
@@ -62,7 +62,7 @@ function candidateOf({ name, label }: { name: string; label: string }): Candidat
   return { value: name, label: label || localName(name), kind: "" };
 }
 
-/** Returns what tells whether a candidate has a text in its name, as the server does for elements. */
+/** Returns a test whether a candidate has a text in its name, as the server does for elements. */
 function says(text: string): (candidate: Candidate) => boolean {
   const wanted = text.toLowerCase();
   return ({ value, label }) => value.toLowerCase().includes(wanted) || label.toLowerCase().includes(wanted);

@@ -2,7 +2,7 @@
 
 import i18n from "../i18n";
 
-/** As the server tells it. */
+/** As the server sends it. */
 export interface FieldFault extends Faulty {
   field: string;
 }

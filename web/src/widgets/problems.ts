@@ -11,14 +11,14 @@ export function problemText(error: unknown): string {
 
 const UNKNOWN = new Set(["NotFound", "UnknownName"]);
 
-/** The names that there are instead help whoever writes a program, and hide what is wrong from everybody else. */
+/** Lists of known names help programmers, and hide the problem from everybody else. */
 function withoutKnown({ message, code }: ApiProblem): string {
   return UNKNOWN.has(code) ? message.replace(/ Known: [^\n]*$/m, "") : message;
 }
 
 const UNREACHED = new Set([502, 504]); // a proxy that reaches no server
 
-/** Whether nobody answered: then nobody knows whether it was done, which is no refusal. */
+/** Whether there was no answer: then it is unknown whether it was done, which is no refusal. */
 export function isUnanswered(error: unknown): boolean {
   return error instanceof ApiProblem ? UNREACHED.has(error.status) : error instanceof TypeError;
 }
@@ -32,7 +32,7 @@ export function problemTitle(error: unknown, refused: string = i18n.t("problem.t
   return isUnanswered(error) ? i18n.t("problem.unanswered") : refused;
 }
 
-/** Shows what was refused, or what nobody answered, until somebody has read it. */
+/** Shows a refusal, or that there was no answer, until it is closed. */
 export function notifyProblem(error: unknown): void {
   notifications.show({ color: "red", title: problemTitle(error), message: problemText(error), autoClose: 10_000 });
 }

@@ -10,7 +10,7 @@ import { panelsOf } from "./panels";
 import { useHindrance } from "./useHindrance";
 
 interface Props {
-  /** Id of the robot; the first one where nobody has chosen. */
+  /** Id of the robot; undefined for the first one. */
   chosen: string | undefined;
   show: (view: View, ...rest: string[]) => void;
 }

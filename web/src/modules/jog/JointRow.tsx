@@ -12,7 +12,7 @@ interface Props {
   arm: string;
   index: number;
   joint: Robot["arms"][number]["joints"][number];
-  /** Where somebody has put the slider [rad]; undefined while it follows. */
+  /** Position of the slider [rad]; undefined while it follows the joint. */
   target: number | undefined;
   /** Where the joint stood last [rad]. */
   rest: number;

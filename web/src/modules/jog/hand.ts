@@ -1,4 +1,4 @@
-/** Moving a robot by hand: one small step after the other while somebody holds a button, and always to be stopped. */
+/** Moving a robot by hand: one small step after the other while a button is held; it can be stopped at any time. */
 
 import { create } from "zustand";
 import type { Run } from "../queries";
@@ -6,7 +6,7 @@ import type { Run } from "../queries";
 /** Starts one step; it is over when its run is. */
 export interface Step {
   (): Promise<Run>;
-  /** What it has done when it went well, for people; where that is missing, the module's own words are told. */
+  /** What it has done when it succeeded, for people; the module's own words where it is missing. */
   done?: string;
 }
 
@@ -34,7 +34,7 @@ interface Hand {
   said: Said | null;
 }
 
-/** What somebody wants: the steps to come, until there are none or it is released. */
+/** The steps to come, until there are none or the button is released. */
 interface Wish {
   next: () => Step | null;
   /** Goes on after the first step only while held. */

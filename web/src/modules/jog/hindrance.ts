@@ -10,7 +10,7 @@ export type Hindrance =
   | { why: "task"; tasks: string[] };
 
 /**
- * Tells it from the latest state; null where nothing is in the way.
+ * Returns the reason from the latest state; null where there is none.
  *
  * @param own - Whether what runs on it was started by this hand.
  * @param alone - Whether it is the only robot: then a task that goes on is one of its.

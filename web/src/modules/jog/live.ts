@@ -1,4 +1,4 @@
-/** Numbers of the robots' state, twenty times a second, without rendering anything anew. */
+/** Numbers of the robots' state, twenty times a second, without rendering again. */
 
 import { type RefObject, useEffect, useRef, useState } from "react";
 import { type StationState, useStation } from "../../live/station";

@@ -7,7 +7,7 @@ import type { Arguments } from "../../widgets/ArgumentsForm";
 import type { Run } from "../queries";
 import { makeHand, type Step } from "./hand";
 
-const LOOK_AGAIN = 400; // ms, where no event tells
+const LOOK_AGAIN = 400; // ms, where no event comes
 
 async function over(id: string): Promise<Run> {
   for (;;) {
@@ -18,7 +18,7 @@ async function over(id: string): Promise<Run> {
   }
 }
 
-/** Resolves when a module tells something, or after a while: its last word comes a moment before its end. */
+/** Resolves at the next event of a module, or after a while: its last event comes a moment before its end. */
 function nextNews(): Promise<void> {
   return new Promise((resolve) => {
     const done = () => {

@@ -13,7 +13,7 @@ export const TURN_SIZES = [1, 5, 10, 20] as const;
 export const TOOL_SIZES = [1, 5, 20, 100] as const;
 export const BASE_SIZES = [10, 50, 100, 200] as const;
 
-/** Returns the steps of all joints together from where they are to where they shall be, each small enough. */
+/** Returns the steps of all joints together to their targets, each small enough. */
 export function stepsTo(now: readonly number[], target: readonly number[]): number[][] {
   const ways = now.map((angle, joint) => (target[joint] ?? angle) - angle);
   const farthest = Math.max(0, ...ways.map(Math.abs));

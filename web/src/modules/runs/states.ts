@@ -17,7 +17,7 @@ export function isOver({ status }: Run): boolean {
 /**
  * Returns how many of the rounds that have come to an end worked [%]; null before the first.
  *
- * One that was cut off, by whoever stopped the run or everything, says nothing of the module.
+ * A run that was stopped says nothing about the module.
  */
 export function successRate(run: Pick<Run, "cut_off" | "done" | "succeeded">): number | null {
   const ended = run.done - (run.cut_off ? 1 : 0);

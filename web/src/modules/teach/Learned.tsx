@@ -65,7 +65,7 @@ function Entry({ lesson, forget }: { lesson: Lesson; forget: () => void }) {
   );
 }
 
-/** Asks once more, then has it forgotten, unless somebody taught it anew meanwhile. */
+/** Asks for confirmation, then forgets it, unless it was taught again meanwhile. */
 function Forget({ lesson, close }: { lesson: Lesson | null; close: () => void }) {
   const { t } = useTranslation("modules");
   const forget = useSingleMutation({

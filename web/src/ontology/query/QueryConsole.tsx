@@ -75,7 +75,7 @@ export default function QueryConsole() {
   );
 }
 
-/** The answer is JSON as long as nobody asks for something else. */
+/** The answer is JSON unless another format is chosen. */
 function ask(query: string, entailed: boolean, limit: number): Promise<Answer> {
   const body = { query, bindings: {}, entailed, time_limit: limit };
   return answer(api.POST("/api/v1/queries", { body })) as Promise<Answer>;

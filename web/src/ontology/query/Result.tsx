@@ -129,7 +129,7 @@ function Heading({ name, order, sort }: HeadingProps) {
   );
 }
 
-/** The server writes the file: it knows how values are told in CSV. */
+/** The server writes the file: it knows how values are written in CSV. */
 function CsvButton({ query, entailed, limit }: Omit<Props, "result">) {
   const { t } = useTranslation("ontology");
   const fetch = useMutation({

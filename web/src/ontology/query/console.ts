@@ -54,7 +54,7 @@ export function history(): string[] {
     const kept: unknown = JSON.parse(localStorage.getItem(REMEMBERED) ?? "[]");
     return Array.isArray(kept) ? kept.filter((one) => typeof one === "string") : [];
   } catch {
-    return []; // somebody else wrote there
+    return []; // written by another program
   }
 }
 

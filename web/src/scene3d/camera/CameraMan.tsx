@@ -34,7 +34,7 @@ function useFlights(controls: RefObject<Orbit | null>): void {
     const to = viewing(viewpoint, camera, focusOf(viewpoint));
     if (to === null) return;
     const from = { position: camera.position.clone(), target: controls.current.target.clone() };
-    wake(fly(from, to, wishes === 0 || calm())); // nobody flies in
+    wake(fly(from, to, wishes === 0 || calm())); // no flight at first
   }, [ready, wishes, camera, controls]);
 }
 

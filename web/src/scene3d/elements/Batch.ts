@@ -12,7 +12,7 @@ import {
 import { quality } from "../quality";
 import type { Shape } from "../shapes";
 
-/** How something is drawn: as matter, as matter that a robot bears, as room, as one of which nobody knows where it is. */
+/** How something is drawn: as matter, as matter that a robot bears, as room, as one whose pose is unknown. */
 export type Look = "solid" | "borne" | "room" | "unsure";
 
 /** Before all else at the same depth: the robot's model shows its deck, too, and both would flicker through each other. */
@@ -58,7 +58,7 @@ export class Batch {
   move(number: number, matrix: Matrix4): void {
     this.mesh.setMatrixAt(number, matrix);
     this.mesh.instanceMatrix.needsUpdate = true;
-    this.mesh.boundingSphere = null; // worked out anew when somebody points at it
+    this.mesh.boundingSphere = null; // computed again when it is pointed at
   }
 
   paint(number: number, colour: Color): void {

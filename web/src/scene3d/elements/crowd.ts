@@ -140,7 +140,7 @@ function keyOf(item: Item): string {
   return `${lookOf(item)} ${item.element.shape ?? ""}`;
 }
 
-/** How many views were shown: who asks the crowd where something is asks anew with each. */
+/** How many views were shown: positions are looked up again with each. */
 export const useShowings = create<number>(() => 0);
 
 /** There is one view, and one crowd in it. */

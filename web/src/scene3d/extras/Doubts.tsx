@@ -10,7 +10,7 @@ import { useShownView } from "../useShownView";
 const SIZE = 18; // px
 const ABOVE = 0.05; // m
 
-/** A question mark above each thing of which nobody knows where exactly it is. */
+/** A question mark above each thing whose exact pose is unknown. */
 export function Doubts({ palette }: { palette: Palette }) {
   const view = useShownView();
   const points = useMemo(() => marks(palette), [palette]);

@@ -17,7 +17,7 @@ import { ghostsOf } from "./goals";
 
 const MOST = 60;
 
-/** What shall be somewhere: by the goal that somebody writes, and by the jobs that run. */
+/** Targets of the goal that is being written and of the jobs that run. */
 export function Ghosts({ palette }: { palette: Palette }) {
   const shown = useLayers((layers) => layers.shown.ghosts);
   const past = useReplay((state) => state.replay !== null);

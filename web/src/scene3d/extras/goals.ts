@@ -1,4 +1,4 @@
-/** Goals of a job as ghosts, as far as they say where something shall be. */
+/** Goals of a job as ghosts, as far as they say where something is to be. */
 
 import type { Schema } from "../../api/client";
 import type { Ghost } from "../ghosts";

@@ -1,4 +1,4 @@
-/** Points of a camera as the API tells them. */
+/** Points of a camera as the API gives them. */
 
 import { Color, SRGBColorSpace } from "three";
 import type { Schema } from "../../api/client";

@@ -76,7 +76,7 @@ function Farness({ pose, place }: { pose: MapPose; place: string | null }) {
   );
 }
 
-/** What was refused; where somebody else was quicker, what that means and how to go on. */
+/** What was refused; where another person changed it first, what that means and how to go on. */
 function Refusal({ problem, again }: { problem: Error; again: () => void }) {
   const { t } = useTranslation("scene3d");
   const conflict = problem instanceof ApiProblem && problem.status === 412;

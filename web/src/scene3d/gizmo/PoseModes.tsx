@@ -6,7 +6,7 @@ import { type GizmoMode, useTools } from "../tools";
 const MODES: Record<GizmoMode, typeof IconRotate> = { translate: IconArrowsMove, rotate: IconRotate };
 
 interface Props {
-  /** Where the element is: its numbers may be told in the frame of that. */
+  /** Where the element is: its numbers may be shown in the frame of that. */
   place: string | null;
   frame: string | null;
   setFrame: (id: string | null) => void;

@@ -44,9 +44,9 @@ export function useSimulates(): boolean {
   return data?.simulates ?? false;
 }
 
-const BODIES_EVERY = 500; // ms: nothing tells when the truth changes
+const BODIES_EVERY = 500; // ms: there are no events for the truth
 
-/** Where everything really is; read only while somebody moves bodies. */
+/** Where everything really is; read only while bodies are being moved. */
 export function useBodies(): readonly Schema<"SimulatedBody">[] {
   const simulates = useSimulates();
   const wanted = useTools(({ tool }) => tool === "body") && simulates;

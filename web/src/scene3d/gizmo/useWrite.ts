@@ -8,7 +8,7 @@ import { type Movable, poseInMap } from "./useMovable";
 
 const DIGITS = 6;
 
-/** Writes where an element is believed to be; what somebody else wrote meanwhile is not overwritten. */
+/** Writes where an element is believed to be; changes of others are not overwritten. */
 export function useWriteBelief(id: string) {
   const { t } = useTranslation("scene3d");
   return useSingleMutation({
@@ -28,7 +28,7 @@ export function useWriteBelief(id: string) {
   });
 }
 
-/** Moves what is simulated; nobody is told. */
+/** Moves the simulated body; no robot knows of it. */
 export function useMoveBody(id: string) {
   return useSingleMutation({
     mutationFn: async (pose: MapPose) => {

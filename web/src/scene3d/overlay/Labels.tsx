@@ -44,7 +44,7 @@ function worthALabel(view: View): string[] {
 function Label({ element, strong }: { element: ViewElement; strong: boolean }) {
   const { t } = useTranslation("scene3d");
   const { id, kind, label, pose, place, held_by } = element;
-  const at = kind === "place" && !strong ? "middle" : "top"; // what lies on a place shall be seen
+  const at = kind === "place" && !strong ? "middle" : "top"; // what lies on a place must stay visible
   const unsure = pose === null && place !== null && held_by === null;
   return (
     <div

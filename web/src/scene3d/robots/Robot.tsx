@@ -12,7 +12,7 @@ import { disposeModel, loadModel } from "./model";
 import { baseOf, models } from "./models";
 import type { RobotInfo } from "./useRobots";
 
-/** A robot as its model draws it, moving live; its outline where nobody knows a model. */
+/** A robot as its model draws it, moving live; its outline where there is no model. */
 export function Robot({ robot, palette }: { robot: RobotInfo; palette: Palette }) {
   const { data: model } = useQuery({
     queryKey: keys.robotModels(robot.id, robot.model),

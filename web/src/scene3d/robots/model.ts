@@ -20,7 +20,7 @@ const UNPREPARED = [202, 503];
 const MOST_TRIES = 60;
 const MATERIAL = new MeshLambertMaterial({ vertexColors: true });
 
-/** Loads the model of a robot; null where nobody knows what it looks like. */
+/** Loads the model of a robot; null where it has none. */
 export async function loadModel(robot: string): Promise<URDFRobot | null> {
   const address = `${BASE}/api/v1/robots/${encodeURIComponent(robot)}/model`;
   const response = await prepared(address);

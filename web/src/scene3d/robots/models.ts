@@ -8,7 +8,7 @@ export const models = new Map<string, URDFRobot>();
 /** The bases of robots, by the robots' ids. */
 export const baseOf = new Map<string, string>();
 
-const MIDDLE = 0.45; // m: of robots nobody measures more than the footprint
+const MIDDLE = 0.45; // m: of robots only the footprint is known
 const TOP = 1.1; // m
 
 /** Writes a point of a robot in the map; false for what is no robot. */

@@ -15,7 +15,7 @@ import { type Details, type Placement, useRelations } from "../queries";
 import { isPose } from "../values";
 
 const POSE = "sk:pose";
-const ASIDE = 0.1; // m: a copy shall not stand in what it is a copy of
+const ASIDE = 0.1; // m: a copy must not stand inside its original
 
 /** Something that is being added. */
 export interface Adding {

@@ -17,7 +17,7 @@ const FEW = 8;
 
 interface Props {
   query: UseInfiniteQueryResult<InfiniteData<Schema<"ChangePage">>>;
-  /** Only the edits about this element are told. */
+  /** Only the edits about this element are shown. */
   about?: string;
 }
 

@@ -99,7 +99,7 @@ function MoveButton({ tagged: { data } }: { tagged: Tagged }) {
   );
 }
 
-/** Switches the tool of the 3D view: beliefs, or the body of the simulation, which no robot is told of. */
+/** Switches the tool of the 3D view: beliefs, or the simulated body, without the robots knowing. */
 function ToolButtons() {
   const { t } = useTranslation("world");
   const { data } = useQuery({

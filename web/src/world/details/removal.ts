@@ -13,7 +13,7 @@ export function removalIn([last]: readonly Change[], id: string): Change | null 
   return last !== undefined && (last.edits as unknown as Edit[]).some(went) ? last : null;
 }
 
-/** The change by which an element went; null where it did not, or nobody knows. */
+/** The change by which an element went; null where it did not, or that is unknown. */
 export function useRemoval(id: string, asked = true) {
   return useQuery({
     queryKey: keys.world("removal", id),

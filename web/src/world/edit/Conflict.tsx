@@ -13,7 +13,7 @@ interface Props {
   onDone: () => void;
 }
 
-/** Somebody else changed it meanwhile: shows theirs against mine, and asks. */
+/** Another person changed it meanwhile: shows both versions and asks. */
 export function Conflict({ editing, theirs, onDone }: Props) {
   const { t } = useTranslation("world");
   const found = differences(editing.before, draftOf(theirs.data), editing.draft);

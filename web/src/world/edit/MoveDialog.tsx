@@ -3,7 +3,7 @@ import { useTranslation } from "react-i18next";
 import { Status } from "../../widgets/Status";
 import type { Move } from "./useMove";
 
-/** Asks how something shall be put where it was dropped, or says why it cannot be. */
+/** Asks how to place something where it was dropped, or says why it cannot be. */
 export function MoveDialog({ move }: { move: Move }) {
   const { t } = useTranslation(["world", "common"]);
   const { question, close, put } = move;

@@ -1,4 +1,4 @@
-/** What somebody is about to make of an element, and how that meets what others made of it meanwhile. */
+/** Unsaved edits of an element, merged with changes that others made meanwhile. */
 
 import type { Schema } from "../../api/client";
 import type { Details, Placement } from "../queries";
@@ -33,7 +33,7 @@ export function changedFields(before: Draft, after: Draft): string[] {
   return [...fields].filter((field) => !same(before[field], after[field]));
 }
 
-/** Returns what a server is told to make one of the other. */
+/** Returns the request that turns one into the other. */
 export function patchOf(before: Draft, after: Draft, reason: string): Patch {
   const fields = changedFields(before, after);
   const properties = fields.filter((field) => field !== LABEL && field !== PLACEMENT);
@@ -124,7 +124,7 @@ function same(one: unknown, other: unknown): boolean {
   return JSON.stringify(sorted(one)) === JSON.stringify(sorted(other));
 }
 
-/** Poses are told without a frame where it is the map, and written with null. */
+/** Poses in the map are read without a frame, and written with null. */
 function sorted(value: unknown): unknown {
   if (typeof value !== "object" || value === null || Array.isArray(value)) return value;
   const entries = Object.entries(value).filter(([, one]) => one !== null && one !== undefined);

@@ -1,4 +1,4 @@
-/** What a refusal says of each field, in words for whoever has filled it in. */
+/** What a refusal says of each field, in words for the user. */
 
 import { ApiProblem } from "../../api/client";
 import { type FieldFault, faultText } from "../../widgets/faults";

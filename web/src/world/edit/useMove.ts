@@ -8,7 +8,7 @@ import { useClasses } from "../classes";
 import { readElement, type Tagged, useRelations } from "../queries";
 import { askFits, type Fit, placementsFor } from "./placements";
 
-/** How an element shall be put at a place. */
+/** How to put an element at a place. */
 export interface Question {
   element: Tagged;
   place: string;
@@ -18,7 +18,7 @@ export interface Question {
 export interface Move {
   /** What has to be asked; null while nothing has. */
   question: Question | null;
-  /** Puts an element at a place: at once where it stays as it is there (in, on), else somebody is asked. */
+  /** Puts an element at a place: at once where its relation stays the same (in, on), else after a question. */
   move: (element: string, place: string) => void;
   put: (question: Question, relation: string) => void;
   close: () => void;

@@ -12,7 +12,7 @@ export function useWrite<Input = void, Output = unknown>(
     mutationFn: write,
     onSuccess: (output) => {
       then?.(output);
-      // After the page was drawn anew: what is not shown any more, as it is gone, is not asked for.
+      // After the page was drawn again: what is gone and no longer shown is not read.
       setTimeout(() => {
         for (const word of ["world", "scenes"]) void client.invalidateQueries({ queryKey: [word] });
       });

@@ -8,7 +8,7 @@ import { problemText } from "../../widgets/problems";
 
 const LASTS = 60; // s
 const RENEWED = 25_000; // ms
-const LOOKED_AT = 5000; // ms: no event tells of locks
+const LOOKED_AT = 5000; // ms: there are no events for locks
 
 export function useLocks() {
   return useQuery({

@@ -68,7 +68,7 @@ function useLoad(scene: SceneToLoad, onDone: () => void) {
   const client = useQueryClient();
   return useSingleMutation({
     mutationFn: (tag: string) => {
-      useSelection.getState().choose(null); // not when it is done: somebody may have chosen something of the new one
+      useSelection.getState().choose(null); // not when it is done: something of the new scene may be selected by then
       return put(scene, tag);
     },
     onSuccess: () => {

@@ -13,7 +13,7 @@ import { useSimulation } from "./queries";
 
 type State = Schema<"SimulationState">;
 
-/** How the simulated world goes on; its pace, and bringing it up anew. */
+/** The simulation: its pace, and its reset. */
 export function Simulation() {
   const { data: state } = useSimulation();
   if (state === undefined) return null;

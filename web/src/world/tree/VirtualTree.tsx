@@ -87,7 +87,7 @@ function mayHold(dragged: ItemInstance<string>, target: ItemInstance<string>): b
   return id !== ABOVE_ALL && id !== dragged.getId() && !target.isDescendentOf(dragged.getId());
 }
 
-/** Scrolls to what somebody selected elsewhere. */
+/** Scrolls to what was selected elsewhere. */
 function useShown(tree: TreeInstance<string>, { selected, source, open }: Props, scrollTo: (index: number) => void) {
   const shown = useRef<string | null>(null);
   useEffect(() => {

@@ -31,7 +31,7 @@ async function readNode(root: string, depth: number, cursor?: string): Promise<N
   return answer(api.GET("/api/v1/tree", { params: { query: { root, depth, limit: PAGE, cursor } } }));
 }
 
-/** Reads the whole tree, as far as one answer tells it; the rest is read where somebody opens it. */
+/** Reads the whole tree, as far as one answer holds it; the rest is read when it is opened. */
 export async function readTree(): Promise<void> {
   const top = await readNode(TOP, DEEPEST);
   const branches: Record<string, readonly Node[]> = {};
@@ -46,7 +46,7 @@ export async function readTree(): Promise<void> {
   const first = top.children.flatMap(({ id, children }) => [id, ...children.map((child) => child.id)]);
   const still = ready ? open.filter((id) => known.has(id)) : first;
   const missing = [TOP, ...still].filter((id) => branches[id] === undefined);
-  // Long branches stay as they were until they were read anew, or what is looked at would jump.
+  // Long branches stay as they were until they were read again, or the view would jump.
   for (const id of missing) if (before[id] !== undefined) branches[id] = before[id];
   useBranches.setState({ branches, open: still, ready: true });
   await Promise.all(missing.map(readBranch));
