@@ -354,6 +354,12 @@ class Session:
         store = self._stack.enter_context(closing(JobStore(folder / "jobs.db")))
         return JobManager(self.tasks, self.runtime, store, self.parse)
 
+    def run_jobs(self) -> None:
+        """Lets jobs run until none is under way and none may start now, or until :meth:`stop`."""
+        while not (self.jobs.idle or self._stop_wanted or self.cycle.halted):
+            self.cycle.step()
+        self._obey_stop()
+
     @property
     def resting(self) -> bool:
         """True while nothing is under way that anybody started, or would start by itself: no job, task or module.
