@@ -19,6 +19,7 @@ from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
 from skiros_py.listeners import Listeners
+from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.service import Planned
 from skiros_py.plugins import PluginFault
 from skiros_py.ports.adapters import Ports
@@ -34,7 +35,7 @@ from skiros_py.tasks.goals import parse_goal
 from skiros_py.tasks.handle import TaskHandle
 from skiros_py.tasks.learning import learn_durations
 from skiros_py.tasks.policy import Policy
-from skiros_py.tasks.report import GoalReport
+from skiros_py.tasks.report import ConditionReport, GoalReport
 from skiros_py.tasks.task_manager import TaskManager
 from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import ROBOT
@@ -284,9 +285,11 @@ class Session:
         self.runtime.require_ready()
         self._digest.begin(self.simulation.state_bytes() if self.simulates else b"")
         task = self.begin(wanted)
-        self.runtime.finish(task, lambda: self._stop_wanted)
+        ended = self.runtime.finish(task, lambda: self._stop_wanted)
         stopped = self._obey_stop()
         report = replace(task.result, digest=str(self._digest))
+        if not ended:  # cut off between two cycles: what the last step has reached is not in the report yet
+            report = replace(report, conditions=tuple(map(self._seen_again, wanted, report.conditions)))
         if stopped:
             report = replace(report, stopped=True, fault="")
         if not self.simulates:
@@ -294,6 +297,11 @@ class Session:
         from skiros_py.station.judgement import judge  # physics is an extra
 
         return report.with_truth(judge(self.simulation, self.spec, self.world, wanted))
+
+    def _seen_again(self, condition: Condition, was: ConditionReport) -> ConditionReport:
+        if was.believed or not believed(condition, self.world):
+            return was
+        return replace(was, believed=True, tries=was.tries + 1, reason="")
 
     def begin(
         self, goal: str | Sequence[Condition] | Sequence[str] | None = None, policy: Policy | None = None
