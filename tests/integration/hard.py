@@ -174,8 +174,11 @@ def _unless_gone(find: Callable[[], list[psutil.Process]]) -> Callable[[], list[
 
 
 def _is_planner(process: psutil.Process) -> bool:
-    words = " ".join(process.cmdline())
-    return "fast_downward" in words or "/downward" in words
+    """Tells whether a process works at a plan; the resident program forks for each and works at none itself."""
+    words, parent = " ".join(process.cmdline()), process.parent()
+    above = " ".join(parent.cmdline()) if parent else ""
+    resident = "resident_program" in words and "resident_program" not in above
+    return not resident and ("fast_downward" in words or "/downward" in words)
 
 
 def gone(processes: list[psutil.Process]) -> bool:
