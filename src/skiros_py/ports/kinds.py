@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from skiros_py.plugins import Installation, Plugin, PluginFault, installation, load_plugins
+from skiros_py.plugins import Installation, Plugin, PluginFault, examined, installation, load_plugins
 from skiros_py.ports.device import DeviceSpec
 
 GROUP = "skiros.devices"
@@ -23,10 +23,17 @@ class DeviceKinds:
 
     Args:
         kinds: The kinds.
+        sources: The distribution of each, by name; none where they are not from plug-ins.
     """
 
-    def __init__(self, kinds: Iterable[Kind]) -> None:
+    def __init__(self, kinds: Iterable[Kind], sources: Mapping[str, str] | None = None) -> None:
         self.by_name: Mapping[str, Kind] = {kind.kind: kind for kind in kinds}
+        self._sources = sources or {}
+
+    def describe(self, device: str, kind: Kind) -> str:
+        """Names a device, its kind and the kind's distribution, for messages about a mistake in its code."""
+        source = self._sources.get(kind.kind) if self.by_name.get(kind.kind) is kind else None
+        return f"{device} (kind '{kind.kind}'{f' of {source}' if source else ''})"
 
     def of_class(self, class_: str, is_a: Callable[[str, str], bool]) -> Kind | None:
         """Returns the kind of devices of a class: the one with the most specific class; None for none.
@@ -50,7 +57,8 @@ def load_device_kinds() -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
     """Loads all kinds, in the order of their entry points' names, the built-in ones first.
 
     Returns:
-        Those that can be used together; and the faults of the others, which hurt nobody else.
+        Those that can be used together; and the faults of the others, which hurt nobody else. Of two plug-ins with
+        one kind or class neither counts; a built-in kind stays.
     """
     return _loaded(installation())
 
@@ -58,15 +66,18 @@ def load_device_kinds() -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
 @lru_cache(maxsize=1)
 def _loaded(_installation: Installation) -> tuple[DeviceKinds, tuple[PluginFault, ...]]:
     plugins, broken = load_plugins(GROUP)
-    good: dict[str, Kind] = {}
-    faults = list(broken)
-    for plugin in sorted(plugins, key=lambda plugin: not plugin.distribution.startswith(_OWN)):
-        problem = device_problem(plugin) or _clash(plugin.value, good.values())
-        if problem is None:
-            good[plugin.value.kind] = plugin.value
+    looked_at = [examined(plugin, device_problem) for plugin in plugins]
+    usable = sorted((one for one in looked_at if isinstance(one, Plugin)), key=lambda plugin: not _is_own(plugin))
+    faults = [*broken, *(one for one in looked_at if isinstance(one, PluginFault))]
+    good: list[Plugin] = []
+    for plugin in usable:
+        twins = [other for other in usable if _clash(plugin.value, other.value)]
+        if len(twins) == 1 or _is_own(plugin):
+            good.append(plugin)
         else:
-            faults.append(plugin.fault(problem))
-    return DeviceKinds(good.values()), tuple(faults)
+            faults.append(plugin.fault(_not_alone(twins)))
+    sources = {plugin.value.kind: plugin.distribution for plugin in good}
+    return DeviceKinds([plugin.value for plugin in good], sources), tuple(faults)
 
 
 def device_problem(plugin: Plugin) -> str | None:
@@ -81,8 +92,17 @@ def device_problem(plugin: Plugin) -> str | None:
     return f"it does not define {', '.join(missing)}" if missing else None
 
 
-def _clash(kind: Kind, others: Iterable[Kind]) -> str | None:
-    for other in others:
-        if kind.kind == other.kind or kind.device_class == other.device_class:
-            return f"there is a kind '{other.kind}' for {other.device_class} already"
-    return None
+def _clash(kind: Kind, other: Kind) -> bool:
+    return kind.kind == other.kind or kind.device_class == other.device_class
+
+
+def _not_alone(twins: Sequence[Plugin]) -> str:
+    origins = " and ".join(
+        f"'{twin.value.kind}' for {twin.value.device_class} ({twin.name} of {twin.distribution})" for twin in twins
+    )
+    count = "the built-in one counts" if any(map(_is_own, twins)) else "none of them counts"
+    return f"kinds of device with one name or class: {origins}; {count}, rename the other"
+
+
+def _is_own(plugin: Plugin) -> bool:
+    return plugin.distribution.startswith(_OWN)

@@ -56,6 +56,45 @@ def test_each_kind_that_comes_along_is_tried() -> None:
     assert {type(device) for device in SPECS.values()} == own
 
 
+TWINS = """
+from skiros_py.devices.camera import CameraSpec
+
+class {name}(CameraSpec):
+    kind = "{kind}"
+    device_class = "{class_}"
+"""
+
+
+def install_kind(site: Any, name: str, kind: str, class_: str) -> None:
+    code = TWINS.format(name=name, kind=kind, class_=class_)
+    site.install(
+        f"sk-{name.lower()}", {"devices": {name.lower(): f"sk_{name.lower()}:{name}"}}, {f"sk_{name.lower()}.py": code}
+    )
+
+
+@pytest.mark.parametrize(("kind", "class_"), [("scale", "b:Scale"), ("weigher", "a:Scale")], ids=["name", "class"])
+def test_of_two_kinds_with_one_name_or_class_neither_counts_and_both_are_named(
+    site: Any, kind: str, class_: str
+) -> None:
+    install_kind(site, "First", "scale", "a:Scale")
+    install_kind(site, "Second", kind, class_)
+
+    kinds, faults = load_device_kinds()
+
+    assert not {"scale", "weigher"} & set(kinds.by_name)
+    assert {fault.distribution for fault in faults} == {"sk-first 0.3", "sk-second 0.3"}
+    assert all("first of sk-first 0.3" in str(one) and "second of sk-second 0.3" in str(one) for one in faults)
+
+
+def test_a_built_in_kind_counts_whatever_is_installed(site: Any) -> None:
+    install_kind(site, "Third", "arm", "a:Arm")
+
+    kinds, (fault,) = load_device_kinds()
+
+    assert kinds.by_name["arm"] is ArmSpec
+    assert "third of sk-third 0.3" in str(fault)
+
+
 def test_shared_set_points_and_twists_are_their_weighted_mean() -> None:
     still, moving = ArmTarget((0.0,) * 7, (0.0,) * 7), ArmTarget((0.4,) * 7, (0.8,) * 7)
     arm = SPECS["arm"].mixed([Contribution("a", still, 3.0), Contribution("b", moving, 1.0)])
