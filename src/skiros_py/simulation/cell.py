@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from skiros_py.errors import DeviceError, SkirosError, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.plugins import find_plugin
 from skiros_py.ports.cell import BodySpec, CellSpec
-from skiros_py.ports.driver import require_known
+from skiros_py.ports.driver import command_models, require_known, states_of
 from skiros_py.ports.models import write_robot_urdf
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.simulation import Engine, EngineFactory, Vector
@@ -207,11 +208,13 @@ class SimulatedCell:
 
     def _step(self, commands: Commands) -> None:
         for robot in self.scene.robots:
-            robot.command(commands)
+            command_models(robot.devices, self.devices, commands)
         self._engine.step()
 
     def _sense(self, cycle: int) -> Snapshot:
-        states = {id_: device.state() for robot in self.scene.robots for id_, device in robot.devices.items()}
+        states: dict[str, Any] = {}
+        for robot in self.scene.robots:
+            states |= states_of(robot.devices, self.devices)
         return Snapshot(cycle, cycle * _PERIOD, states)
 
 

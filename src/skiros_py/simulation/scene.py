@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,8 @@ from skiros_py.errors import UnknownName, UsageError
 from skiros_py.geometry import Pose
 from skiros_py.ports.cell import BodySpec, CellSpec, RobotSpec
 from skiros_py.ports.device import DeviceModel
+from skiros_py.ports.driver import model_of
 from skiros_py.ports.simulation import Engine, SimulatedRobot, Surface
-from skiros_py.ports.values import Commands
 from skiros_py.simulation.appearance import Palette
 from skiros_py.simulation.spawn import free_pose, start_poses
 
@@ -47,15 +48,10 @@ class CellRobot:
         controllers = {}
         for device in spec.devices:
             stream = seed if device is spec.carrier else [*seed, *device.id.encode()]
-            controller = device.simulate(model, np.random.default_rng(stream))
+            controller = model_of(device, partial(device.simulate, model, np.random.default_rng(stream)))
             if controller is not None:
                 controllers[device.id] = controller
         return cls(spec, model, controllers)
-
-    def command(self, commands: Commands) -> None:
-        """Lets every device act for one period."""
-        for id_, device in self.devices.items():
-            device.command(commands.get(id_))
 
 
 class Scene:

@@ -1,6 +1,8 @@
 """The fake cell does at once what it is told, and admits what it cannot do."""
 
 import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import pytest
 
@@ -9,6 +11,8 @@ from skiros_py.devices.base import BaseState, BaseTwist
 from skiros_py.devices.gripper import GripperState, GripperTarget
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
+from skiros_py.ports.cell import CellSpec, RobotSpec
+from skiros_py.ports.device import DeviceSpec
 from skiros_py.simulation.fake import FakeCell
 
 
@@ -47,3 +51,71 @@ def test_there_is_nothing_to_see(kitting):
 def test_a_command_for_an_unknown_device_is_refused(kitting):
     with pytest.raises(DeviceError, match="no device 'leg'; there is arm"):
         FakeCell(kitting.cell_spec()).exchange({"leg": ArmTarget((), ())})
+
+
+@dataclass(frozen=True)
+class Lamp:
+    on: bool
+
+
+@dataclass(frozen=True)
+class LampSpec(DeviceSpec[Lamp, None]):
+    """A kind of somebody else, with a mistake in one method."""
+
+    kind: ClassVar[str] = "lamp"
+    device_class: ClassVar[str] = "test:Lamp"
+    state_type: ClassVar[type] = Lamp
+    mistake: str = ""
+
+    @classmethod
+    def read(cls, individual):
+        return cls(individual.id)
+
+    def fake(self, period):
+        self.fails_in("fake")
+        return LampModel(self)
+
+    def fails_in(self, method):
+        if self.mistake == method:
+            raise KeyError("boom")
+
+
+class LampModel:
+    braking_time = 0.0
+
+    def __init__(self, spec: LampSpec) -> None:
+        self.spec = spec
+        self.says: Any = Lamp(True)
+
+    def command(self, target):
+        self.spec.fails_in("command")
+
+    def state(self):
+        self.spec.fails_in("state")
+        return self.says
+
+
+def lamp_cell(mistake: str = "") -> FakeCell:
+    return FakeCell(CellSpec((), (RobotSpec("robot", "", (LampSpec("lamp_1", mistake),)),)))
+
+
+@pytest.mark.parametrize("method", ["fake", "state", "command"])
+def test_a_mistake_in_a_kind_is_a_fault_that_names_the_device_and_the_kind(method):
+    with pytest.raises(DeviceError, match=r"lamp_1 \(kind 'lamp'\) broke: KeyError: 'boom'"):
+        lamp_cell(method).exchange({})
+
+
+@pytest.mark.parametrize("said", ["seven", None])
+def test_a_state_of_another_type_is_a_fault_that_names_the_device_and_the_kind(said):
+    cell = lamp_cell()
+    cell._models["lamp_1"].says = said
+
+    with pytest.raises(DeviceError, match=rf"lamp_1 \(kind 'lamp'\) broke: its state is a Lamp, not {said!r}"):
+        cell.exchange({})
+
+
+def test_a_fault_of_a_kind_names_the_distribution(site):
+    site.install("sk-lamp", {"devices": {"lamp": f"{__name__}:LampSpec"}}, {})
+
+    with pytest.raises(DeviceError, match=r"lamp_1 \(kind 'lamp' of sk-lamp 0.3\) broke"):
+        lamp_cell("state")

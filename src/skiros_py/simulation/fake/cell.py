@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
 
 from skiros_py.errors import DeviceError
 from skiros_py.ports.cell import CellSpec
-from skiros_py.ports.driver import require_known
+from skiros_py.ports.driver import command_models, model_of, require_known, states_of
 from skiros_py.ports.pending import Pending
 from skiros_py.ports.values import Commands, DepthImage, Snapshot
 
@@ -24,15 +24,18 @@ class FakeCell:
 
     Attributes:
         devices: The devices, by id.
+
+    Raises:
+        DeviceError: The model of a device cannot be made.
     """
 
     def __init__(self, spec: CellSpec, *, seed: int = 0) -> None:
         self.seed = seed
         self.devices = spec.devices
         self._halted = False
-        fakes = {id_: device.fake(_PERIOD) for id_, device in self.devices.items()}
+        fakes = {id_: model_of(device, partial(device.fake, _PERIOD)) for id_, device in self.devices.items()}
         self._models = {id_: model for id_, model in fakes.items() if model is not None}
-        self._snapshot = Snapshot(0, 0.0, self._states())
+        self._snapshot = Snapshot(0, 0.0, states_of(self._models, self.devices))
 
     @property
     def period(self) -> float:
@@ -57,13 +60,12 @@ class FakeCell:
         """Does what the commands say and returns the state one period later.
 
         Raises:
-            DeviceError: A command is for a device that does not exist.
+            DeviceError: A command is for a device that does not exist, or the model of a device broke.
         """
         require_known(commands, self._models)
-        for id_, model in self._models.items():
-            model.command(None if self._halted else commands.get(id_))
+        command_models(self._models, self.devices, {} if self._halted else commands)
         cycle = self._snapshot.cycle + 1
-        self._snapshot = Snapshot(cycle, cycle * _PERIOD, self._states())
+        self._snapshot = Snapshot(cycle, cycle * _PERIOD, states_of(self._models, self.devices))
         return self._snapshot
 
     def halt(self) -> None:
@@ -84,6 +86,3 @@ class FakeCell:
 
     def close(self) -> None:
         """Does nothing; there is nothing to bring down."""
-
-    def _states(self) -> dict[str, Any]:
-        return {id_: model.state() for id_, model in self._models.items()}
