@@ -8,13 +8,14 @@ from __future__ import annotations
 import logging
 import math
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, TypeVar
 
 from skiros_py.errors import SkirosError, UsageError
 from skiros_py.execution.mix import Mix
-from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse
+from skiros_py.execution.pulse import Chore, CycleOverrun, Pulse, Watched
 from skiros_py.execution.signals import Signals
 from skiros_py.execution.task import RunClock, Task
 from skiros_py.ports.board import DeviceBoard
@@ -27,6 +28,23 @@ _log = logging.getLogger(__name__)
 
 _SUCCESSORS = 100
 """How many tasks that other tasks start have their first tick in the same cycle: endless starting must not hold it."""
+
+
+class _Observer:
+    """What is called at the end of every cycle, as the watchdog sees it; one of a plug-in can be switched off."""
+
+    def __init__(self, call: Callable[[], None], owner: str) -> None:
+        self.call = call
+        self.name = f"the observer {getattr(call, '__qualname__', call)}{f' of {owner}' if owner else ''}"
+        self.interruptible = bool(owner)
+        self.done = False
+
+    def fail(self, fault: BaseException) -> None:
+        """Switches it off where it is a plug-in's; the cycle cannot do without its own."""
+        if self.interruptible:
+            self.done = True
+            words = str(fault) if isinstance(fault, CycleOverrun) else f"it raised {type(fault).__name__}: {fault}"
+            _log.warning("%s was switched off: %s", self.name, words)
 
 
 class ControlCycle:
@@ -57,7 +75,8 @@ class ControlCycle:
         self._stopping: list[Task[Any]] = []
         self._exchanging = Chore("the exchange with the devices")
         self._reporting = Chore("a listener of faults")
-        self._observers: list[tuple[Chore, Callable[[], None]]] = []
+        self._observers: list[_Observer] = []
+        self._guest = ""
         self._fault_listeners: list[Callable[[Task[Any]], None]] = []
         self._epoch = (time.perf_counter(), board.snapshot.time)
 
@@ -83,9 +102,22 @@ class ControlCycle:
 
     def observe(self, observer: Callable[[], None]) -> Callable[[], None]:
         """Calls a function at the end of every cycle; it must be quick. Returns a function that ends this."""
-        entry = Chore(f"the observer {getattr(observer, '__qualname__', observer)}"), observer
+        entry = _Observer(observer, self._guest)
         self._observers.append(entry)
         return lambda: self._observers.remove(entry)
+
+    @contextmanager
+    def guest(self, name: str) -> Iterator[None]:
+        """Observers that are added in a ``with`` of it are a plug-in's: one that raises or hangs is switched off.
+
+        Args:
+            name: Whose it is, for messages.
+        """
+        self._guest = name
+        try:
+            yield
+        finally:
+            self._guest = ""
 
     def on_fault(self, listener: Callable[[Task[Any]], None]) -> None:
         """Calls a function at the end of each cycle with every task that ended with a fault; else they are logged."""
@@ -103,8 +135,9 @@ class ControlCycle:
         self._tick_all()
         self._obey_halt()
         self._sort_out()
-        for chore, observer in tuple(self._observers):
-            self._do(chore, observer)
+        for observer in tuple(self._observers):
+            if not observer.done:
+                self._observe(observer)
         self._keep_pace()
 
     def run(self, task: Task[T]) -> T:
@@ -195,13 +228,23 @@ class ControlCycle:
 
     # ------------------------------------------------------------------ parts of a cycle
 
-    def _do(self, chore: Chore, work: Callable[[], object]) -> None:
+    def _do(self, chore: Watched, work: Callable[[], object]) -> None:
         """Runs a part of the cycle itself, watched by the watchdog."""
         outer = self.pulse.enter(chore)
         try:
             work()
         finally:
             self.pulse.leave(outer)
+
+    def _observe(self, observer: _Observer) -> None:
+        try:
+            self._do(observer, observer.call)
+        except CycleOverrun:
+            pass  # leaving tells the observer, with all that the watchdog noticed
+        except Exception as error:
+            if not observer.interruptible:
+                raise
+            observer.fail(error)
 
     def _tick_all(self) -> None:
         """Ticks every task once, and those that they start.

@@ -36,7 +36,7 @@ class Watched(Protocol):
 
 @dataclass(eq=False, slots=True)
 class Chore:
-    """Work of the cycle itself (devices, observers): reported when it takes too long, never interrupted.
+    """Work of the cycle itself (devices, listeners): reported when it takes too long, never interrupted.
 
     Attributes:
         name: For messages.

@@ -29,6 +29,8 @@ from skiros_py.tasks.trace import TraceEntry, TraceEventKind
 from skiros_py.world.index import Index
 from skiros_py.world.journal.snapshot import snapshot_pieces
 
+_log = logging.getLogger(__name__)
+
 _EVERY = 0.05
 """Time between two states of the devices [s]."""
 _KEY = 1.0
@@ -49,7 +51,7 @@ def _schema(name: str, /, **properties: object) -> Schema:
 
 _OBJECT, _TEXT, _NUMBER, _WHOLE = ({"type": name} for name in ("object", "string", "number", "integer"))
 _OBJECTS, _TEXTS = ({"type": "array", "items": items} for items in (_OBJECT, _TEXT))
-_FRAMES = Topic("/frames", FRAME_TRANSFORMS, lambda time, frames: frame_transforms(time, frames), _KEY)
+_FRAMES = Topic("/frames", FRAME_TRANSFORMS, lambda time, frames: frame_transforms(time, frames()), _KEY)
 _LOG = Topic("/log", LOG, lambda time, line: log(time, *line))
 _RUNS = Topic("/runs", own_schema(ModuleEvent))
 _TASKS = Topic("/tasks", _schema("Task", number=_WHOLE, name=_TEXT, goal=_TEXTS))
@@ -152,8 +154,8 @@ class Recorder:
         self.writer.put(topic, self.runtime.cycle.board.snapshot.time if at is None else at, value)
 
     def on_end(self, callback: Callable[[], object]) -> None:
-        """Calls a function when the recording ends, such as one that ends a subscription."""
-        self._stack.callback(callback)
+        """Calls a function when the recording ends, such as one that ends a subscription; what it raises is logged."""
+        self._stack.callback(_surely, callback)
 
     # ------------------------------------------------------------------ tasks
 
@@ -181,6 +183,13 @@ class Recorder:
         known: dict[str, Any] = {"number": number, "name": task.name, "goal": list(map(str, task.goal))}
         known["report"] = None if report is None else dataclasses.asdict(report) | {"outcome": report.outcome.value}
         self.put(_TASKS, known)
+
+
+def _surely(callback: Callable[[], object]) -> None:
+    try:
+        callback()
+    except Exception:  # noqa: BLE001 - the code of a plug-in
+        _log.exception("a recording ends, though this broke: %s", getattr(callback, "__qualname__", callback))
 
 
 # ---------------------------------------------------------------------- sources
@@ -305,12 +314,13 @@ class Devices:
         self._devices = devices
         self._frames = frames
         self._topics: dict[str, Topic] = {}
+        self._off: set[str] = set()
         self._written: list[float] | None = None
         self._passed: Snapshot | None = None
 
     def take(self, snapshot: Snapshot, write: Write) -> None:
         """Writes a snapshot, unless nothing has moved since the last one that was written."""
-        posture = _posture(self._devices, snapshot)
+        posture = self._posture(snapshot)
         if self._written is not None and _same(posture, self._written):
             self._passed = snapshot
             return
@@ -325,33 +335,44 @@ class Devices:
             self._passed = None
 
     def _write(self, snapshot: Snapshot, write: Write) -> None:
+        for name, topic in self._topics.items():
+            if name in snapshot.devices and name not in self._off:
+                write(topic, snapshot.time, snapshot.devices[name])
+        if self._frames is not None:
+            write(_FRAMES, snapshot.time, partial(self._frames, snapshot))
+
+
+    def _posture(self, snapshot: Snapshot) -> list[float]:
+        """Returns the numbers that change when something moves [m, rad]; of a sensor, those that it measures.
+
+        A device whose kind raises is no longer recorded.
+        """
+        numbers: list[float] = []
         for name, state in snapshot.devices.items():
             spec = self._devices[name]
-            if name not in self._topics:
-                encode = partial(_encoded, spec)
-                self._topics[name] = Topic(f"/devices/{name}", own_schema(type(state)), encode, every=_KEY)
-            write(self._topics[name], snapshot.time, state)
-        if self._frames is not None:
-            write(_FRAMES, snapshot.time, self._frames(snapshot))
+            if name in self._off:
+                continue
+            try:
+                if name not in self._topics:
+                    encode = partial(_encoded, spec)
+                    self._topics[name] = Topic(f"/devices/{name}", own_schema(type(state)), encode, every=_KEY)
+                numbers += [float(one) for one in _position(spec, state)]
+            except Exception as error:  # noqa: BLE001 - the code of a plug-in
+                self._off.add(name)
+                text = "/devices/%s is no longer recorded: its kind '%s' raised %s: %s"
+                _log.warning(text, name, spec.kind, type(error).__name__, error)
+        return numbers
 
 
 def _encoded(spec: DeviceSpec[Any, Any], _time: float, state: Any) -> Json:
     return plain(spec.encode(state))  # type: ignore[no-any-return]
 
 
-def _posture(devices: Mapping[str, DeviceSpec[Any, Any]], snapshot: Snapshot) -> list[float]:
-    """Returns the numbers that change when something moves [m, rad]; of a sensor, those that it measures."""
-    numbers: list[float] = []
-    for name, state in snapshot.devices.items():
-        spec = devices[name]
-        if isinstance(spec, MobileSpec):
-            pose = spec.pose(state)
-            numbers += (*pose.position, *pose.orientation)
-        elif spec.joint_names:
-            numbers += spec.joint_positions(state)
-        else:
-            numbers += _numbers(spec.encode(state))
-    return numbers
+def _position(spec: DeviceSpec[Any, Any], state: Any) -> Iterable[float]:
+    if isinstance(spec, MobileSpec):
+        pose = spec.pose(state)
+        return (*pose.position, *pose.orientation)
+    return spec.joint_positions(state) if spec.joint_names else [*_numbers(spec.encode(state))]
 
 
 def _numbers(data: Any) -> Iterator[float]:

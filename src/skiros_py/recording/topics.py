@@ -7,6 +7,7 @@ import enum
 import logging
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -98,6 +99,11 @@ _TYPES = ((bool, "boolean"), (int, "integer"), (float, "number"), (str, "string"
 def record_plugins(recorder: Recorder) -> None:
     """Lets the plug-ins of the group ``skiros.topics`` add their topics; one that fails is reported in the log."""
     plugins, broken = load_plugins(GROUP)
-    tried = [attempt(plugin, lambda add=plugin.value: add(recorder)) for plugin in plugins]  # type: ignore[misc]
-    for fault in (*broken, *(one for one in tried if isinstance(one, PluginFault))):
+    faults = list(broken)
+    for plugin in plugins:
+        with recorder.runtime.cycle.guest(f"topic '{plugin.name}' of {plugin.distribution}"):
+            tried = attempt(plugin, partial(plugin.value, recorder))
+        if isinstance(tried, PluginFault):
+            faults.append(tried)
+    for fault in faults:
         _log.warning("%s", fault)

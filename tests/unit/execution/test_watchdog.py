@@ -313,6 +313,25 @@ def test_an_observer_that_takes_too_long_halts_everything_and_is_not_broken_off(
     assert "ponder held the control cycle" in cycle.halted
 
 
+def test_an_observer_of_a_plug_in_that_hangs_is_interrupted_and_switched_off(
+    cycle: ControlCycle, watchdog: Watchdog, caplog: pytest.LogCaptureFixture
+) -> None:
+    calls: list[bool] = []
+
+    def ponder() -> None:
+        calls.append(True)
+        hold_for(60.0)
+
+    with cycle.guest("topic 'slow' of lab 1.0"):
+        cycle.observe(ponder)
+    cycle.step()
+    cycle.step()
+
+    assert calls == [True]
+    assert "ponder of topic 'slow' of lab 1.0 was switched off: " in caplog.text
+    assert "ponder of topic 'slow' of lab 1.0 held the control cycle" in cycle.halted
+
+
 def test_a_listener_of_faults_that_takes_too_long_halts_everything(cycle: ControlCycle, watchdog: Watchdog) -> None:
     def breaks() -> Iterator[None]:
         yield

@@ -16,10 +16,13 @@ from jsonschema import Draft202012Validator
 from mcap.reader import make_reader
 
 from skiros_py.behaviours import Wait
+from skiros_py.devices.gripper import GripperSpec, GripperState
 from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.geometry import Pose
 from skiros_py.ports.signals import Input, Signal
+from skiros_py.ports.values import Snapshot
 from skiros_py.recording import Recorder, Recording, RecordingWriter
+from skiros_py.recording.recorder import Devices
 from skiros_py.recording.topics import own_schema, plain
 from skiros_py.testing import Bench, tiny_world
 
@@ -185,3 +188,63 @@ def test_a_plug_in_adds_a_topic_and_one_that_raises_affects_nothing_else(
     assert "broken of topics-of-a-test 1.0" in caplog.text
     assert "no sensor" in caplog.text
     sys.modules.pop("topics_of_a_test")
+
+
+BROKEN_LATER = """
+from skiros_py.recording import Schema, Topic
+
+TICKS = Topic("/ticks", Schema("example.Ticks", {"type": "object"}), lambda time, value: {"tick": value})
+
+
+def record(recorder):
+    ticks = []
+
+    def on_cycle():
+        ticks.append(len(ticks))
+        if len(ticks) > 2:
+            raise KeyError("boom")
+        recorder.put(TICKS, len(ticks))
+
+    def on_end():
+        raise KeyError("the end")
+
+    recorder.on_end(recorder.runtime.cycle.observe(on_cycle))
+    recorder.on_end(on_end)
+"""
+
+
+def test_a_topic_that_raises_in_a_cycle_is_switched_off_and_named_and_the_run_goes_on(
+    tmp_path: Path, site: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    site.install("sk-ticks", {"topics": {"ticks": "sk_ticks:record"}}, {"sk_ticks.py": BROKEN_LATER})
+    path = tmp_path / "ticks.mcap"
+
+    with Bench(tiny_world()) as bench, Recorder(RecordingWriter(path), bench.runtime, {}) as recorder:
+        for _ in range(5):
+            bench.cycle.step()
+
+    with Recording(path) as recording:
+        assert len(list(recording.messages("/ticks"))) == 2
+    assert not recorder.writer.fault
+    assert caplog.text.count("of topic 'ticks' of sk-ticks 0.3 was switched off: it raised KeyError: 'boom'") == 1
+    assert "though this broke" in caplog.text
+
+
+class Stubborn(GripperSpec):
+    """A gripper whose kind has a mistake."""
+
+    def joint_positions(self, state: Any) -> tuple[float, ...]:
+        raise KeyError("boom")
+
+
+def test_a_device_whose_kind_raises_is_no_longer_recorded_and_the_others_are(caplog: pytest.LogCaptureFixture) -> None:
+    stubborn, gripper = (kind("gripper_1", ("finger",), "", 0.1, 20.0) for kind in (Stubborn, GripperSpec))
+    devices = Devices({"stubborn": stubborn, "gripper": gripper})
+    written: list[str] = []
+
+    for cycle, gap in enumerate((0.0, 0.05)):
+        states = {name: GripperState(gap, 0.0, True) for name in ("stubborn", "gripper")}
+        devices.take(Snapshot(cycle, float(cycle), states), lambda topic, _time, _value: written.append(topic.name))
+
+    assert written == ["/devices/gripper"] * 2
+    assert caplog.text.count("/devices/stubborn is no longer recorded: its kind 'gripper' raised KeyError: 'boom'") == 1
