@@ -169,7 +169,14 @@ class InstalledPorts:
 
     def _serves(self, plugin: Plugin, device: str | None) -> bool:
         adapter: Adapter = plugin.value
-        return adapter.one_for == "cell" if device is None else adapter.serves(self._groups[device].device(device))
+        if device is None:
+            return adapter.one_for == "cell"
+        try:
+            return adapter.serves(self._groups[device].device(device))
+        except Exception as error:  # noqa: BLE001 - a plug-in's code: the cell does without it
+            text = "adapter '%s' of %s is not used for %s: its serves raised %s: %s"
+            _log.warning(text, plugin.name, plugin.distribution, device, type(error).__name__, error)
+            return False
 
     def _get(self, plugin: Plugin, device: str | None) -> object:
         adapter: Adapter = plugin.value

@@ -263,7 +263,13 @@ def _devices(view: WorldView, pieces: Sequence[str], kinds: DeviceKinds) -> tupl
     for piece in pieces:
         kind = _kind(view, piece, kinds)
         if kind is not None:
-            found.append(kind.read(_Individual(view, piece)))
+            try:
+                found.append(kind.read(_Individual(view, piece)))
+            except SkirosError:
+                raise
+            except Exception as error:
+                text = f"{kinds.describe(piece, kind)} cannot be read: {type(error).__name__}: {error}"
+                raise DescriptionError(text) from error
     return tuple(found)
 
 

@@ -36,6 +36,7 @@ ROBOT = Adapter((Tracker,), Made, one_for="robot")
 DEVICE = Adapter((Tracker,), Made, one_for="device")
 LEFT = Adapter((ArmPlanner,), Made, serves=lambda device: device.id == "left", one_for="device", eager=False)
 BROKEN = Adapter((Tracker,), broken)
+RUDE = Adapter((ArmPlanner,), Made, serves=lambda device: device.nothing, one_for="device")
 FAKE = Adapter((Tracker,), Made, without_physics=True)
 """
 
@@ -108,3 +109,15 @@ def test_what_is_no_adapter_is_left_out_with_a_warning(site: Any, caplog: pytest
 
     assert InstalledPorts(ROBOTS).find(int) is None
     assert "it is a int, nothing for adapters: name an Adapter" in caplog.text
+
+
+def test_an_adapter_that_raises_when_asked_what_it_serves_is_not_used_and_named(
+    install: Any, caplog: pytest.LogCaptureFixture
+) -> None:
+    module = install("sk-rude", rude="RUDE")
+    ports = InstalledPorts(ROBOTS)
+    try:
+        assert not isinstance(ports.find(ArmPlanner, "right"), module.Made)
+    finally:
+        ports.close()
+    assert "adapter 'rude' of sk-rude 0.3 is not used for right: its serves raised AttributeError" in caplog.text

@@ -135,3 +135,13 @@ def test_what_cannot_be_read_is_left_out_with_what_lies_in_it_where_somebody_tak
     assert cell.bodies == ()
     assert left_out["pallet"].startswith("pallet has neither a pose nor a place")
     assert left_out["stock"] == "it lies in pallet, which is not there"
+
+
+def test_a_kind_that_raises_while_it_reads_a_device_is_named_with_the_device(monkeypatch: pytest.MonkeyPatch) -> None:
+    def read(individual: object) -> GripperSpec:
+        raise KeyError("boom")
+
+    monkeypatch.setattr(GripperSpec, "read", read)
+
+    with pytest.raises(DescriptionError, match=r"gripper_1 \(kind 'gripper' of skiros-py .*\) cannot be read: KeyError"):
+        read_cell(tiny_world(), ["robot_1"])
