@@ -30,8 +30,20 @@ class Half:
         return {"half_limit": limit / 2.0} if limit else {}
 
 
+class Broken:
+    """Raises when it is computed."""
+
+    name = "maker of odd"
+    provides = (Signal("odd"),)
+    requests = ()
+    every_cycle = False
+
+    def compute(self, inputs: Mapping[str, Value], time: float) -> Mapping[str, Value]:
+        raise KeyError("boom")
+
+
 def providers(_cell: Any) -> list[Any]:
-    return [Input(Signal("speed_limit", "m/s", help="Greatest speed that people allow."), 0.5), Half()]
+    return [Input(Signal("speed_limit", "m/s", help="Greatest speed that people allow."), 0.5), Half(), Broken()]
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +84,16 @@ def test_a_signal_without_a_value_says_why(client: Client) -> None:
     while (half := client.signals.read("half_limit").signals["half_limit"]).value is not None:
         assert time.monotonic() < deadline
     assert half.reason == "half the limit gives none in this cycle"
+
+
+def test_a_provider_that_is_switched_off_is_an_alarm(client: Client) -> None:
+    client.signals.read("odd")
+
+    deadline = time.monotonic() + 20.0
+    while not (found := [one for one in client.alarms.list().items if one.source == "signal provider maker of odd"]):
+        assert time.monotonic() < deadline
+    assert "was switched off" in found[0].text
+    assert "it raised KeyError: 'boom'" in found[0].text
 
 
 def test_what_is_no_input_or_no_value_of_it_is_refused(client: Client) -> None:

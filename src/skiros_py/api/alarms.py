@@ -43,7 +43,7 @@ class AlarmKind(enum.StrEnum):
     JOB = "job"
     """A job is held, and waits for an answer."""
     PLUGIN = "plug-in"
-    """A plug-in does not load."""
+    """A plug-in does not load, or its signal provider was switched off or left out."""
     STALE = "stale"
     """Something was changed so that only a reset of the simulation, or a new start, brings it about."""
     WEBHOOK = "webhook"

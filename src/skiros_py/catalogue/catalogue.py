@@ -11,6 +11,7 @@ from skiros_py.errors import DescriptionError, DeviceError, PlanningError, Skiro
 from skiros_py.planning.planners.choosing import Planners
 from skiros_py.planning.planners.command import EVERYTHING, CommandPlanner
 from skiros_py.plugins import LazyPlugins, PluginFault
+from skiros_py.ports.signals import SignalProvider, provider_problem
 from skiros_py.skills.behaviour import Behaviour
 from skiros_py.skills.conditions import ConditionType
 from skiros_py.skills.primitive import Primitive
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from skiros_py.planning.planners.planner import Planner
     from skiros_py.ports.cell import CellSpec
     from skiros_py.ports.driver import CellDriver
-    from skiros_py.ports.signals import SignalProvider
 
 _OF_PLANNERS = ("name", "supports", "solve", "close")
 
@@ -146,20 +146,27 @@ class Catalogue:
                 raise UnknownName("skill", name, known)
         return [skill for skill in skills if not names or skill.description.name in names]
 
-    def signal_providers(self, cell: CellSpec) -> tuple[SignalProvider, ...]:
+    def signal_providers(self, cell: CellSpec) -> list[tuple[SignalProvider, str]]:
         """Makes the signal providers of a cell.
 
+        Returns:
+            Each with the distribution that it is from.
+
         Raises:
-            DescriptionError: A plug-in breaks when it makes them; the text names it.
+            DescriptionError: A plug-in breaks when it makes them, or makes something else; the text names it.
         """
-        made: list[SignalProvider] = []
+        made: list[tuple[SignalProvider, str]] = []
         for name, factory in self.signals.items():
+            source = self.sources.get(f"signals/{name}", "this catalogue")
             try:
-                made += factory(cell)
+                providers = list(factory(cell))
+                wrong = next((problem for one in providers if (problem := provider_problem(one))), None)
             except Exception as error:
-                source = self.sources.get(f"signals/{name}", "this catalogue")
                 raise DescriptionError(f"signals '{name}' of {source}: {type(error).__name__}: {error}") from error
-        return tuple(made)
+            if wrong is not None:
+                raise DescriptionError(f"signals '{name}' of {source}: {wrong}")
+            made += [(provider, source) for provider in providers]
+        return made
 
     def _factory(self, kind: str, name: str, found: Mapping[str, Any]) -> Any:
         if name in found:

@@ -51,6 +51,7 @@ class RuntimeOptions:
         ports: The adapters for motion and perception.
         config: Values of configuration parameters by "module.key".
         signals: What computes signals from those of the devices.
+        sources: Distribution of each of them, in the same order; none where they are not from plug-ins.
         overrun: Wall time for which one module may hold the control cycle [s]; None for the watchdog's own limit.
     """
 
@@ -60,6 +61,7 @@ class RuntimeOptions:
     ports: Ports = NO_PORTS
     config: Mapping[str, Any] = field(default_factory=dict)
     signals: Sequence[SignalProvider] = ()
+    sources: Sequence[str] = ()
     overrun: float | None = None
 
 
@@ -106,7 +108,7 @@ class Runtime:
         self.asked = LibraryMonitor(options.ports)
         self.questions = Questions()
         self.cycle = ControlCycle(board, options.pace)
-        self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.pulse)
+        self.signals = self.cycle.signals = Signals(board, options.signals, self.cycle.pulse, options.sources)
         world.sensors = self.signals
         self.context = RunContext(
             world=world,

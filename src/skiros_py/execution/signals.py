@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
@@ -11,8 +12,11 @@ from skiros_py.errors import DescriptionError, DeviceError, UnknownName, UsageEr
 from skiros_py.execution.pulse import CycleOverrun, Pulse
 from skiros_py.ports.board import DeviceBoard
 from skiros_py.ports.device import DeviceSignal
+from skiros_py.ports.kinds import load_device_kinds
 from skiros_py.ports.signals import Input, Sample, Signal, SignalProvider, Value
 from skiros_py.ports.values import Snapshot
+
+_log = logging.getLogger(__name__)
 
 
 class SignalLost(DeviceError):
@@ -34,14 +38,16 @@ class _Node:
 
     interruptible = True
 
-    def __init__(self, provider: SignalProvider, order: int) -> None:
+    def __init__(self, provider: SignalProvider, source: str) -> None:
         self.provider = provider
-        self.name = f"signal provider {provider.name}"
-        self.order = order
+        self.title = f"{provider.name} of {source}" if source else provider.name
+        self.name = f"signal provider {self.title}"
+        self.order = 0
         self.cycle = -1
         self.values: Mapping[str, Value] = {}
         self.lost = ""
         self.off = ""
+        self.left_out = False
         self.used = False
         self.done = False
 
@@ -51,12 +57,20 @@ class _Node:
 
     def switch_off(self, why: str) -> None:
         """Computes it no more until :meth:`restart`."""
-        self.off = self.off or f"{self.provider.name} was switched off in cycle {self.cycle}: {why}"
+        if not self.off:
+            self.off = f"{self.title} was switched off in cycle {self.cycle}: {why}"
+            _log.warning("%s", self.off)
         self.done = True
+
+    def leave_out(self, why: str) -> None:
+        """Never computes it: this cell lacks what it reads."""
+        self.off, self.done, self.left_out = f"{self.title} is left out: {why}", True, True
+        _log.warning("%s", self.off)
 
     def restart(self) -> None:
         """Gives it another try."""
-        self.off, self.done = "", False
+        if not self.left_out:
+            self.off, self.done = "", False
 
 
 class Signals:
@@ -66,10 +80,12 @@ class Signals:
         board: The devices.
         providers: What computes further signals, from those of the devices and from each other's.
         pulse: What the watchdog looks at: a provider that hangs is interrupted, and named.
+        sources: Distribution of each provider, in the same order; none where they are not from plug-ins.
 
     Raises:
         DescriptionError: Two provide the same signal, a requested signal is provided by none, or providers need each
-            other in a ring; the message names them.
+            other in a ring; the message names them. A provider that reads a signal of a device which this cell lacks is
+            left out instead, as are those that read from it; see :attr:`faults`.
     """
 
     def __init__(
@@ -77,12 +93,16 @@ class Signals:
         board: DeviceBoard,
         providers: Sequence[SignalProvider] = (),
         pulse: Pulse | None = None,
+        sources: Sequence[str] = (),
     ) -> None:
         self._board = board
         self._pulse = pulse or Pulse()
-        self._of: dict[str, _Node] = {}
-        self._nodes = [_Node(provider, order) for order, provider in enumerate(self._ordered(providers))]
+        nodes = map(_Node, providers, sources or [""] * len(providers))
+        self._nodes = self._ordered(list(nodes))
         self._of = {signal.name: node for node in self._nodes for signal in node.provider.provides}
+        for order, node in enumerate(self._nodes):
+            node.order = order
+            self._require_inputs(node)
         self._steady: list[_Node] = []
         self._set: dict[str, Value] = {}
 
@@ -121,7 +141,7 @@ class Signals:
 
     @property
     def faults(self) -> Mapping[str, str]:
-        """Why providers were switched off, by provider."""
+        """Why providers were switched off or left out, by provider."""
         return {node.provider.name: node.off for node in self._nodes if node.off}
 
     # ------------------------------------------------------------------ values
@@ -150,6 +170,16 @@ class Signals:
             return self.read(name).value
         except (UnknownName, SignalLost):
             return None
+
+    def why_not(self, name: str) -> str:
+        """Returns why a signal has no value in this cycle; empty where there is no such signal, or it has one."""
+        try:
+            self.read(name)
+        except SignalLost as error:
+            return error.reason
+        except UnknownName:
+            pass
+        return ""
 
     def computed(self) -> Mapping[str, Value]:
         """Returns the values of signals that were computed in this cycle, because they were read; computes none."""
@@ -252,34 +282,49 @@ class Signals:
         finally:
             self._pulse.leave(outer)
 
-    def _ordered(self, providers: Sequence[SignalProvider]) -> list[SignalProvider]:
+    def _ordered(self, nodes: Sequence[_Node]) -> list[_Node]:
         """Returns the providers, each after those that it reads from.
 
         Raises:
-            DescriptionError: That is impossible.
+            DescriptionError: Two provide one signal, or they need each other in a ring.
         """
-        source: dict[str, SignalProvider] = {}
-        for provider in providers:
-            for signal in provider.provides:
+        source: dict[str, _Node] = {}
+        for node in nodes:
+            for signal in node.provider.provides:
                 device, offered = self._offered(signal.name)
-                other = device if offered is not None else source.setdefault(signal.name, provider).name
-                if offered is not None or source[signal.name] is not provider:
-                    raise DescriptionError(f"signal '{signal.name}' is provided twice: by {other} and {provider.name}")
-        before: dict[int, set[int]] = {}
-        by_id = {id(provider): provider for provider in providers}
-        for provider in providers:
-            before[id(provider)] = set()
-            for request in provider.requests:
-                if request.name in source:
-                    before[id(provider)].add(id(source[request.name]))
-                elif self._offered(request.name)[1] is None and not request.optional:
-                    known = sorted({*self.names, *source})
-                    raise DescriptionError(f"{provider.name}: {UnknownName('signal', request.name, known)}")
+                other = device if offered is not None else source.setdefault(signal.name, node).title
+                if offered is not None or source[signal.name] is not node:
+                    raise DescriptionError(f"signal '{signal.name}' is provided twice: by {other} and {node.title}")
+        before = {
+            node: {source[request.name] for request in node.provider.requests if request.name in source}
+            for node in nodes
+        }
         try:
-            return [by_id[one] for one in TopologicalSorter(before).static_order()]
+            return list(TopologicalSorter(before).static_order())
         except CycleError as error:
-            ring = " → ".join(by_id[one].name for one in error.args[1])
+            ring = " → ".join(one.title for one in error.args[1])
             raise DescriptionError(f"signal providers need each other in a ring: {ring}") from None
+
+    def _require_inputs(self, node: _Node) -> None:
+        """Leaves a provider out that reads what this cell lacks, or what one that was left out provides.
+
+        Raises:
+            DescriptionError: It reads a signal that no cell could have: that is a mistake.
+        """
+        for request in node.provider.requests:
+            name = request.name
+            device, _, own = name.rpartition(".")
+            if request.optional or self._offered(name)[1] is not None:
+                continue
+            if name in self._of:
+                if self._of[name].left_out:
+                    node.leave_out(f"it reads '{name}', and {self._of[name].off}")
+                    return
+            elif device and device not in self._board.devices and own in load_device_kinds()[0].signal_names():
+                node.leave_out(f"it reads '{name}', and this cell has no {device}")
+                return
+            else:
+                raise DescriptionError(f"{node.title}: {UnknownName('signal', name, sorted(self.names))}")
 
 
 def _wrong(value: object, signal: Signal) -> str | None:

@@ -6,7 +6,7 @@ robots, the answer of a worker process. Plug-ins offer providers by the entry-po
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -91,6 +91,20 @@ class SignalProvider(Protocol):
             A value for each provided signal; one left out has no value in this cycle.
         """
         ...
+
+
+def provider_problem(thing: object) -> str | None:
+    """Returns why something is no signal provider, or None."""
+    wanted: dict[str, Any] = {"name": str, "provides": Sequence, "requests": Sequence, "compute": Callable}
+    for attribute, type_ in wanted.items():
+        if not isinstance(getattr(thing, attribute, None), type_):
+            return f"{thing!r:.60} is no SignalProvider: its {attribute} is missing or wrong"
+    if not hasattr(thing, "every_cycle"):
+        return f"{thing!r:.60} is no SignalProvider: it has no every_cycle"
+    for attribute, kind in (("provides", Signal), ("requests", Request)):
+        if not all(isinstance(one, kind) for one in getattr(thing, attribute)):
+            return f"{thing!r:.60} is no SignalProvider: its {attribute} are objects of class {kind.__name__}"
+    return None
 
 
 class SignalReader(Protocol):

@@ -233,12 +233,14 @@ class Session:
 
     def _set_up(self, ports: Ports) -> None:
         """Brings control cycle, skill managers and watchdog up."""
+        providers = self.catalogue.signal_providers(self.spec)
         options = RuntimeOptions(
             seed=(self.options.seed, _STREAM),
             pace=self.options.pace,
             ports=ports,
             config=self.options.config,
-            signals=self.catalogue.signal_providers(self.spec),
+            signals=[provider for provider, _ in providers],
+            sources=[source for _, source in providers],
             overrun=self.options.overrun,
         )
         skills = self.catalogue.chosen_skills(self.options.skills)

@@ -23,6 +23,10 @@ class Sensors(Protocol):
         """Returns the value of a signal ("gripper_1.force"); None where there is none."""
         ...
 
+    def why_not(self, name: str) -> str:
+        """Returns why a signal has no value in this cycle; empty where there is no such signal, or it has one."""
+        ...
+
 
 class NoSensors:
     """Where nothing can be sensed: snapshots and suppositions, worlds without a robot."""
@@ -30,6 +34,10 @@ class NoSensors:
     def value(self, name: str) -> Reading | None:  # noqa: ARG002 - the port's signature
         """Returns None."""
         return None
+
+    def why_not(self, name: str) -> str:  # noqa: ARG002 - the port's signature
+        """Returns an empty text."""
+        return ""
 
 
 NO_SENSORS = NoSensors()

@@ -9,7 +9,11 @@ from typing import Any
 import pytest
 
 from skiros_py.catalogue import KINDS
+from skiros_py.catalogue.catalogue import Catalogue
+from skiros_py.errors import DescriptionError
 from skiros_py.plugins import GROUPS, Plugin
+from skiros_py.ports.cell import CellSpec
+from skiros_py.ports.signals import Signal
 from skiros_py.skills.primitive import Primitive
 from skiros_py.testing import CONDITIONS, SKILLS
 from skiros_py.world.reasoners.reasoner import Reasoner
@@ -105,3 +109,28 @@ def test_what_is_right(kind: str, value: Any) -> None:
 )
 def test_what_is_wrong_is_told_with_what_would_be_right(kind: str, value: Any, says: str) -> None:
     assert (problem(kind, value) or "nothing").startswith(says)
+
+
+class Half:
+    """A signal provider that lacks its computation."""
+
+    name = "half"
+    provides = (Signal("half"),)
+    requests = ()
+
+
+@pytest.mark.parametrize(
+    ("made", "why"),
+    [
+        (None, "'NoneType' object is not iterable"),
+        ([3, "x"], "3 is no SignalProvider: its name is missing or wrong"),
+        ([Half()], "its compute is missing or wrong"),
+    ],
+)
+def test_signals_that_are_no_providers_are_refused_with_the_plug_in(made: Any, why: str) -> None:
+    catalogue = Catalogue({}, {}, {}, {}, {"signals/odd": "lab 1.0"}, signals={"odd": lambda _cell: made})
+
+    with pytest.raises(DescriptionError, match="signals 'odd' of lab 1.0: ") as caught:
+        catalogue.signal_providers(CellSpec((), ()))
+
+    assert why in str(caught.value)

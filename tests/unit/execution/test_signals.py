@@ -119,6 +119,56 @@ def test_a_missing_mandatory_signal_is_refused_with_the_nearest_name(board: Devi
         Signals(board, [Provider("distance", lambda _: 1.0), Provider("far", lambda _: True, "distence")])
 
 
+def test_what_reads_a_signal_of_a_device_that_this_cell_lacks_is_left_out_and_named(
+    board: DeviceBoard, caplog: pytest.LogCaptureFixture
+) -> None:
+    soft = Provider("soft", lambda inputs: inputs["gripper_9.force"], "gripper_9.force")
+    softer = Provider("softer", lambda inputs: inputs["soft"], "soft")
+    signals = Signals(board, [softer, soft, Provider("other", lambda _: 5.0)], sources=["lab 1.0"] * 3)
+
+    signals.restart()
+
+    why = "maker of soft of lab 1.0 is left out: it reads 'gripper_9.force', and this cell has no gripper_9"
+    with pytest.raises(SignalLost, match=why):
+        signals.read("soft")
+    with pytest.raises(SignalLost, match=f"maker of softer of lab 1.0 is left out: it reads 'soft', and {why}"):
+        signals.read("softer")
+    assert signals.read("other").value == 5.0
+    assert (soft.computed, softer.computed) == (0, 0)
+    assert set(signals.faults) == {"maker of soft", "maker of softer"}
+    assert [record.levelname for record in caplog.records] == ["WARNING"] * 2
+
+
+def test_a_misspelt_signal_of_a_device_that_this_cell_lacks_is_refused_with_the_distribution(
+    board: DeviceBoard,
+) -> None:
+    with pytest.raises(DescriptionError, match=r"maker of soft of lab 1.0: .*'gripper_9.farce'"):
+        Signals(board, [Provider("soft", lambda _: 0.0, "gripper_9.farce")], sources=["lab 1.0"])
+
+
+def test_a_ring_and_a_signal_that_is_provided_twice_are_refused_with_the_distributions(board: DeviceBoard) -> None:
+    ring = [Provider("a", lambda _: 0.0, "b"), Provider("b", lambda _: 0.0, "a")]
+    twins = [Provider("one", lambda _: 1.0), Provider("one", lambda _: 2.0)]
+
+    with pytest.raises(DescriptionError, match=r"ring: .*(a of lab 1.0.*b of hut 2.0|b of hut 2.0.*a of lab 1.0)"):
+        Signals(board, ring, sources=["lab 1.0", "hut 2.0"])
+    with pytest.raises(DescriptionError, match=r"maker of one of lab 1.0 and maker of one of hut 2.0"):
+        Signals(board, twins, sources=["lab 1.0", "hut 2.0"])
+
+
+def test_what_is_switched_off_is_logged_once(board: DeviceBoard, caplog: pytest.LogCaptureFixture) -> None:
+    signals = Signals(board, [Provider("broken", raises)], sources=["lab 1.0"])
+
+    for _ in range(3):
+        signals.value("broken")
+        board.exchange()
+
+    (record,) = caplog.records
+    assert record.getMessage() == (
+        "maker of broken of lab 1.0 was switched off in cycle 0: it raised ZeroDivisionError: no such luck"
+    )
+
+
 def test_an_optional_signal_may_be_missing(board: DeviceBoard) -> None:
     signals = Signals(board, [Provider("safe", lambda inputs: "lidar" not in inputs, optional=("lidar",))])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from skiros_py.errors import DescriptionError
 from skiros_py.execution.signals import Signals
 from skiros_py.ports.board import DeviceBoard
+from skiros_py.ports.signals import Request, Signal, Value
 from skiros_py.simulation.fake.cell import FakeCell
 from skiros_py.skills.cell_reader import read_cell
 from skiros_py.skills.conditions import (
@@ -27,13 +29,14 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.testing import Bench, tiny_world
 from skiros_py.world.overlay import FilteredView, Overlay
+from skiros_py.world.view import NoSensors
 from skiros_py.world.world import World
 
 STILL = Expression("device.still")
 WIDE = Expression("device.gap > 0.5")
 
 
-class Said:
+class Said(NoSensors):
     """Signals that a test gives."""
 
     def __init__(self, **values: Any) -> None:
@@ -170,6 +173,27 @@ def test_what_has_no_value_does_not_hold_and_neither_does_its_negation(text: str
     assert not verdict
     assert reason in verdict.sentence
     assert not negated
+
+
+class Broken:
+    """A signal provider that raises."""
+
+    name = "maker of odd"
+    provides: tuple[Signal, ...] = (Signal("odd"),)
+    requests: tuple[Request, ...] = ()
+    every_cycle = False
+
+    def compute(self, inputs: Mapping[str, Value], time: float) -> Mapping[str, Value]:
+        raise KeyError("boom")
+
+
+def test_what_has_no_value_says_why_its_provider_was_switched_off() -> None:
+    world = tiny_world()
+    world.sensors = Signals(DeviceBoard(FakeCell(read_cell(world, ("robot_1",)))), [Broken()])
+
+    sentence = holds("odd > 1").evaluate(world, {}).sentence
+
+    assert "there is no value of 'odd': maker of odd was switched off in cycle 0: it raised KeyError: 'boom'" in sentence
 
 
 def test_a_pattern_of_a_word_is_over_its_roles() -> None:

@@ -30,6 +30,7 @@ from skiros_py.skills.conditions import (
 )
 from skiros_py.testing import tiny_world
 from skiros_py.testing.tiny_skills import AT_LOCATION, EMPTY_HANDED, FREE, HOLDING, IN_CONTAINER, REACHABLE
+from skiros_py.world.view import NoSensors
 from skiros_py.world.world import World
 
 
@@ -131,7 +132,7 @@ def test_what_is_taught_of_a_class_is_heard_of() -> None:
     assert watch.broken() is None
 
 
-class _Said:
+class _Said(NoSensors):
     """Signals that a test sets."""
 
     def __init__(self) -> None:

@@ -150,7 +150,9 @@ def _value_of(name: str, view: WorldView, binding: Mapping[str, Any], said: dict
         name = f"{binding[head]}.{rest}"
     value = view.sensors.value(name)
     if value is None:
-        raise _Unknown("no sensors here" if view.sensors is NO_SENSORS else f"there is no value of '{name}'")
+        why = view.sensors.why_not(name)
+        none = f"there is no value of '{name}'{f': {why}' if why else ''}"
+        raise _Unknown("no sensors here" if view.sensors is NO_SENSORS else none)
     said[name] = _said(value)
     return value
 

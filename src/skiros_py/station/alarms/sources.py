@@ -136,6 +136,7 @@ class AlarmSources:
 
     def _look_at_plugins(self) -> None:
         faults = {f"{fault.group}/{fault.name}": str(fault) for fault in self._session.catalogue.faults}
+        faults |= {f"signal provider {name}": why for name, why in self._session.runtime.signals.faults.items()}
         for source, text in faults.items():
             self._alarms.raise_(AlarmKind.PLUGIN, text, source, severity=Severity.LOW)
         for alarm in self._alarms.active:
