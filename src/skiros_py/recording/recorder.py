@@ -341,7 +341,6 @@ class Devices:
         if self._frames is not None:
             write(_FRAMES, snapshot.time, partial(self._frames, snapshot))
 
-
     def _posture(self, snapshot: Snapshot) -> list[float]:
         """Returns the numbers that change when something moves [m, rad]; of a sensor, those that it measures.
 

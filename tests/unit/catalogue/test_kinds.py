@@ -130,7 +130,7 @@ class Half:
 def test_signals_that_are_no_providers_are_refused_with_the_plug_in(made: Any, why: str) -> None:
     catalogue = Catalogue({}, {}, {}, {}, {"signals/odd": "lab 1.0"}, signals={"odd": lambda _cell: made})
 
-    with pytest.raises(DescriptionError, match="signals 'odd' of lab 1.0: ") as caught:
+    with pytest.raises(DescriptionError, match=r"signals 'odd' of lab 1\.0: ") as caught:
         catalogue.signal_providers(CellSpec((), ()))
 
     assert why in str(caught.value)

@@ -143,5 +143,7 @@ def test_a_kind_that_raises_while_it_reads_a_device_is_named_with_the_device(mon
 
     monkeypatch.setattr(GripperSpec, "read", read)
 
-    with pytest.raises(DescriptionError, match=r"gripper_1 \(kind 'gripper' of skiros-py .*\) cannot be read: KeyError"):
+    with pytest.raises(
+        DescriptionError, match=r"gripper_1 \(kind 'gripper' of skiros-py .*\) cannot be read: KeyError"
+    ):
         read_cell(tiny_world(), ["robot_1"])

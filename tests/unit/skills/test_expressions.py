@@ -193,7 +193,9 @@ def test_what_has_no_value_says_why_its_provider_was_switched_off() -> None:
 
     sentence = holds("odd > 1").evaluate(world, {}).sentence
 
-    assert "there is no value of 'odd': maker of odd was switched off in cycle 0: it raised KeyError: 'boom'" in sentence
+    assert (
+        "there is no value of 'odd': maker of odd was switched off in cycle 0: it raised KeyError: 'boom'" in sentence
+    )
 
 
 def test_a_pattern_of_a_word_is_over_its_roles() -> None:
