@@ -157,8 +157,8 @@ class _WithoutSignalsAndMix(ControlCycle):
         self._tick_all()
         self._obey_halt()
         self._sort_out()
-        for chore, observer in tuple(self._observers):
-            self._do(chore, observer)
+        for observer in tuple(self._observers):
+            self._observe(observer)
         self._keep_pace()
 
 
