@@ -115,6 +115,50 @@ class NetDocument(DocumentKind):
         return Net(MappingProxyType(parts), inputs, outputs, document["places"], document["goal"], document["wanted"])
 
 
+class Moody(DocumentKind):
+    """Cannot be read on a bad day."""
+
+    kind = "moody"
+    bad_day = False
+
+    def __init__(self):
+        if self.bad_day:
+            raise KeyError("no kind today")
+
+    def behaviour(self, document, reader):
+        return reader.behaviour(document)
+
+
+@dataclass(frozen=True, slots=True)
+class Odd(Behaviour):
+    """Does not say what it is."""
+
+    kind = "odd"
+    how: str
+    seconds: float = 1.0
+    until: float | None = None
+
+    @property
+    def title(self):
+        if self.how == "title":
+            raise RuntimeError("no title today")
+        return "odd"
+
+    def uses(self):
+        return None if self.how == "uses" else Uses()
+
+    def named_children(self):
+        return {"a/b": Odd("fine")} if self.how == "slash" else {"a": 3} if self.how == "child" else {}
+
+    def edges(self):
+        return (Edge("", "nowhere"),) if self.how == "edges" else ()
+
+    def run(self, scope):
+        yield
+        scope.emit("ran")
+        return Success()
+
+
 @dataclass(frozen=True, slots=True)
 class React(Behaviour):
     """In each cycle the first child whose quantity of the base is there; the others are cancelled."""
@@ -160,9 +204,11 @@ note = net_of_a_test:Note
 [skiros.behaviours]
 net = net_of_a_test:Net
 react = net_of_a_test:React
+odd = net_of_a_test:Odd
 
 [skiros.documents]
 net = net_of_a_test:NetDocument
+moody = net_of_a_test:Moody
 tree = skiros_py.behaviours.document:Tree
 """
 
@@ -333,3 +379,63 @@ def test_the_palette_names_nodes_from_outside_with_their_fields(cell: Cell) -> N
 
     assert set(entries["react"].fields) == {"child", "otherwise", "place"}
     assert entries["wait"].help == "Lets so many seconds of run time pass."
+
+
+@pytest.mark.parametrize(
+    ("how", "reason"),
+    [
+        ("title", r"its title raises RuntimeError: no title today"),
+        ("uses", r"its uses\(\) must be Uses\(…\), not None"),
+        ("slash", r"the key of a child has no '/', not 'a/b'"),
+        ("child", r"not 3"),
+        ("edges", r"its edges\(\) join itself \(''\) and its children, not 'nowhere'"),
+    ],
+)
+def test_a_node_that_does_not_say_what_it_is_is_refused_with_its_place_and_not_stored(
+    cell: Cell, how: str, reason: str
+) -> None:
+    tree = {"type": "sequence", "children": [note("a"), {"type": "odd", "how": how}]}
+
+    with pytest.raises(UsageError, match=rf"tree 'bad': 1 \(odd\): .*{reason}"):
+        cell.documents.write("tree", "bad", tree)
+
+    assert cell.documents.get("tree", "bad") is None
+
+
+def test_a_stored_document_that_cannot_be_read_any_more_is_set_aside_and_can_be_removed(
+    cell: Cell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cell.documents.write("moody", "sad", note("sad"))
+    cell.documents.write("tree", "hello", note("hello"))
+    cell.session.managers.documents.clear()
+    monkeypatch.setattr(cell.session.catalogue.documents["moody"], "bad_day", True)
+
+    again = RunnableDocuments(cell.documents._store, cell.session)
+
+    assert set(cell.session.managers.documents) == {"tree:hello"}
+    assert "no kind today" in again.set_aside["moody:sad"]
+    assert again.find("moody", "sad").data == note("sad")
+    with pytest.raises(UsageError, match="no kind today"):
+        again.write("moody", "sadder", note("sad"))
+    again.remove("moody", "sad")
+    assert (again.all("moody"), again.set_aside) == ((), {})
+
+
+@pytest.mark.parametrize(
+    ("fields", "fault"),
+    [
+        ({"seconds": "soon"}, ("children[0].seconds", "it must be float, not 'soon'")),
+        ({"seconds": True}, ("children[0].seconds", "it must be float, not True")),
+        ({"until": [1]}, ("children[0].until", "it must be float | None, not [1]")),
+        ({"how": 3}, ("children[0].how", "it must be str, not 3")),
+    ],
+)
+def test_a_field_of_another_type_than_its_nodes_class_declares_is_refused_with_its_place(
+    cell: Cell, fields: dict[str, Any], fault: tuple[str, str]
+) -> None:
+    tree = {"type": "sequence", "children": [{"type": "odd", "how": "fine", **fields}]}
+
+    faults = cell.documents.check("tree", tree)
+
+    assert [(one.place, one.text) for one in faults] == [fault]
+    assert cell.documents.check("tree", {"type": "odd", "how": "fine", "seconds": 2, "until": None}) == ()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName, UsageError
-from skiros_py.skills.behaviour import Behaviour, walk
+from skiros_py.skills.behaviour import Behaviour, check_behaviour, check_nodes, walk
 from skiros_py.skills.parameters import Kind, Param, check_params
 from skiros_py.skills.plain import Reader
 from skiros_py.skills.references import check_references
@@ -108,6 +108,8 @@ class DocumentKind(ABC):
         try:
             interface = self.interface(document)
             found = self.behaviour(document, reader)
+            check_behaviour(f"behaviour() of {self.kind}", found)
+            check_nodes(found)
             written = {name for node in walk(found) for name in node.uses().writes}
             check_references(found, {*written, *(param.key for param in interface.params)}, "of the document")
             for index, name in enumerate(interface.outputs):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -268,6 +268,40 @@ def walk(root: Behaviour) -> Iterator[Behaviour]:
     yield root
     for child in root.named_children().values():
         yield from walk(child)
+
+
+def check_nodes(root: Behaviour, path: str = "", where: str = "") -> None:
+    """Looks whether a behaviour and all its descendants say what they are: title, children, arrows, uses.
+
+    Args:
+        root: The behaviour.
+        path: Its path, for messages ("body").
+        where: Whose it is, for messages ("of skill 'pick'").
+
+    Raises:
+        DescriptionError: A node does not; the text begins with its path.
+    """
+    what = f"{path or 'the root'} ({getattr(root, 'kind', type(root).__name__)}){where and f' {where}'}"
+
+    def read(name: str, right: str, type_: type, given: Callable[[], Any]) -> Any:
+        try:
+            value = given()
+        except Exception as error:
+            raise DescriptionError(f"{what}: its {name} raises {type(error).__name__}: {error}") from error
+        require(isinstance(value, type_), what, f"its {name} must be {right}", value)
+        return value
+
+    read("title", "a text", str, lambda: root.title)
+    read("uses()", "Uses(…)", Uses, root.uses)
+    children = read("named_children()", "behaviours by key", Mapping, root.named_children)
+    for key, child in children.items():
+        require(isinstance(key, str) and key != "" and "/" not in key, what, "the key of a child has no '/'", key)
+        check_behaviour(what, child)
+        check_nodes(child, f"{path}/{key}".lstrip("/"), where)
+    for edge in read("edges()", "a sequence of Edge", tuple, lambda: tuple(root.edges())):
+        require(isinstance(edge, Edge), what, "its edges() must be a sequence of Edge", edge)
+        for end in (edge.source, edge.target):
+            require(not end or end in children, what, "its edges() join itself ('') and its children", end)
 
 
 def calls_of(*roots: Behaviour) -> Iterator[Call]:

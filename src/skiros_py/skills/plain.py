@@ -6,8 +6,10 @@ import enum
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from types import MappingProxyType
-from typing import Any, TypeVar
+from functools import cache
+from inspect import formatannotation
+from types import MappingProxyType, NoneType, UnionType
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from skiros_py.errors import DescriptionError, SkirosError, UnknownName
 from skiros_py.skills import conditions as patterns
@@ -157,7 +159,13 @@ class Reader:
         open_ = [k for k, f in known.items() if k not in given and f.default is f.default_factory is MISSING]
         if open_:
             raise DescriptionError(f"it has no {' and no '.join(open_)}")
-        return cls(**{key: self.field(key, value) for key, value in given.items()})
+        values = {key: self.field(key, value) for key, value in given.items()}
+        made, hints = cls(**values), _hints(cls)
+        for key, value in values.items():
+            with self.at(key):
+                if not _fits(value, hints.get(key)):
+                    raise DescriptionError(f"it must be {formatannotation(hints[key])}, not {given[key]!r:.100}")
+        return made
 
     def field(self, key: str, data: Any) -> Any:
         """Reads the value of a field."""
@@ -227,3 +235,27 @@ class Reader:
                 return exists(variable, class_, self.field("exists", part))
             case _:
                 raise DescriptionError("no condition, such as {'condition': 'InKit', 'arguments': ['Part', 'Kit']}")
+
+
+@cache
+def _hints(cls: type) -> Mapping[str, Any]:
+    """Returns the types of a dataclass's fields; none where they name what is imported for type checkers only."""
+    try:
+        return get_type_hints(cls)
+    except (NameError, AttributeError, TypeError):
+        return {}
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Tells whether a value is of a field's type, as far as that is plain, a behaviour, or made of such ones."""
+    parts = get_args(hint)
+    if get_origin(hint) in (Union, UnionType):
+        return any(_fits(value, part) for part in parts)
+    if get_origin(hint) is tuple and isinstance(value, tuple) and parts:
+        expected = parts[:1] * len(value) if parts[1:] == (...,) else parts
+        return len(value) == len(expected) and all(map(_fits, value, expected))
+    if hint in (int, float):
+        return isinstance(value, int | hint) and not isinstance(value, bool)
+    if hint in (str, bool, NoneType, P, Out) or (isinstance(hint, type) and issubclass(hint, Behaviour)):
+        return isinstance(value, hint)
+    return get_origin(hint) is not tuple

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from skiros_py.errors import DescriptionError, UnknownName
-from skiros_py.skills.behaviour import Behaviour, check_behaviour, walk
+from skiros_py.skills.behaviour import Behaviour, check_behaviour, check_nodes, walk
 from skiros_py.skills.conditions import Condition, ConditionType, Pattern, Role, all_of, any_of, is_sensed
 from skiros_py.skills.parameters import IT, Param, check_params
 from skiros_py.skills.references import check_references, variables
@@ -162,8 +162,9 @@ class Skill:
             if key not in keys:
                 raise UnknownName("parameter", key, keys, where=named)
         check_behaviour(f"the body {named}", self.body)
-        for part in self.nodes:
+        for name, part in self.parts.items():
             check_behaviour(f"a part {named}", part)
+            check_nodes(part, name, named)
         written = {name for part in self.nodes for node in walk(part) for name in node.uses().writes}
         for name in sorted(written.intersection(keys)):
             raise DescriptionError(f"Out('{name}') {named}: a parameter is called so; choose another name")

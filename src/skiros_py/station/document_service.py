@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from skiros_py.api.alarms import AlarmKind
 from skiros_py.api.documents import DocumentInfo, DocumentKindInfo, DocumentKinds, Documents, PaletteNode
+from skiros_py.errors import SkirosError
 from skiros_py.station.documents import Document
 from skiros_py.station.requests import ANY_VERSION, Seen, addressed, require_seen
 from skiros_py.station.runnable import RunnableDocuments
@@ -13,6 +16,8 @@ from skiros_py.station.session import Session
 
 if TYPE_CHECKING:
     from skiros_py.station.station import Station
+
+_log = logging.getLogger(__name__)
 
 
 class DocumentService:
@@ -30,6 +35,8 @@ class DocumentService:
         """Offers the documents as modules of a session, as soon as the store is open."""
         if hasattr(self._station, "documents"):
             self._runnable = RunnableDocuments(self._station.documents, session)
+            for module, reason in self._runnable.set_aside.items():
+                self._station.alarm_book.raise_(AlarmKind.MODULE, f"{module} cannot run: {reason}", module)
 
     def kinds(self) -> DocumentKinds:
         """Lists the kinds of documents, each with the nodes that an editor offers."""
@@ -39,11 +46,18 @@ class DocumentService:
                 DocumentKindInfo(
                     kind=kind,
                     formats=runnable.formats(kind),
-                    palette=tuple(PaletteNode(**asdict(entry)) for entry in runnable.palette(kind)),
+                    palette=self._palette(kind),
                 )
                 for kind in runnable.kinds
             )
         )
+
+    def _palette(self, kind: str) -> tuple[PaletteNode, ...]:
+        try:
+            return tuple(PaletteNode(**asdict(entry)) for entry in self._runnable.palette(kind))
+        except SkirosError as error:
+            _log.warning("%s", error)
+            return ()
 
     def all(self, kind: str) -> Documents:
         """Lists the documents of a kind, by id.
@@ -85,7 +99,9 @@ class DocumentService:
         if known is not None:
             require_seen(seen, known.version)
         expects = 0 if known is None else known.version
-        return _info(self._runnable.write(kind, id_, data, expects=expects)), known is None
+        written = self._runnable.write(kind, id_, data, expects=expects)
+        self._station.alarm_book.clear(AlarmKind.MODULE, f"{kind}:{id_}")
+        return _info(written), known is None
 
     def remove(self, kind: str, id_: str, seen: Seen | None = ANY_VERSION) -> None:
         """Removes a document; what runs of it goes on.
@@ -98,6 +114,7 @@ class DocumentService:
             known = self._runnable.find(kind, id_)
         require_seen(seen, known.version)
         self._runnable.remove(kind, id_, expects=known.version)
+        self._station.alarm_book.clear(AlarmKind.MODULE, f"{kind}:{id_}")
 
 
 def _info(document: Document) -> DocumentInfo:

@@ -6,8 +6,8 @@ import logging
 from collections.abc import Sequence
 from typing import Any
 
-from skiros_py.behaviours import DocumentFault, DocumentKind, PaletteEntry
-from skiros_py.errors import UnknownName, UsageError
+from skiros_py.behaviours import Behaviour, DocumentFault, DocumentKind, Interface, PaletteEntry
+from skiros_py.errors import SkirosError, UnknownName, UsageError
 from skiros_py.execution.behaviour_run import RunnableDocument
 from skiros_py.skills.plain import Reader
 from skiros_py.station.documents import Document, DocumentStore
@@ -25,6 +25,9 @@ class RunnableDocuments:
     Args:
         store: Where they are kept.
         session: Whose managers run them.
+
+    Attributes:
+        set_aside: Why a stored document cannot run, by module; it can be read, replaced and removed.
     """
 
     def __init__(self, store: DocumentStore, session: Session) -> None:
@@ -33,9 +36,14 @@ class RunnableDocuments:
         catalogue = session.catalogue
         self._reader = Reader(catalogue.behaviours, catalogue.conditions)
         self._kinds = catalogue.documents
+        self.set_aside: dict[str, str] = {}
         for kind in self._kinds:
             for document in store.all(kind):
-                self._offer(document)
+                try:
+                    self._offer(document, *self._made(kind, document.name, document.data))
+                except UsageError as error:
+                    _log.warning("%s:%s cannot run: %s", kind, document.name, error)
+                    self.set_aside[f"{kind}:{document.name}"] = str(error)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -47,8 +55,14 @@ class RunnableDocuments:
 
         Raises:
             UnknownName: There is no such kind.
+            UsageError: The kind breaks.
         """
-        return self._kind(kind).palette(self._reader)
+        try:
+            return self._kind(kind).palette(self._reader)
+        except SkirosError:
+            raise
+        except Exception as error:
+            raise UsageError(f"the palette of kind {kind}: {type(error).__name__}: {error}") from error
 
     def formats(self, kind: str) -> tuple[str, ...]:
         """Returns the text formats in which such documents are imported and exported.
@@ -56,7 +70,7 @@ class RunnableDocuments:
         Raises:
             UnknownName: There is no such kind.
         """
-        return self._kind(kind).formats
+        return self._known(kind).formats
 
     def check(self, kind: str, data: Any) -> tuple[DocumentFault, ...]:
         """Returns what is wrong with a document, each with its place.
@@ -72,7 +86,7 @@ class RunnableDocuments:
         Raises:
             UnknownName: There is no such kind.
         """
-        self._kind(kind)
+        self._known(kind)
         return self._store.all(kind)
 
     def get(self, kind: str, name: str) -> Document | None:
@@ -81,7 +95,7 @@ class RunnableDocuments:
         Raises:
             UnknownName: There is no such kind.
         """
-        self._kind(kind)
+        self._known(kind)
         return self._store.get(kind, name)
 
     def find(self, kind: str, name: str) -> Document:
@@ -90,7 +104,7 @@ class RunnableDocuments:
         Raises:
             UnknownName: There is none.
         """
-        self._kind(kind)
+        self._known(kind)
         return self._store.find(kind, name)
 
     def revisions(self, kind: str, name: str) -> tuple[Document, ...]:
@@ -99,7 +113,7 @@ class RunnableDocuments:
         Raises:
             UnknownName: There is no such kind.
         """
-        self._kind(kind)
+        self._known(kind)
         return self._store.revisions(kind, name)
 
     def write(self, kind: str, name: str, data: Any, *, expects: int | None = None) -> Document:
@@ -116,11 +130,9 @@ class RunnableDocuments:
             UsageError: Something is wrong with it; the text names each place.
             StaleVersion: Another revision is there.
         """
-        faults = self.check(kind, data)
-        if faults:
-            raise UsageError(f"{kind} '{name}': {'; '.join(map(str, faults))}")
+        made = self._made(kind, name, data)
         document = self._store.put(kind, name, data, expects=expects)
-        self._offer(document)
+        self._offer(document, *made)
         return document
 
     def remove(self, kind: str, name: str, *, expects: int | None = None) -> None:
@@ -131,6 +143,7 @@ class RunnableDocuments:
         """
         self._store.remove(kind, name, expects=expects)
         self._session.managers.documents.pop(f"{kind}:{name}", None)
+        self.set_aside.pop(f"{kind}:{name}", None)
 
     def text(self, kind: str, name: str, format_: str = "json") -> str:
         """Exports a document as text.
@@ -148,18 +161,38 @@ class RunnableDocuments:
         """
         return self.write(kind, name, self._kind(kind).parse(text, format_))
 
-    def _offer(self, document: Document) -> None:
-        kind = self._kind(document.kind)
-        faults = kind.check(document.data, self._reader)
-        if faults:
-            _log.warning("%s '%s' cannot run: %s", document.kind, document.name, "; ".join(map(str, faults)))
-            return
-        behaviour, interface = kind.behaviour(document.data, self._reader), kind.interface(document.data)
-        self._session.managers.documents[f"{document.kind}:{document.name}"] = RunnableDocument(
-            behaviour, document.version, behaviour.title, interface.params, interface.outputs
+    def _made(self, kind: str, name: str, data: Any) -> tuple[Behaviour, str, Interface]:
+        """Returns what a document does, its title and its interface.
+
+        Raises:
+            UsageError: Something is wrong with it, or its kind breaks; the text names kind, document and reason.
+        """
+        maker = self._kind(kind)
+        try:
+            faults = maker.check(data, self._reader)
+            if not faults:
+                behaviour = maker.behaviour(data, self._reader)
+                return behaviour, behaviour.title, maker.interface(data)
+        except Exception as error:
+            raise UsageError(f"{kind} '{name}': {type(error).__name__}: {error}") from error
+        raise UsageError(f"{kind} '{name}': {'; '.join(map(str, faults))}")
+
+    def _offer(self, document: Document, behaviour: Behaviour, title: str, interface: Interface) -> None:
+        module = f"{document.kind}:{document.name}"
+        self.set_aside.pop(module, None)
+        self._session.managers.documents[module] = RunnableDocument(
+            behaviour, document.version, title, interface.params, interface.outputs
         )
 
-    def _kind(self, name: str) -> DocumentKind:
+    def _known(self, name: str) -> type[DocumentKind]:
         if name not in self._kinds:
             raise UnknownName("kind of document", name, tuple(self._kinds))
-        return self._kinds[name]()
+        return self._kinds[name]
+
+    def _kind(self, name: str) -> DocumentKind:
+        try:
+            return self._known(name)()
+        except SkirosError:
+            raise
+        except Exception as error:
+            raise UsageError(f"documents of kind {name}: {type(error).__name__}: {error}") from error

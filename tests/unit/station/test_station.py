@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import pytest
 
+from skiros_py.api.alarms import AlarmKind
 from skiros_py.api.elements import ElementPatch, NewElement
 from skiros_py.api.goals import GoalOrder
 from skiros_py.api.jobs import JobOrder
 from skiros_py.errors import NotFound, Refused, StaleVersion, UnknownName, UsageError, WrongState
+from skiros_py.station.documents import DocumentStore
 from skiros_py.station.requests import Seen
 from skiros_py.station.session import Options, Session
 from skiros_py.station.station import Station
@@ -67,6 +69,24 @@ def test_a_choice_of_skills_is_all_that_is_on_offer(opened: Opened) -> None:
 def test_a_skill_that_is_not_installed_is_refused_by_name() -> None:
     with pytest.raises(UnknownName, match="unknown skill 'pik'"):
         Session("kitting", Options(fake=True, skills=("pik",)))
+
+
+def test_a_stored_document_that_cannot_be_read_is_set_aside_with_an_alarm_until_it_is_removed(
+    opened: Opened, tmp_path: Path
+) -> None:
+    (tmp_path / "data").mkdir()
+    with closing(DocumentStore(tmp_path / "data" / "server.db")) as store:
+        store.put("tree", "bad", {"type": "wait", "seconds": "soon"})
+        store.put("tree", "good", {"type": "wait", "seconds": 1})
+
+    station = opened()
+
+    (alarm,) = (alarm for alarm in station.alarm_book.active if alarm.kind is AlarmKind.MODULE)
+    assert (alarm.source, "a number of seconds" in alarm.text) == ("tree:bad", True)
+    assert station.session.managers["base_1"].documents == ("tree:good",)
+    assert station.behaviours.get("tree", "bad").data == {"type": "wait", "seconds": "soon"}
+    station.behaviours.remove("tree", "bad")
+    assert not [alarm for alarm in station.alarm_book.active if alarm.kind is AlarmKind.MODULE]
 
 
 def test_a_world_without_a_robot_is_edited_and_looked_at(opened: Opened, tmp_path: Path) -> None:
