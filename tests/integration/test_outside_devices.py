@@ -13,6 +13,7 @@ import pytest
 from skiros_py.api.replays import Replay
 from skiros_py.errors import DeviceError
 from skiros_py.geometry import Pose
+from skiros_py.planning.plan import Plan
 from skiros_py.ports.board import DeviceBoard, DeviceHandle
 from skiros_py.ports.cell import CellSpec
 from skiros_py.ports.device import MobileSpec
@@ -27,7 +28,7 @@ from skiros_py.station.recordings.replay import replay_text
 from skiros_py.station.recordings.runs import recorder_of
 from skiros_py.station.session import Options, Session
 from skiros_py.station.world.view import view_of
-from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, world_of
+from skiros_py.testing import TINY_ONTOLOGY, Bench, Deaf, FaultyCell, Frozen, Noisy, robot_turtle, world_of
 from skiros_py.world.world import World
 
 ONTOLOGY = """
@@ -651,3 +652,88 @@ def test_in_physics_foreign_devices_are_faulted_and_a_camera_without_a_robot_see
     assert now.devices["plate_1"].angle == pytest.approx(0.0, abs=0.01)
     assert any(now.devices["wrench_1"].force)
     assert image.depth[24, 32] == pytest.approx(2.0, abs=0.02)
+
+
+# ------------------------------------------------------------------ a device that acts by itself
+
+FEEDER_CLASS = """
+@prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
+lab:Feeder a owl:Class ; rdfs:subClassOf lab:Turntable , sk:Agent ; rdfs:label "feeder" ; rdfs:comment "Feeds." .
+lab:turned a owl:DatatypeProperty ; rdfs:label "turned" ; rdfs:domain lab:Feeder ; rdfs:range xsd:boolean ;
+    rdfs:comment "True once it was turned." .
+"""
+FEEDER = '''
+from dataclasses import dataclass
+
+from lab_devices import TableTarget
+from skiros_py.behaviours import Do, P
+from skiros_py.ports.board import DeviceHandle
+from skiros_py.skills.conditions import Compare, ConditionType, Role
+from skiros_py.skills.outcome import Success
+from skiros_py.skills.parameters import Kind, Param, param
+from skiros_py.skills.primitive import Primitive
+from skiros_py.skills.skill import Skill, SkillDescription
+
+TURNED = ConditionType(
+    "Turned", (Role("feeder", "lab:Feeder"),), Compare("lab:turned", "=", "feeder", True), "It was turned."
+)
+
+
+class Turn(Primitive):
+    """Turns a feeder."""
+
+    name = "turn"
+
+    @dataclass(frozen=True, slots=True)
+    class Params:
+        feeder: str = param("lab:Feeder", "The feeder.", kind=Kind.HARDWARE)
+
+    def execute(self):
+        feeder = DeviceHandle(self.context.board, self.params.feeder)
+        while feeder.state.angle < 1.0:
+            feeder.command(TableTarget(2.0))
+            yield
+        self.assert_effects(reason="it was turned")
+        return Success("turned")
+
+
+FEED = Skill(
+    SkillDescription(
+        name="feed",
+        help="Turns a feeder.",
+        agent="Feeder",
+        target="Feeder",
+        params=(Param("Feeder", "lab:Feeder", "The feeder.", Kind.HARDWARE),),
+        post=(TURNED("Feeder"),),
+    ),
+    Do.of("turn", feeder=P("Feeder")),
+    driver="fake",
+)
+'''
+
+
+@pytest.mark.parametrize("robots", [0, 1])
+def test_a_device_without_a_robot_that_is_an_agent_is_planned_with_and_run(
+    lab: Path, site: Any, monkeypatch: pytest.MonkeyPatch, robots: int
+) -> None:
+    points = {"skills": {"feed": "lab_feeder:FEED"}, "primitives": {"turn": "lab_feeder:Turn"}}
+    site.install(
+        "lab-feeder", {**points, "conditions": {"Turned": "lab_feeder:TURNED"}}, {"lab_feeder.py": FEEDER}
+    )
+    lab.write_text(ONTOLOGY + FEEDER_CLASS, encoding="utf-8")
+    monkeypatch.setenv("SKIROS_ONTOLOGIES", str(lab))
+    feeder = 'scene:feeder_1 a lab:Feeder ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor .'
+    head = LAB.partition("scene:robot_1")[0].replace("imports <", "imports <https://example.org/lab> , <")
+    scene = lab.with_name("feeder_scene.ttl")
+    scene.write_text("\n".join([head, feeder, *map(robot_turtle, range(1, robots + 1))]), encoding="utf-8")
+
+    with Session(str(scene), Options(fake=True)) as session:
+        planned = session.plan("Turned(feeder_1)")
+        report = session.run("Turned(feeder_1)")
+
+        assert isinstance(planned.outcome, Plan)
+        assert [(step.skill, dict(step.arguments)) for step in planned.outcome.steps] == [
+            ("feed", {"Feeder": "feeder_1"})
+        ]
+        assert report.reached
+        assert session.managers.who_runs("turn").agent == "feeder_1"

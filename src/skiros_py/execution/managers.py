@@ -13,6 +13,7 @@ from skiros_py.execution.modules import Directory, Modules
 from skiros_py.execution.monitor import Monitor
 from skiros_py.execution.pulse import Watched
 from skiros_py.execution.skill_manager import SkillManager
+from skiros_py.ports.cell import CellSpec
 from skiros_py.skills.conditions.watch import Watches
 from skiros_py.skills.context import RunContext
 from skiros_py.skills.primitive import Primitive
@@ -21,9 +22,11 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import AGENT, HAS_A
 
 
-def subsystems(view: WorldView, robot: str) -> tuple[str, ...]:
-    """Returns the ids of a robot's subsystems, each of which may have a skill manager."""
-    return tuple(e for e in view.objects(robot, HAS_A) if view.ontology.is_a(view.element(e).type, AGENT))
+def agents_of(view: WorldView, cell: CellSpec) -> tuple[str, ...]:
+    """Returns who may have a skill manager: the subsystems of each robot, and devices that belong to no robot."""
+    parts = [part for robot in cell.robots for part in view.objects(robot.id, HAS_A)]
+    single = [device.id for group in cell.single for device in group.devices]
+    return tuple(e for e in (*parts, *single) if view.ontology.is_a(view.element(e).type, AGENT))
 
 
 class Managers(Mapping[str, SkillManager]):
@@ -77,11 +80,10 @@ class Managers(Mapping[str, SkillManager]):
     def __len__(self) -> int:
         return len(self._managers)
 
-    def open_all(self, robots: Sequence[str]) -> None:
-        """Opens one manager for each subsystem of each robot."""
-        for robot in robots:
-            for agent in subsystems(self._context.world, robot):
-                self.open(agent)
+    def open_all(self) -> None:
+        """Opens one manager for each subsystem of each robot, and for each device without a robot that acts."""
+        for agent in agents_of(self._context.world, self._context.cell):
+            self.open(agent)
 
     def open(self, agent: str) -> SkillManager:
         """Opens the skill manager of a subsystem and registers what it can do; in the place of one that was lost.

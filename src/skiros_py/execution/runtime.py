@@ -129,7 +129,7 @@ class Runtime:
         self.managers = Managers(
             skills, primitives, self.context, self.cycle, self.monitor, driver=kind, config=options.config
         )
-        self.managers.open_all([robot.id for robot in spec.robots])
+        self.managers.open_all()
         self.watchdog = Watchdog(self.cycle, options.overrun)
         self.watchdog.on_lost(self.managers.lose)
 

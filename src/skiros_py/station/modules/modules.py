@@ -15,7 +15,7 @@ from skiros_py.api.modules import (
     SkillInfo,
 )
 from skiros_py.errors import UnknownName, UsageError, WrongState
-from skiros_py.execution.managers import subsystems
+from skiros_py.execution.managers import agents_of
 from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.station.modules import views
 from skiros_py.station.modules.runs import ModuleRun, Wish
@@ -37,7 +37,7 @@ class ModuleService(Service):
 
         Raises:
             NotFound: There is no such element.
-            UsageError: It is no subsystem of a robot of this session.
+            UsageError: It is neither a subsystem of a robot of this session nor a device without a robot.
             WrongState: Its skill manager is open already.
         """
 
@@ -46,9 +46,10 @@ class ModuleService(Service):
                 session.world.element(agent)
             if agent in session.managers and not session.managers[agent].lost:
                 raise WrongState(f"the skill manager of {agent} is open already")
-            agents = [one for robot in session.spec.robots for one in subsystems(session.world, robot.id)]
+            agents = agents_of(session.world, session.spec)
             if agent not in agents:
-                raise UsageError(f"{agent} belongs to no robot of this session; there is {', '.join(agents)}")
+                there = f"and is no device that acts; there is {', '.join(agents) or 'none'}"
+                raise UsageError(f"{agent} belongs to no robot of this session {there}")
             session.managers.open(agent)
             return views.manager(session, session.managers[agent])
 
