@@ -439,3 +439,25 @@ def test_a_field_of_another_type_than_its_nodes_class_declares_is_refused_with_i
 
     assert [(one.place, one.text) for one in faults] == [fault]
     assert cell.documents.check("tree", {"type": "odd", "how": "fine", "seconds": 2, "until": None}) == ()
+
+
+def test_events_of_nodes_and_of_called_documents_carry_the_run_around_them(cell: Cell) -> None:
+    cell.documents.write("tree", "inner", {"type": "sequence", "children": [{"type": "odd", "how": "fine"}]})
+    cell.documents.write("tree", "outer", {"type": "sequence", "children": [{"type": "do", "module": "tree:inner"}]})
+
+    assert isinstance(cell.run("tree:outer"), Success)
+
+    starts = {e.id: e for e in cell.events if e.status is Status.STARTED}
+    (ran,) = (e for e in cell.events if e.event == "ran")
+    around = [starts[ran.id]]
+    while around[-1].parent:
+        around.append(starts[around[-1].parent])
+    assert ran.parent == around[0].parent
+    assert [(e.kind, e.path) for e in around] == [
+        ("node", "tree:outer/body/0/body/0"),
+        ("node", "tree:outer/body/0/body"),
+        ("document", "tree:outer/body/0"),
+        ("node", "tree:outer/body/0"),
+        ("node", "tree:outer/body"),
+        ("document", "tree:outer"),
+    ]

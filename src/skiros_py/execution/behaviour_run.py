@@ -73,6 +73,7 @@ class BehaviourRun:
             unfinished=[],
             callers=(*scope.callers, name),
             id=run,
+            parent=scope.id,
         )
 
     def execute(self) -> Execution[Outcome]:

@@ -77,7 +77,8 @@ class _Run:
         self._values = values
         self._scope = scope
         self._board = scope.context.board
-        self._calls = replace(scope, claim=claim, unfinished=[], callers=(*scope.callers, loaded.cls.name), id=id_)
+        callers = (*scope.callers, loaded.cls.name)
+        self._calls = replace(scope, claim=claim, unfinished=[], callers=callers, id=id_, parent=scope.id)
         self._open: dict[int, Execution[Outcome]] = {}
         self._numbers = count()
         self._recovering: Execution[None] | None = None

@@ -73,6 +73,7 @@ class Scope:
         callers: The modules around this, outermost first.
         task: Name of the task that it is done for; empty for none.
         id: Id of the run that this is the scope of; parent of the runs that begin in it.
+        parent: Id of the run around that one; empty for none.
         root: Id of the outermost run.
         path: Path of that run's node, from the module that was started: ``pick/body/0/2``.
         values: What was written by nodes of this skill.
@@ -90,6 +91,7 @@ class Scope:
     callers: tuple[str, ...] = ()
     task: str = ""
     id: str = ""
+    parent: str = ""
     root: str = ""
     path: str = ""
     values: dict[str, Any] = field(default_factory=dict)
@@ -103,8 +105,9 @@ class Scope:
     def run(self, child: Behaviour, key: str, elements: Mapping[str, Any] = _NONE) -> Execution[Outcome]:
         """Returns the run of a child node; its path ends with the key."""
         arguments = ChainMap(dict(elements), self.arguments) if elements else self.arguments  # type: ignore[arg-type]
-        inner = replace(self, id=self.monitor.new_id(), path=f"{self.path}/{key}", arguments=arguments)
-        return _run_node(child, inner, self.id)
+        path = f"{self.path}/{key}"
+        inner = replace(self, id=self.monitor.new_id(), parent=self.id, path=path, arguments=arguments)
+        return _run_node(child, inner)
 
     def call(self, call: Call) -> Execution[Outcome]:
         """Returns the run of a module; values of its outcome are written when it has succeeded."""
@@ -152,11 +155,11 @@ class Scope:
                 values[key] = value
         return values
 
-    def _publish(self, kind: str, status: Status, code: int, text: str, parent: str = "", **more: Any) -> None:
+    def _publish(self, kind: str, status: Status, code: int, text: str, **more: Any) -> None:
         time = self.context.board.snapshot.time
         event = ModuleEvent(
             time, kind, self.author, status, code, text, "", self.agent, self.author, self.task,
-            id=self.id, parent=parent, root=self.root, path=self.path, **more,
+            id=self.id, parent=self.parent, root=self.root, path=self.path, **more,
         )  # fmt: skip
         self.monitor.publish(event)
 
@@ -179,23 +182,23 @@ class Scope:
             self.unfinished.extend(inner.unfinished)
 
 
-def _run_node(node: Behaviour, scope: Scope, parent: str) -> Execution[Outcome]:
+def _run_node(node: Behaviour, scope: Scope) -> Execution[Outcome]:
     """Runs one node: obeys breakpoints, reports its start and end where anybody wants to know."""
     if scope.path in scope.breakpoints:
         yield from _hold(scope)
     reports = scope.monitor.wants_nodes
     if reports:
-        scope._publish("node", Status.STARTED, 0, node.title, parent)  # noqa: SLF001 - one module
+        scope._publish("node", Status.STARTED, 0, node.title)  # noqa: SLF001 - one module
     try:
         outcome = yield from node.run(scope)
     except GeneratorExit:
         if reports:
-            scope._publish("node", Status.PREEMPTED, 0, "cancelled", parent)  # noqa: SLF001 - one module
+            scope._publish("node", Status.PREEMPTED, 0, "cancelled")  # noqa: SLF001 - one module
         raise
     if not isinstance(outcome, Success | Failure):
         raise TypeError(f"node {scope.path} returned {outcome!r:.100}: a run returns Success or Failure")
     if reports:
-        scope._publish("node", *end_of(outcome), parent)  # noqa: SLF001 - one module
+        scope._publish("node", *end_of(outcome))  # noqa: SLF001 - one module
     return outcome
 
 

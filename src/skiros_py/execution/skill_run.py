@@ -68,6 +68,7 @@ class SkillRun:
             arguments=ChainMap(self.arguments, values),
             values=values,
             id=self.id,
+            parent=scope.id,
             unfinished=[],
             callers=(*scope.callers, self.description.name),
         )
