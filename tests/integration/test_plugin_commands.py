@@ -87,6 +87,7 @@ def test_each_is_listed_with_its_origin_and_what_is_wrong(zoo: Any) -> None:
     says = {key: p["faults"][0]["reason"] for key, p in found.items() if not p["works"]}
     assert sorted(says) == [
         "skiros.conditions Gone",
+        "skiros.gadgets toy",
         "skiros.planners new",
         "skiros.primitives paddle",
         "skiros.reasoners odd",
@@ -95,6 +96,7 @@ def test_each_is_listed_with_its_origin_and_what_is_wrong(zoo: Any) -> None:
         "skiros.skills twin",
     ]
     assert "the entry point is stale" in says["skiros.conditions Gone"]
+    assert "unknown group of entry points 'skiros.gadgets'. " in says["skiros.gadgets toy"]
     assert "the entry point is stale" in says["skiros.robots crane"]
     assert says["skiros.planners new"].startswith("it is made for skiros-py>=99, and this is skiros-py ")
     assert "its scene 'kitting' is hidden by the one in " in says["skiros.scenes own"]
@@ -103,6 +105,16 @@ def test_each_is_listed_with_its_origin_and_what_is_wrong(zoo: Any) -> None:
     assert (paddle["distribution"], paddle["version"], paddle["object"]) == ("sk-bad", "0.3", "sk_zoo_bad:X")
     assert paddle["faults"][0]["origin"] == str(zoo.folder / "sk_zoo_bad.py")
     assert "ZeroDivisionError" in paddle["faults"][0]["traceback"]
+
+
+@pytest.mark.parametrize("kind", ["adapters", "documents", "pages", "signals", "topics"])
+def test_a_number_is_no_plug_in_of_any_kind(site: Any, kind: str) -> None:
+    site.install("sk-three", {kind: {"three": "sk_three:THREE"}}, {"sk_three.py": "THREE = 3"})
+
+    three = plugins()[f"skiros.{kind} three"]
+
+    assert not three["works"]
+    assert f"it is a int, nothing for {kind}" in three["faults"][0]["reason"]
 
 
 def test_one_group_or_one_name_is_shown_by_itself(zoo: Any) -> None:

@@ -82,7 +82,7 @@ class _Found:
         return [Named(plugin, plugin.name, plugin.value) for plugin in self._plugins("conditions")]
 
     def _plugins(self, kind: str) -> list[Plugin]:
-        loaded = [_checked(entry) for entry in self.entries(kind)]
+        loaded = [checked(entry) for entry in self.entries(kind)]
         self.faults += [one for one in loaded if isinstance(one, PluginFault)]
         return [one for one in loaded if isinstance(one, Plugin)]
 
@@ -112,7 +112,8 @@ def _problem(plugin: Plugin) -> str | None:
     return KINDS[plugin.group].problem(plugin)
 
 
-def _checked(entry: Entry) -> Plugin | PluginFault:
+def checked(entry: Entry) -> Plugin | PluginFault:
+    """Loads an entry point and looks whether it names what its group wants."""
     plugin = load(entry)
     return plugin if isinstance(plugin, PluginFault) else examined(plugin, _problem)
 

@@ -6,14 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from skiros_py.catalogue.fitting import fitting
-from skiros_py.catalogue.loading import load_catalogue
+from skiros_py.catalogue.loading import checked, load_catalogue
 from skiros_py.config import SCENE_SUFFIXES, ontology_paths, plugin_scenes, scene_paths
-from skiros_py.errors import FileError
-from skiros_py.plugins import Entry, PluginFault, fault_of, installation, unambiguous
+from skiros_py.errors import FileError, UnknownName
+from skiros_py.plugins import GROUPS, Entry, PluginFault, fault_of, installation, unambiguous
 from skiros_py.world.ontology import load_installed
 from skiros_py.world.scene.robots import documents_of
 
 _WITH_FILES = ("skiros.robots", "skiros.scenes")
+_LOADED_BY_USERS = ("skiros.adapters", "skiros.pages", "skiros.topics")
+"""The catalogue has none of these: whatever uses one finds it by its group."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,11 @@ def survey() -> tuple[tuple[Surveyed, ...], tuple[PluginFault, ...]]:
     """
     found = installation()
     faults = [replace(fault, name=fault.name.partition("[")[0]) for fault in (*_of_code(), *_of_files())]
+    for entry in found.entries:
+        if entry.group not in GROUPS:
+            faults.append(fault_of(entry, str(UnknownName("group of entry points", entry.group, GROUPS))))
+        elif entry.group in _LOADED_BY_USERS and isinstance(one := checked(entry), PluginFault):
+            faults.append(one)
     seen = tuple(Surveyed(entry, tuple(f for f in faults if _is_about(f, entry))) for entry in found.entries)
     about = {fault for one in seen for fault in one.faults}
     return seen, tuple(fault for fault in faults if fault not in about)

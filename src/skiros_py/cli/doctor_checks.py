@@ -228,9 +228,10 @@ def _groups() -> Iterator[Finding]:
 def _loading() -> Iterator[Finding]:
     """Loads all plug-ins; names that stand twice show here, too."""
     from skiros_py.catalogue import survey
+    from skiros_py.plugins import GROUPS
 
     for one in survey()[0]:
-        for fault in one.faults:
+        for fault in one.faults if one.entry.group in GROUPS else ():
             text = f"{one.entry.group} {one.entry.name} of {one.entry.distribution}: {fault.reason}"
             yield Finding(text, f"skiros plugins {one.entry.name} shows it in full", wrong=True)
 
