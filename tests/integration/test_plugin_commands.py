@@ -283,6 +283,29 @@ def test_a_skill_of_one_package_calls_a_skill_of_another(site: Any, tmp_path: An
     )
 
 
+REAL = """
+from dataclasses import replace
+from skiros_py.behaviours import Wait
+from skiros_py.skills.skill import Skill
+from skiros_py.testing.tiny_skills import DRIVE
+X = Skill(replace(DRIVE, name="ride"), Wait(1.0))
+"""
+
+
+def test_a_skill_without_an_implementation_for_the_driver_is_said_to_be_there(site: Any, tmp_path: Any) -> None:
+    site.install("sk-words", {"conditions": {"TinyCarries": "skiros_py.testing.tiny_skills:CARRIES"}})
+    site.install("sk-real", {"skills": {"ride": "sk_real:X"}}, {"sk_real.py": REAL})
+    scene = str(tiny_scene(tmp_path))
+    says = "ride is there, but has no implementation for driver fake"
+
+    with Session(scene, Options(fake=True)) as session, pytest.raises(UsageError, match=says):
+        session.run_module("ride", {"Location": "box_a"})
+    with pytest.raises(UsageError, match=says):
+        Session(scene, Options(fake=True, skills=("ride",)))
+    planned = invoke("plan", scene, "--goal", "TinyCarries(robot_1, ball_1)", "--json")
+    assert says in json.loads(planned.stdout)["reasons"]
+
+
 def test_a_session_runs_beside_broken_primitives_and_skills(site: Any, tmp_path: Any) -> None:
     site.install("sk-words", {"conditions": {"TinyAt": "skiros_py.testing.tiny_skills:AT_LOCATION"}})
     site.install("sk-moves", {"skills": {"tiny_drive": "sk_moves:X"}}, {"sk_moves.py": MOVES})

@@ -42,6 +42,8 @@ class Catalogue:
         behaviours: Kinds of node by name; each is loaded when it is first asked for.
         documents: Kinds of document by name; each is loaded when it is first asked for.
         signals: What makes signal providers of a cell, by name.
+        elsewhere: Names of skills that are there, but not for the driver that this catalogue was made to fit.
+        fake: True where it was made to fit fakes.
     """
 
     skills: Mapping[str, Skill]
@@ -55,6 +57,8 @@ class Catalogue:
     behaviours: Mapping[str, type[Behaviour]] = field(default_factory=dict)
     documents: Mapping[str, type[DocumentKind]] = field(default_factory=dict)
     signals: Mapping[str, Any] = field(default_factory=dict)
+    elsewhere: frozenset[str] = frozenset()
+    fake: bool = False
 
     @property
     def faults(self) -> tuple[PluginFault, ...]:
@@ -138,13 +142,22 @@ class Catalogue:
 
         Raises:
             UnknownName: There is none of a name.
+            UsageError: One has no implementation for the driver.
         """
         skills = [skill for _, skill in sorted(self.skills.items())]
         known = {skill.description.name for skill in skills}
         for name in names:
+            if name in self.elsewhere:
+                raise UsageError(self.why_elsewhere(name))
             if name not in known:
                 raise UnknownName("skill", name, known)
         return [skill for skill in skills if not names or skill.description.name in names]
+
+    def why_elsewhere(self, *skills: str) -> str:
+        """Says of skills that are there that they are not for the driver in use."""
+        are, have = ("is", "has") if len(skills) == 1 else ("are", "have")
+        lacks = "no implementation for driver fake" if self.fake else "implementations for driver fake only"
+        return f"{', '.join(skills)} {are} there, but {have} {lacks}"
 
     def signal_providers(self, cell: CellSpec) -> list[tuple[SignalProvider, str]]:
         """Makes the signal providers of a cell.

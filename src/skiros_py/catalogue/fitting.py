@@ -52,7 +52,13 @@ def fitting(
     for side in sides.values():  # those for fakes and the others never meet in one run, so they cannot call each other
         faults |= {name: _fault(catalogue, name, reason) for name, reason in callers_of_broken(side, reasons).items()}
     good = {name: skill for name, skill in wanted.items() if name not in faults}
-    return replace(catalogue, skills=good, early=(*catalogue.early, *(faults[n] for n in wanted if n in faults)))
+    early = (*catalogue.early, *(faults[n] for n in wanted if n in faults))
+    elsewhere = _names(catalogue.skills.values()) - _names(wanted.values())
+    return replace(catalogue, skills=good, early=early, elsewhere=elsewhere, fake=bool(fake))
+
+
+def _names(skills: Iterable[Skill]) -> frozenset[str]:
+    return frozenset(skill.description.name for skill in skills)
 
 
 def _is_fake(skill: Skill) -> bool:

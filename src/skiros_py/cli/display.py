@@ -72,6 +72,8 @@ class RunDisplay:
                 self.say(f"no plan {reason}")
             for repair in planned.outcome.repairs:
                 self.say(f"        to make it work: {repair.text}")
+            if elsewhere := self._session.catalogue.elsewhere:
+                self.say(f"no plan {self._session.catalogue.why_elsewhere(*sorted(elsewhere))}")
             return
         self.say(f"plan    {'made' if self._plans == 1 else 'made again'} in {planned.wall * 1e3:.0f} ms")
         skills = {c.skill.name: c.skill for c in self._session.tasks.capabilities}

@@ -137,7 +137,7 @@ def _fake(scene: str) -> Session:
 
 def _manager(session: Session, name: str, agent: str | None) -> SkillManager:
     if agent is None:
-        return session.managers.who_runs(name)
+        return session.who_runs(name)
     if agent not in session.managers:
         raise UnknownName("skill manager", agent, session.managers)
     return session.managers[agent]

@@ -46,6 +46,8 @@ def command(scene: str, folder: Path | None, explain: bool, as_json: bool, **opt
     assert texts is not None  # every element of a goal just read is there
     steps = [] if isinstance(outcome, NoPlan) else [str(step) for step in outcome.steps]
     reasons = list(outcome.reasons) if isinstance(outcome, NoPlan) else []
+    if reasons and (elsewhere := session.catalogue.elsewhere):
+        reasons.append(session.catalogue.why_elsewhere(*sorted(elsewhere)))
     causes = outcome.causes if isinstance(outcome, NoPlan) else ()
     repairs = outcome.repairs if isinstance(outcome, NoPlan) else ()
     files = {"domain.pddl": texts.domain, "problem.pddl": texts.problem}

@@ -18,6 +18,7 @@ from skiros_py.errors import FileError, UnknownName, UsageError, WrongState
 from skiros_py.execution.digest import RunDigest
 from skiros_py.execution.running import RunningModule
 from skiros_py.execution.runtime import Runtime, RuntimeOptions
+from skiros_py.execution.skill_manager import SkillManager
 from skiros_py.listeners import Listeners
 from skiros_py.planning.problem.stock import believed
 from skiros_py.planning.service import Planned
@@ -332,17 +333,29 @@ class Session:
 
         Raises:
             UnknownName: There is no such module or subsystem.
+            UsageError: It has no implementation for the driver.
             WrongState: It cannot be started now: it runs already, its manager is lost, everything was halted.
         """
         self.runtime.require_ready()
         if agent is not None and agent not in self.managers:
             raise UnknownName("skill manager", agent, self.managers)
-        manager = self.managers.who_runs(module) if agent is None else self.managers[agent]
+        manager = self.who_runs(module) if agent is None else self.managers[agent]
         if manager.lost:
             raise WrongState(f"the skill manager of {manager.agent} is lost: {manager.lost}")
         if module in manager.running:
             raise WrongState(f"{module} of {manager.agent} is running already: wait for its end, or stop it")
         return manager.start(module, arguments)
+
+    def who_runs(self, module: str) -> SkillManager:
+        """Returns the first skill manager that can run a module.
+
+        Raises:
+            UnknownName: None can.
+            UsageError: It has no implementation for the driver.
+        """
+        if module in self.catalogue.elsewhere:
+            raise UsageError(self.catalogue.why_elsewhere(module))
+        return self.managers.who_runs(module)
 
     def run_module(self, module: str, arguments: Mapping[str, Any], agent: str | None = None) -> Outcome:
         """Runs one skill or primitive by itself to its end, or until :meth:`stop`; see :meth:`start_module`."""
