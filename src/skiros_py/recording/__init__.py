@@ -4,7 +4,7 @@ from skiros_py.recording.foxglove import Schema
 from skiros_py.recording.reader import RUNS, SUFFIX, Frame, Recording, find_recording
 from skiros_py.recording.recorder import Recorder
 from skiros_py.recording.report import report_page
-from skiros_py.recording.topics import Topic
+from skiros_py.recording.topics import Topic, own_schema
 from skiros_py.recording.writer import RecordingWriter
 
 __all__ = [
@@ -17,5 +17,6 @@ __all__ = [
     "Schema",
     "Topic",
     "find_recording",
+    "own_schema",
     "report_page",
 ]

@@ -516,6 +516,8 @@ def test_calls_that_wait_are_left_alone_outside_primitives_and_where_allowed() -
         ("from skiros_py import Session\n", False),
         ("from skiros_py.skills.skill import Skill\n", False),
         ("from skiros_py.planning.planners.planner import Answer\n", False),
+        ("from skiros_py.recording import Recorder, Schema, Topic\n", False),
+        ("from skiros_py.recording.topics import own_schema\n", True),
         ("from skiros_primitives.grasp import Grasp\n", False),
         ("from .execution import x\n", False),
     ],

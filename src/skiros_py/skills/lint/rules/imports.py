@@ -15,6 +15,8 @@ _OPEN = frozenset(
 """What plug-ins may import; and, of the package itself, the few names it offers."""
 _PORTS = ("skiros_py.planning.planners.planner",)
 """Ports that lie elsewhere."""
+_PACKAGES = ("skiros_py.recording",)
+"""Of these, plug-ins may import what the package itself lists, not its modules."""
 
 
 def _private(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG001 - a check's signature
@@ -27,7 +29,9 @@ def _private(subject: Subject, known: Known) -> Iterator[Problem]:  # noqa: ARG0
                 yield Problem(text, Spot(subject.file, getattr(node, "lineno", 1)))
 
 
-_DOORS = "skiros_py.skills, .behaviours, .devices, .ports, .world, .geometry, .errors (and .testing in tests)"
+_DOORS = (
+    "skiros_py.skills, .behaviours, .devices, .ports, .world, .geometry, .recording, .errors (and .testing in tests)"
+)
 
 
 def _imported(node: ast.AST) -> Iterator[str]:
@@ -44,7 +48,7 @@ def _imported(node: ast.AST) -> Iterator[str]:
 
 
 def _is_open(name: str) -> bool:
-    return name.split(".")[1] in _OPEN or name.startswith(_PORTS)
+    return name.split(".")[1] in _OPEN or name.startswith(_PORTS) or name in _PACKAGES
 
 
 PRIVATE_IMPORT = Rule(
