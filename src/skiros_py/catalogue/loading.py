@@ -34,7 +34,7 @@ def load_catalogue() -> Catalogue:
     ``skiros.devices``, ``skiros.reasoners`` and ``skiros.ontologies`` are among the faults.
     """
     found = _Found()
-    lazy = {kind: _lazy(found.entries(kind)) for kind in _LAZY}
+    lazy: dict[str, Any] = {kind: _lazy(found.entries(kind)) for kind in _LAZY}
     primitives = found.entries("primitives")
     skills, conditions = found.skills(), found.conditions()
     of_skills, of_primitives = clashes_of_modules(skills, primitives)
