@@ -717,9 +717,7 @@ def test_a_device_without_a_robot_that_is_an_agent_is_planned_with_and_run(
     lab: Path, site: Any, monkeypatch: pytest.MonkeyPatch, robots: int
 ) -> None:
     points = {"skills": {"feed": "lab_feeder:FEED"}, "primitives": {"turn": "lab_feeder:Turn"}}
-    site.install(
-        "lab-feeder", {**points, "conditions": {"Turned": "lab_feeder:TURNED"}}, {"lab_feeder.py": FEEDER}
-    )
+    site.install("lab-feeder", {**points, "conditions": {"Turned": "lab_feeder:TURNED"}}, {"lab_feeder.py": FEEDER})
     lab.write_text(ONTOLOGY + FEEDER_CLASS, encoding="utf-8")
     monkeypatch.setenv("SKIROS_ONTOLOGIES", str(lab))
     feeder = 'scene:feeder_1 a lab:Feeder ; sk:pose "2 0 0 0 0 0"^^sk:poseLiteral ; sk:on scene:floor .'
