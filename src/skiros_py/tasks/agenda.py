@@ -1,4 +1,4 @@
-"""What is still to be done of a plan: which steps wait for which, which run, which have ended."""
+"""Progress of a plan: which steps wait for which, which are running, which have ended."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from skiros_py.planning.plan import Step
 
 
 class Agenda:
-    """The steps of one plan and how far they are. Steps are spoken of by their index.
+    """The steps of one plan and their progress. Steps are identified by index.
 
     Args:
-        steps: What is to be done, in an order in which it can be done.
+        steps: The steps, in a feasible order.
         after: For each step the indices of the steps that must have ended before it starts.
     """
 
@@ -28,7 +28,7 @@ class Agenda:
 
     @property
     def running(self) -> tuple[int, ...]:
-        """The steps that run."""
+        """The running steps."""
         return tuple(self._running)
 
     @property
@@ -38,30 +38,30 @@ class Agenda:
 
     @property
     def ready(self) -> tuple[int, ...]:
-        """The steps that nothing has to end before, in order."""
+        """The steps that no unfinished step precedes, in order."""
         open_ = self._waiting.keys() | self._running.keys()
         return tuple(index for index in self._waiting if open_.isdisjoint(self._after[index]))
 
     def start(self, index: int) -> None:
-        """Notes that a step runs."""
+        """Marks a step as running."""
         del self._waiting[index]
         self._running[index] = None
 
     def end(self, index: int) -> None:
-        """Notes that a step has ended well."""
+        """Marks a step as successfully ended."""
         del self._running[index]
 
     def again(self, index: int) -> None:
-        """Notes that a step has ended, and is to be done once more."""
+        """Marks a step as ended and to be repeated."""
         del self._running[index]
         self._waiting = dict.fromkeys(sorted((*self._waiting, index)))
 
     def rename(self, names: Mapping[str, str]) -> None:
-        """Gives what the steps speak of other names."""
+        """Renames elements in the steps' arguments."""
         self.steps = [step.renamed(names) for step in self.steps]
 
     def leads_to(self, earlier: int, later: int) -> bool:
-        """Tells whether a step has to wait, by however many others, for another one."""
+        """Returns True if the later step has to wait for the earlier one, directly or transitively."""
         open_, seen = [later], set[int]()
         while open_:
             before = self._after[open_.pop()] - seen
@@ -72,11 +72,11 @@ class Agenda:
         return False
 
     def with_running(self, running: Sequence[Step], shared: Collection[tuple[int, int]]) -> Agenda:
-        """Returns the agenda with steps of another plan that run already before it.
+        """Returns the agenda preceded by steps of another plan that are already running.
 
         Args:
-            running: These steps; they get the first indices, and run.
-            shared: Which of them (first) a step of this agenda (second, by its index here) has to wait for.
+            running: These steps; they get the first indices and are marked as running.
+            shared: Pairs of a running step and the step of this agenda, by its index here, that has to wait for it.
         """
         more = len(running)
         after = [{one + more for one in before} for before in self._after]

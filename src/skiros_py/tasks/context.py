@@ -1,4 +1,4 @@
-"""What tasks are done with: everything of the station that they reach."""
+"""The environment of tasks: every part of the station they use."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ from skiros_py.world.world import World
 T = TypeVar("T")
 
 _POLL = 0.0005
-"""Time between two looks for an answer while simulated time stands still [s]."""
+"""Poll interval for an answer while simulated time stands still [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class TaskContext:
-    """What tasks are done with.
+    """The environment of tasks.
 
     Attributes:
         world: The live world model.
         managers: Skill managers by agent id.
-        planning: Where it is planned.
-        cycle: Runs everything.
-        on_plan: Told of every new plan.
-        monitor: Hears of steps that have to wait; None where nobody listens.
-        questions: Where a person is asked.
-        reservations: Which task has which robots and things.
-        leaving: Tells whether a stop is wanted: then simulated time goes on, for the stop to happen.
-        options: How to plan.
-        lockstep: True where simulated time stands still while it is planned.
+        planning: The planning service.
+        cycle: The control cycle that runs the tasks.
+        on_plan: Called with every new plan.
+        monitor: Notified of steps that have to wait; None for no monitoring.
+        questions: Where questions to the user are posted.
+        reservations: Which task holds which robots and things.
+        leaving: Returns True once a shutdown is requested; simulated time then continues so that it can complete.
+        options: Planning options.
+        lockstep: True if simulated time stands still during planning.
     """
 
     world: World
@@ -65,7 +65,7 @@ class TaskContext:
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
-        """The skills that the world model says are there, with who has them."""
+        """The skills available according to the world model, with the agents that provide them."""
         found: dict[str, tuple[SkillDescription, list[str], list[Sequence[Condition]]]] = {}
         for agent, manager in sorted(self.managers.items()):
             registered = {self.world.element(s).label for s in self.world.objects(agent, HAS_SKILL)}
@@ -77,20 +77,20 @@ class TaskContext:
         return tuple(Capability(d.under(ways), tuple(agents)) for _, (d, agents, ways) in sorted(found.items()))
 
     def offers(self, agent: str, skill: str) -> bool:
-        """Tells whether a subsystem is there and has a skill."""
+        """Returns True if a subsystem is present and provides a skill."""
         return agent in self.managers and skill in self.managers[agent].descriptions
 
     # ------------------------------------------------------------------ answers of planning
 
     def answer(self, asked: Asked[T], control: Control) -> Execution[Answer[T]]:
-        """Waits for an answer, which is cancelled when it is no longer waited for.
+        """Waits for an answer; the request is cancelled when the caller stops waiting.
 
         Args:
             asked: The request.
-            control: What people want of the task that waits.
+            control: Control requests of the waiting task.
 
         Raises:
-            PlanningError: It broke.
+            PlanningError: Planning failed.
         """
         try:
             self.wait_in_lockstep(asked, control)
@@ -101,7 +101,7 @@ class TaskContext:
             asked.cancel()
 
     def wait_in_lockstep(self, asked: Asked[T], control: Control) -> None:
-        """Waits for an answer where simulated time stands still meanwhile; only until the task shall end."""
+        """Waits for an answer while simulated time stands still, at most until the task is asked to end."""
         if self.lockstep:
             with self.cycle.pulse.waiting():
                 while not (asked.done() or self.cycle.halted or self.leaving() or control.stop is not None):

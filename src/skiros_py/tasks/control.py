@@ -1,4 +1,4 @@
-"""What people want of a task that is under way: wishes from any thread, obeyed in the control cycle."""
+"""Control requests to a running task: made in any thread, applied in the control cycle."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ import threading
 
 
 class Mode(enum.Enum):
-    """How a task shall go on."""
+    """How a task proceeds."""
 
     RUN = "run"
-    """As fast as it can."""
+    """Without pauses."""
     PAUSE = "pause"
-    """Not at all: what runs comes to a standstill."""
+    """Paused: running steps come to a standstill."""
     SINGLE = "single"
-    """Until what runs has ended; where nothing runs, the next possible steps start first."""
+    """Until the running steps have ended; if none runs, the next ready steps start first."""
 
 
 class Control:
-    """The wishes for one task. Any thread may wish: of each kind the last wish counts, of stops the first.
+    """The control requests for one task, from any thread. The last mode requested counts, but the first stop.
 
     Attributes:
-        mode: How it shall go on.
-        stop: Why it shall end; None while it may go on.
+        mode: The requested mode.
+        stop: Why it was asked to stop; None if it was not.
     """
 
     def __init__(self) -> None:
@@ -31,23 +31,23 @@ class Control:
         self._guard = threading.Lock()
 
     def wish(self, mode: Mode) -> None:
-        """Wants it to go on in another way."""
+        """Requests another mode."""
         with self._guard:
             self.mode = mode
 
     def end_single(self) -> Mode:
-        """Pauses after a single step, unless somebody wants something else by now; returns how it shall go on."""
+        """Pauses after a single step, unless another mode was requested meanwhile; returns the resulting mode."""
         with self._guard:
             if self.mode is Mode.SINGLE:
                 self.mode = Mode.PAUSE
             return self.mode
 
     def end(self, reason: str) -> None:
-        """Wants it to end; the first reason counts."""
+        """Requests a stop; the first reason counts."""
         with self._guard:
             if self.stop is None:
                 self.stop = reason
 
 
 class StopWanted(Exception):
-    """Somebody wants the task to end; its text says why."""
+    """The task was asked to stop; the text gives the reason."""

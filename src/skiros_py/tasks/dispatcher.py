@@ -1,4 +1,4 @@
-"""Hands the steps of a plan to the skill managers: those that wait for nothing run together."""
+"""Dispatches the steps of a plan to the skill managers; independent steps run concurrently."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class Dispatcher:
     """Runs the steps of one task's plans.
 
     Args:
-        task: The task: what people want of it, and its trace.
-        context: What it is done with.
-        history: Takes every step that ran.
-        skills: The skills there are, by name; filled in as managers come.
+        task: The task, with its control requests and trace.
+        context: The task's environment: world, managers, planning.
+        history: Records every step that was run.
+        skills: The available skills by name; extended as managers appear.
 
     Attributes:
-        agenda: What is to be done of the present plan.
+        agenda: The remaining steps of the current plan.
         trace: Writes the trace.
     """
 
@@ -52,7 +52,7 @@ class Dispatcher:
         self.trace = TraceWriter(task.name, task.trace, context, skills)
         self._share = Share(task.name, context, skills)
         self._active: list[Active] = []
-        self._coming: dict[int, tuple[StepRun, tuple[Future[None], ...]]] = {}  # steps that wait for the disk
+        self._coming: dict[int, tuple[StepRun, tuple[Future[None], ...]]] = {}  # steps whose intent is being saved
         self._started = 0
         self._mode = Mode.RUN
         self._round_began = False
@@ -62,7 +62,7 @@ class Dispatcher:
 
     @property
     def active(self) -> tuple[Active, ...]:
-        """What runs now."""
+        """The running steps."""
         return tuple(self._active)
 
     @property
@@ -71,11 +71,11 @@ class Dispatcher:
         return tuple(self.agenda.steps[index] for index in self.agenda.waiting)
 
     def adopt(self, agenda: Agenda, kept: Mapping[int, Active]) -> None:
-        """Goes on with another plan; what runs of the old one and is not part of it runs on before it.
+        """Switches to another plan; running steps of the old plan that are not in the new one finish first.
 
         Args:
-            agenda: What is to be done now.
-            kept: What runs already of it, by index.
+            agenda: The new agenda.
+            kept: Its steps that are already running, by index.
         """
         self._forget_coming()
         before = [one for one in self._active if one not in kept.values()]
@@ -91,7 +91,7 @@ class Dispatcher:
         self._reserve()
 
     def break_off(self, one: Active, reason: str) -> None:
-        """Ends a step that leads nowhere any more; it still does what must follow, such as stowing the arm."""
+        """Cancels a step that is no longer useful; it still runs its cleanup, such as stowing the arm."""
         if not one.leaving:
             one.leaving = reason
             one.running.break_off(reason)
@@ -99,10 +99,10 @@ class Dispatcher:
     # ------------------------------------------------------------------ each cycle
 
     def attend(self) -> list[tuple[Step, Failure]]:
-        """Obeys what people want, and looks what has ended.
+        """Applies control requests and collects ended steps.
 
         Returns:
-            The steps that failed; they are to be done once more.
+            The steps that failed; they are to be repeated.
         """
         self._obey()
         failed: list[tuple[Step, Failure]] = []
@@ -117,7 +117,7 @@ class Dispatcher:
         return failed
 
     def start_ready(self) -> list[tuple[Step, Failure]]:
-        """Starts what waits for nothing.
+        """Starts the steps that are ready.
 
         Returns:
             The steps that could not be started.
@@ -134,7 +134,7 @@ class Dispatcher:
         return refused
 
     def halt(self, reason: str) -> Execution[None]:
-        """Stops everything that runs, and waits until it stands."""
+        """Stops all running steps and waits until they have come to rest."""
         self._forget_coming()
         for one in self._active:
             one.leaving = one.leaving or reason
@@ -147,7 +147,7 @@ class Dispatcher:
                 yield
 
     def leave(self) -> None:
-        """Stops everything that runs at once, and gives back what was reserved: what moves when it stands."""
+        """Stops all running steps at once and releases the reservations: those of moving devices once at rest."""
         why = self._context.cycle.halted or "stopped"
         for one in self._active:
             one.running.stop()
@@ -160,17 +160,17 @@ class Dispatcher:
 
     @property
     def idle(self) -> bool:
-        """True when nothing may happen now: it is paused, or waits for what other tasks use and nothing runs."""
+        """True if nothing can happen now: paused, or waiting for reservations of other tasks with no step running."""
         return self.paused or not (self._granted or self._active)
 
     @property
     def _goes_on(self) -> bool:
-        """True while steps may start, as far as people want it."""
+        """True while control requests allow steps to start."""
         return not (self._mode is Mode.PAUSE or (self._mode is Mode.SINGLE and self._round_began))
 
     @property
     def paused(self) -> bool:
-        """True when nothing may start and what runs stands, or comes to a standstill."""
+        """True if no step may start and running steps are at rest or coming to rest."""
         return self._mode is Mode.PAUSE
 
     def _obey(self) -> None:
@@ -188,7 +188,7 @@ class Dispatcher:
         elif before is Mode.PAUSE:
             self._each(lambda one: one.running.resume())
             self.trace.write(TraceEventKind.RESUMED, "goes on" if wanted is Mode.RUN else "goes on by one step")
-        self._reserve()  # while it stood it asked for nothing
+        self._reserve()  # nothing was reserved while paused
 
     def _each(self, action: Callable[[Active], None]) -> None:
         for one in self._active:
@@ -210,7 +210,7 @@ class Dispatcher:
         return True
 
     def _prepare(self, index: int) -> list[tuple[Step, Failure]]:
-        """Announces a step and starts it, at once in lockstep; else when its intent outlives a power cut."""
+        """Announces a step and starts it: at once in lockstep, otherwise once its intent is safely on disk."""
         refusal = self._take_from_stock(index)
         if refusal is not None:
             return [(self.agenda.steps[index], refusal)]
@@ -244,13 +244,13 @@ class Dispatcher:
         return []
 
     def _forget_coming(self) -> None:
-        """Drops the steps that wait for the disk: they were not started."""
+        """Drops the steps that wait for the disk; they were never started."""
         for run, _ in self._coming.values():
             self._task.ended(run, Failure("it was not started", BROKEN_OFF))
         self._coming.clear()
 
     def _take_from_stock(self, index: int) -> Failure | None:
-        """Gives things that a step takes from stock individuals of their own; this and later steps speak of these."""
+        """Creates individuals for the things a step takes from stock; this and later steps refer to them."""
         step = self.agenda.steps[index]
         tokens = tokens_of((step,))
         if not tokens:
@@ -259,7 +259,7 @@ class Dispatcher:
             with self._context.world.transaction(self._task.name, f"{self.trace.describe(step)} is next") as tx:
                 taken = {token: take(tx, token) for token in tokens}
         except WorldError as refusal:
-            return Failure(str(refusal), BROKEN_OFF)  # the plan is to blame, not the step
+            return Failure(str(refusal), BROKEN_OFF)  # caused by the plan, not by the step
         self.agenda.rename(taken)
         if self._task.plan is not None:
             self._task.plan = self._task.plan.renamed(taken)
@@ -303,7 +303,7 @@ class Dispatcher:
 
     @contextmanager
     def lending(self) -> Iterator[None]:
-        """Lets others use, for as long as it is entered, what does nothing for this task; no step may start."""
+        """While entered, releases idle robots and things to other tasks; no step may start."""
         self._share.lent = True
         try:
             yield
@@ -312,11 +312,11 @@ class Dispatcher:
             self._reserve()
 
     def _reserve(self) -> None:
-        """Asks for what the rest uses; what it uses no more is free for others."""
+        """Reserves the robots and things the remaining steps use and releases the others."""
         self._share.ask((*(one.step for one in self._active), *self.rest))
 
     def _has_its_robots(self) -> bool:
-        """Tells whether no other task has, or wanted before, what the rest of the plan uses."""
+        """Returns True if no other task holds, or requested earlier, anything the remaining plan uses."""
         if self._share.granted([one.step for one in self._active], going_on=self._goes_on):
             return True
         others = self._share.waits_for
@@ -325,7 +325,7 @@ class Dispatcher:
         return False
 
     def _meet(self, one: Active, step: Step) -> bool:
-        """Tells whether two steps have to do with the same robot or thing, so that one has to wait for the other."""
+        """Returns True if two steps involve the same robot or thing, so that one has to wait for the other."""
         if robot_of(self._context.world, self.trace.agent(step)) == one.robot:
             return True
         return not set(one.step.arguments.values()).isdisjoint(step.arguments.values())
@@ -333,14 +333,14 @@ class Dispatcher:
 
 @dataclass(slots=True, eq=False)
 class Active:
-    """A step that runs.
+    """A running step.
 
     Attributes:
-        index: Its index in the present agenda.
-        run: The step, its number and who does it.
-        robot: Id of the robot of that.
-        running: What runs.
-        leaving: Why it was broken off; empty while it is wanted.
+        index: Its index in the current agenda.
+        run: The step, its number and the agent that runs it.
+        robot: Id of that agent's robot.
+        running: Handle of the running skill.
+        leaving: Why it was cancelled; empty if it was not.
     """
 
     index: int

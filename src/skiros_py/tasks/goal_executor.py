@@ -1,4 +1,4 @@
-"""A goal under way: planned, dispatched, repaired or planned anew, until it holds or is out of reach (paper §3.4)."""
+"""Executes a goal: plans, dispatches, repairs and replans until it holds or is unreachable (paper §3.4)."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ class GoalExecutor:
 
     Args:
         task: The task.
-        context: What it is done with.
+        context: The task's environment: world, managers, planning.
 
     Attributes:
-        history: Every step that ran.
+        history: Every step that was run.
     """
 
     def __init__(self, task: TaskHandle, context: TaskContext) -> None:
@@ -52,10 +52,10 @@ class GoalExecutor:
         self._rounds = 0
 
     def execute(self) -> Execution[GoalReport]:
-        """Pursues the goal to its end; the task has a report in any case.
+        """Pursues the goal to its end; the task always gets a report.
 
         Raises:
-            PlanningError: The planner broke before anything was done.
+            PlanningError: The planner failed before any step was run.
         """
         task = self._task
         self._tell(TraceEventKind.BEGUN, f"{task.name}: {' and '.join(map(str, task.goal))}")
@@ -64,14 +64,14 @@ class GoalExecutor:
             task.report = self._report.report()
         except Exception as error:
             fault = str(error) if isinstance(error, SkirosError) else f"it broke: {words(error)}"
-            with suppress(Exception):  # whatever else breaks now: the first fault counts
+            with suppress(Exception):  # ignore further errors: the first one counts
                 yield from self._dispatcher.halt(fault)
             task.report = self._report.report(fault=fault)
             raise
         finally:
             self._dispatcher.leave()
             self._monitor.close()
-            if task.report is None:  # everything was halted, or somebody's code held the control cycle
+            if task.report is None:  # the system was halted, or user code blocked the control cycle
                 task.report = self._report.report_cut_off()
             self._tell(TraceEventKind.FINISHED, f"{task.name}: {task.report.outcome}")
         return task.report
@@ -107,14 +107,14 @@ class GoalExecutor:
         yield from self._wind_up()
 
     def _allow_rounds(self) -> None:
-        """Bounds how often something is planned or tried from now on."""
+        """Resets the bound on planning and execution rounds."""
         self._rounds = self._task.policy.attempts * (len(self._task.goal) + 2)
 
     def _all_hold(self, goal: Sequence[Condition]) -> bool:
         return all(believed(c, self._context.world) for c in goal)
 
     def _carry_out(self) -> Execution[None]:
-        """Runs the plan until it is done or something is not as planned."""
+        """Runs the plan until it is done or no longer matches the world."""
         self._task.phase = "running"
         while True:
             self._look_after()
@@ -126,15 +126,15 @@ class GoalExecutor:
             if self._dispatcher.agenda.done or self._monitor.is_misled():
                 return
             if self._monitor.is_sure and self._dispatcher.start_ready():
-                yield  # what was refused now may be possible in the next cycle
+                yield  # a step refused now may be possible in the next cycle
                 return
             yield
 
     def _look_after(self) -> None:
-        """Obeys a stop, and notes what came to hold.
+        """Handles a stop request and records conditions that now hold.
 
         Raises:
-            StopWanted: Somebody wants the task to end.
+            StopWanted: The task was asked to stop.
         """
         self._report.note()
         wish = self._task.control.stop
@@ -142,7 +142,7 @@ class GoalExecutor:
             raise StopWanted(wish)
 
     def _wind_up(self) -> Execution[None]:
-        """Ends what still runs although nothing more is to be done."""
+        """Ends the steps that still run although the task is done."""
         for one in self._dispatcher.active:
             self._dispatcher.break_off(one, "nothing more is to be done")
         yield from self._let_end()
@@ -155,7 +155,7 @@ class GoalExecutor:
                 yield
 
     def _meanwhile(self, work: Execution[T]) -> Execution[T]:
-        """Does something that takes time, and looks after what runs."""
+        """Runs a longer operation while attending to the running steps."""
         try:
             while True:
                 self._look_after()
@@ -172,7 +172,7 @@ class GoalExecutor:
     # ------------------------------------------------------------------ planning
 
     def _plan(self, kept: tuple[Condition, ...]) -> Execution[Planned]:
-        """Plans for what is left, while what is not in question runs on."""
+        """Plans for the remaining goal while unaffected steps keep running."""
         self._task.phase = "planning"
         if self._monitor.began:
             why = self._monitor.trouble or "the goal does not hold yet"
@@ -196,13 +196,13 @@ class GoalExecutor:
     # ------------------------------------------------------------------ what cannot be reached
 
     def _no_way(self, kept: tuple[Condition, ...], planned: Planned, answer: NoPlan) -> Execution[bool]:
-        """Goes on where there is no plan; returns whether the whole task is over."""
+        """Handles a missing plan; returns True if the whole task is over."""
         if not self.history.steps:
             self._report.no_plan = answer.reasons
             self._context.on_plan(planned)
         self._tell(TraceEventKind.NO_PLAN, f"no plan: {'; '.join(answer.reasons)}", answer.as_json())
         self._monitor.break_off()
-        if self._dispatcher.active:  # when that has ended, it is known better what is possible
+        if self._dispatcher.active:  # once the running steps have ended, the world model is more reliable
             yield from self._let_end()
             return False
         policy = self._task.policy
@@ -213,13 +213,13 @@ class GoalExecutor:
         return False
 
     def _hopeless(self, goal: Sequence[Condition]) -> dict[Condition, str]:
-        """Returns conditions that name a target left out and do not hold, with the reason."""
+        """Returns unmet conditions that name an excluded target, with the reason."""
         out, attempts = self.history.left_out, self._task.policy.attempts
         concerned = (c for c in goal if out.intersection(c.arguments))
         return {c: f"gave up after {attempts} tries" for c in concerned if not believed(c, self._context.world)}
 
     def _unreachable(self, goal: Sequence[Condition], answer: NoPlan) -> Execution[dict[Condition, str]]:
-        """Finds a subset of the goal that can be reached together and returns the rest with reasons."""
+        """Finds a subset of the goal that is reachable together and returns the rest with reasons."""
         kept: list[Condition] = []
         dropped: dict[Condition, str] = {}
         for condition in goal if len(goal) > 1 else ():
@@ -228,12 +228,12 @@ class GoalExecutor:
                 kept.append(condition)
             else:
                 dropped[condition] = "; ".join(planned.outcome.reasons)
-        if not dropped:  # there is one only; or each was reachable in turn, so the planner errs
+        if not dropped:  # a single condition; or each was reachable in turn, so the planner is wrong
             dropped = {condition: "; ".join(answer.reasons) for condition in goal}
         return dropped
 
     def _give_up(self, dropped: Mapping[Condition, str]) -> Execution[None]:
-        """Gives conditions up, unless a person knows better."""
+        """Gives up conditions, unless the user decides otherwise."""
         for condition, reason in dropped.items():
             why = self.history.why_missing(condition, {condition: reason})
             if not self._task.policy.ask:
@@ -246,12 +246,12 @@ class GoalExecutor:
         self._tell(TraceEventKind.GIVEN_UP, f"{condition} is given up: {text}", {"condition": str(condition)})
 
     def _help(self, condition: Condition, why: str) -> Execution[str | None]:
-        """Asks a person about one condition; returns who wants it skipped, or None where it is no more in question.
+        """Asks the user about one condition; returns who chose to skip it, or None if it is no longer at issue.
 
         Raises:
-            StopWanted: The person wants the whole task to end.
+            StopWanted: The user chose to end the whole task.
         """
-        said = f"{condition} cannot be reached: "  # a reason of planning may begin so
+        said = f"{condition} cannot be reached: "  # a planning reason may start with the same text
         text = said + why.removeprefix(said)
         while True:
             self._tell(TraceEventKind.ASKED, text)

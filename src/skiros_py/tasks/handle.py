@@ -1,4 +1,4 @@
-"""A task that was begun: what whoever began it holds in their hands."""
+"""The handle of a started task, as returned to its caller."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ _PLAIN = Policy()
 
 @dataclass(frozen=True, slots=True)
 class StepRun:
-    """One step that is started.
+    """One started step.
 
     Attributes:
-        number: Its number among all steps that the task started, from 1; a step that is done once more has a new one.
+        number: Its number among all steps the task started, from 1; a repeated step gets a new one.
         step: The skill with its arguments.
-        agent: Id of the subsystem that does it.
+        agent: Id of the subsystem that runs it.
         start: Run time [s].
     """
 
@@ -44,21 +44,21 @@ AfterStep = Callable[[StepRun, Outcome], None]
 
 
 class TaskHandle:
-    """A task under way, or over. Its methods may be called in any thread; they are obeyed in the coming cycle.
+    """A running or finished task. Its methods may be called in any thread; they take effect in the next cycle.
 
     Args:
-        name: What people call it.
-        goal: What is wanted; empty for a sequence of steps.
-        policy: What it does when something is out of reach.
+        name: Display name.
+        goal: The conditions to reach; empty for a sequence of steps.
+        policy: What to do when part of the goal is unreachable.
 
     Attributes:
-        trace: What happened so far.
-        control: What people want of it.
-        plan: The present plan; None before there is one.
-        report: What came of it; None until it is done.
-        error: What broke it; None where nothing did.
-        phase: What it does now, apart from pauses.
-        question: What it waits for a person to answer; None while it does not.
+        trace: The events so far.
+        control: Its pending control requests.
+        plan: The current plan; None before there is one.
+        report: Its report; None until it is done.
+        error: The exception that ended it; None if there was none.
+        phase: Its current phase, regardless of pauses.
+        question: The open question to the user; None if there is none.
     """
 
     def __init__(self, name: str, goal: Sequence[Condition] = (), policy: Policy = _PLAIN) -> None:
@@ -77,14 +77,14 @@ class TaskHandle:
 
     @property
     def status(self) -> TaskStatus:
-        """What it does now; "waiting" is for a person, whose answer is needed."""
+        """The current status; "waiting" means waiting for the user's answer."""
         if self.report is not None:
             return "ended"
         return "paused" if self.control.mode is Mode.PAUSE else self.phase
 
     @property
     def done(self) -> bool:
-        """True when it is over and all it moved stands."""
+        """True if it is over and everything it moved is at rest."""
         return self.report is not None
 
     @property
@@ -92,7 +92,7 @@ class TaskHandle:
         """The report of a task that is done.
 
         Raises:
-            Exception: Whatever broke it.
+            Exception: The error that ended the task.
         """
         if self.error is not None:
             raise self.error
@@ -102,43 +102,43 @@ class TaskHandle:
     # ------------------------------------------------------------------ control
 
     def pause(self) -> None:
-        """Lets all its running steps come to a standstill, and starts no more."""
+        """Brings all running steps to a standstill and starts no more."""
         self.control.wish(Mode.PAUSE)
 
     def resume(self) -> None:
-        """Goes on after a pause."""
+        """Resumes after a pause."""
         self.control.wish(Mode.RUN)
 
     def step(self) -> None:
-        """Goes on until what runs has ended, then pauses; where nothing runs, the next possible steps start first."""
+        """Resumes until the running steps have ended, then pauses; if none runs, starts the next ready steps first."""
         self.control.wish(Mode.SINGLE)
 
     def stop(self, reason: str = "") -> None:
-        """Ends it: what runs is stopped, and when all stands it is done. What is over already stays as it is."""
+        """Stops the task: its running steps are stopped, and it is done once all is at rest. No effect once done."""
         self.control.end(reason)
 
     # ------------------------------------------------------------------ steps as they come and go
 
     def before_step(self, listener: BeforeStep) -> Callable[[], None]:
-        """Calls the listener in the control thread before a step's first command; returns how to end that.
+        """Calls the listener in the control thread before a step's first command; returns an unsubscribe function.
 
-        Where it returns a future, the step waits for that. When it raises, or the future does, the step is not started
-        and the task ends: nothing is done whose intent could not be kept.
+        If the listener returns a future, the step waits for it. If the listener or the future raises, the step is not
+        started and the task ends: no step runs whose intent could not be stored.
         """
         self._before.append(listener)
         return lambda: self._before.remove(listener)
 
     def after_step(self, listener: AfterStep) -> Callable[[], None]:
-        """Calls the listener in the control thread when a step has ended; returns how to end that."""
+        """Calls the listener in the control thread when a step has ended; returns an unsubscribe function."""
         self._after.append(listener)
         return lambda: self._after.remove(listener)
 
     def starts(self, run: StepRun) -> tuple[Future[None], ...]:
-        """Tells that a step is about to start, and returns what it has to wait for; for the dispatcher."""
+        """Announces that a step is about to start and returns the futures to wait for; used by the dispatcher."""
         waits = [listener(run) for listener in tuple(self._before)]
         return tuple(future for future in waits if future is not None)
 
     def ended(self, run: StepRun, outcome: Outcome) -> None:
-        """Tells how a step ended; for the dispatcher."""
+        """Announces how a step ended; used by the dispatcher."""
         for listener in tuple(self._after):
             listener(run, outcome)

@@ -1,4 +1,4 @@
-"""What was tried for a goal: which steps ran, what failed on which target, and what that means for its conditions."""
+"""The history of attempts at a goal: executed steps, failures per target, and their effect on its conditions."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from skiros_py.world.view import WorldView
 from skiros_py.world.vocabulary import DEVICE, ROBOT
 
 _LONGEST = 10_000
-"""Steps kept of one task: a sequence may run for months."""
+"""Maximum number of steps kept per task: a sequence may run for months."""
 
 
 class History:
-    """The tries of one goal.
+    """The attempts at one goal.
 
     Args:
         view: The live world.
         attempts: How often a skill may fail on one target before that target is left out of further plans.
-        longest: How many steps are kept; the oldest go first.
+        longest: How many steps are kept; the oldest are dropped first.
 
     Attributes:
-        steps: Every step that ran, or the last of them, in the order in which they ended.
-        forgotten: How many steps ran before these.
+        steps: The most recent executed steps, in the order in which they ended.
+        forgotten: How many earlier steps were dropped.
     """
 
     def __init__(self, view: WorldView, attempts: int, *, longest: int = _LONGEST) -> None:
@@ -43,12 +43,12 @@ class History:
         self._round = Round(view)
 
     def record(self, step: Step, skill: SkillDescription, start: float, end: float, outcome: Outcome) -> None:
-        """Adds one step; one that was broken off because the world changed is no failure of its skill."""
+        """Adds one step; a step cancelled because the world changed does not count as a failure of its skill."""
         reason = outcome.reason if isinstance(outcome, Failure) else ""
         self._skills[step.skill] = skill
         self.forgotten += len(self.steps) == self.steps.maxlen
         self.steps.append(StepReport(step.skill, dict(step.arguments), start, end, reason, step.arguments[skill.agent]))
-        target = step.arguments.get(skill.target)  # a person may have left it open
+        target = step.arguments.get(skill.target)  # the user may have left it open
         if target is not None and isinstance(outcome, Failure) and outcome.code != BROKEN_OFF:
             self._failures[step.skill, target] += 1
             self._reasons[target] = reason
@@ -66,17 +66,17 @@ class History:
         return frozenset(target for (_, target), count in self._failures.items() if count >= self.attempts)
 
     def forgive(self) -> None:
-        """Forgets who failed too often: something is different now, and may work."""
+        """Clears the list of excluded targets: the situation has changed and they may work now."""
         self._failures.clear()
 
     def tries(self, condition: Condition, *, holds: bool) -> int:
-        """Counts the tries it took: each failed step that was for this condition is one, and so is the success."""
+        """Counts the attempts at this condition: each failed step made for it, and the success."""
         own = [step for step in self.steps if self._is_for(step, condition)]
         failed = sum(bool(step.reason) for step in own)
         return failed + 1 if own and holds else failed
 
     def why_missing(self, condition: Condition, given_up: Mapping[Condition, str]) -> str:
-        """Says what went wrong last; only where nothing did, why there is no plan."""
+        """Returns the last failure; if there was none, why there is no plan."""
         failed = [(t, r) for t, r in self._reasons.items() if any(self._fits(t, a) for a in condition.arguments)]
         if not failed:
             return given_up.get(condition, "gave up: plan after plan did not lead there")
@@ -85,7 +85,7 @@ class History:
         return reason + gave_up
 
     def _is_for(self, step: StepReport, condition: Condition) -> bool:
-        """Tells whether what a step is done to, or what it moves, is what the condition speaks of."""
+        """Returns True if the step's target, or an element it moves, occurs in the condition."""
         skill = self._skills[step.skill]
         if self._names_another_target(condition, step.arguments[skill.target], skill.param(skill.target).element_class):
             return False
@@ -97,7 +97,7 @@ class History:
         return any(self._fits(subject, argument) for subject in subjects for argument in condition.arguments)
 
     def _names_another_target(self, condition: Condition, target: str, class_: str) -> bool:
-        """Tells whether the condition is about one element of the kind of target, and not about this one."""
+        """Returns True if the condition names an element of the target's class other than this target."""
         named = [a for a in condition.arguments if self._view.has(a)]
         return target not in named and any(self._is_a(a, class_) for a in named)
 

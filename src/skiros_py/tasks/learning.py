@@ -1,4 +1,4 @@
-"""What a cell learns while it works: how long its skills take."""
+"""Learns skill durations during operation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from skiros_py.tasks.task_manager import TaskManager
 
 
 def learn_durations(tasks: TaskManager, runtime: Runtime) -> None:
-    """Lets every step that ends well teach how long its skill takes; for real and simulated cells: fakes pretend."""
+    """Learns skill durations from every successful step; for real and simulated cells, not for fake devices."""
 
     def learn(run: StepRun, outcome: Outcome) -> None:
         if not isinstance(outcome, Failure):

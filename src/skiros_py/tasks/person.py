@@ -1,4 +1,4 @@
-"""Asking a person what shall become of a condition that the robots cannot bring about."""
+"""Asks the user what to do about a condition that the robots cannot achieve."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from skiros_py.world.world import World
 
 
 class Choice(enum.StrEnum):
-    """What a person can decide."""
+    """The user's options."""
 
     RETRY = "retry"
     """The robots try again."""
     BY_HAND = "done by hand"
-    """A person has brought it about."""
+    """The user has achieved it by hand."""
     SKIP = "skip"
-    """It is given up; the rest is done."""
+    """It is given up; the rest of the goal is pursued."""
     ABORT = "abort"
     """The whole task ends."""
 
 
 def ask_for_help(task: TaskHandle, context: TaskContext, text: str) -> Execution[tuple[Choice, str]]:
-    """Asks, and waits for the answer; the question is withdrawn when nobody waits for it any more.
+    """Posts a question and waits for the answer; the question is withdrawn when the caller stops waiting.
 
-    It is answered with "retry" by itself when skill managers have come or gone: something else may be possible now.
+    It is answered with "retry" automatically when the set of skill managers changes: other plans may be possible now.
 
     Returns:
         The answer, and who gave it.
@@ -55,10 +55,9 @@ def ask_for_help(task: TaskHandle, context: TaskContext, text: str) -> Execution
 
 
 def believe_done(context: TaskContext, condition: Condition, by: str) -> Failure | None:
-    """Makes a condition true in the world model, on a person's word: where it can be said what that changes.
+    """Makes a condition true in the world model because the user says so, if its effects are well defined.
 
-    Returns:
-        Why it is still not believed, or None.
+    Returns: Why it could not be applied, or None.
     """
     world, refused = context.world, ""
     if not any(argument in world.ontology.classes for argument in condition.arguments):
@@ -76,17 +75,17 @@ def _able(context: TaskContext) -> frozenset[tuple[str, str]]:
 
 
 def write_by_hand(world: World, conditions: Iterable[Condition], by: str, what: str = "done by hand") -> None:
-    """Makes conditions true in the world model, all of them or none.
+    """Makes conditions true in the world model, all or none.
 
     Args:
         world: The live world model.
-        conditions: What is so now.
+        conditions: The conditions that now hold.
         by: Who says so.
-        what: What was done, for the record of changes.
+        what: Description of the change, for the change log.
 
     Raises:
-        DescriptionError: Nobody can say what a condition changes ("one of these").
-        WorldError: It cannot be so.
+        DescriptionError: The effects of a condition are undefined ("one of these").
+        WorldError: The world model rejects the change.
     """
     effects = [effect for condition in conditions for effect in effects_of(condition)]
     with world.transaction("operator", f"{what}, says {by}", writer=Writer.PERSON) as tx:

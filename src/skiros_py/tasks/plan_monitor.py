@@ -1,4 +1,4 @@
-"""Watches one plan: whether it still leads to the goal, what of it is in question, and going over to another."""
+"""Monitors one plan: whether it still leads to the goal, which steps are affected, and switching to another plan."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from skiros_py.world.world import World
 
 
 class Staleness:
-    """Tells whether anything changed that an answer depends on. One thread uses it; any may write the world.
+    """Detects changes that invalidate an answer. Used by one thread; any thread may write the world.
 
     Args:
         world: The live world model.
@@ -41,30 +41,30 @@ class Staleness:
         return self._stale
 
     def again(self) -> None:
-        """Forgets what was asked: no answer to that will come."""
+        """Discards the pending request: no answer to it will come."""
         self._stale = True
 
     def asked(self) -> None:
-        """Notes that it is being looked into: only later changes count."""
+        """Records that a check was requested: only later changes count."""
         self._stale = False
 
     def read(self, keys: frozenset[Key], version: int) -> None:
-        """Notes what the answer depends on.
+        """Records what the answer depends on.
 
         Args:
             keys: What was read.
-            version: Of which state of the world.
+            version: The world version that was read.
         """
         with self._guard:
             self._keys = keys
             self._stale = self._stale or self._heard > version
 
     def close(self) -> None:
-        """Hears of no more changes."""
+        """Unsubscribes from world changes."""
         self._unsubscribe()
 
     def _hear(self, change: Change) -> None:
-        """Called in the thread that wrote, so it does no more than to compare."""
+        """Called in the writing thread, so it only compares keys."""
         with self._guard:
             self._heard = change.number
             touched = (key for edit in change.edits for key in touched_by(edit, self._world.ontology))
@@ -72,20 +72,20 @@ class Staleness:
 
 
 class PlanMonitor:
-    """The present plan of one task, and whether it still leads to the goal.
+    """The current plan of one task, and whether it still leads to the goal.
 
-    The rest of the plan is replayed where planning is done, again only when something changed that the last replay
-    read. No step starts before the answer is there.
+    The rest of the plan is replayed by the planning service whenever something changed that the last replay read. No
+    step starts before the answer has arrived.
 
     Args:
         context: World, skill managers and planning.
         dispatcher: Runs the plan.
-        history: Which targets failed too often, and how far robots have come.
-        skills: The skills there are, by name; filled in as managers come.
-        control: What people want of the task.
+        history: Which targets failed too often, and the sequence numbers reached by the robots.
+        skills: The available skills by name; extended as managers appear.
+        control: Control requests of the task.
 
     Attributes:
-        trouble: What is not as planned, in words; empty before anything is.
+        trouble: Description of the deviation from the plan; empty if there is none.
     """
 
     def __init__(
@@ -109,24 +109,24 @@ class PlanMonitor:
 
     @property
     def began(self) -> bool:
-        """True when there was a plan before."""
+        """True if there has been a plan."""
         return self._stale is not None
 
     @property
     def undoubted(self) -> tuple[Step, ...]:
-        """The steps that run and are not in question, whatever is planned."""
+        """The running steps that stay valid regardless of replanning."""
         active = self._dispatcher.active
         return tuple(one.step for one in active if one not in self._misled and not one.leaving)
 
     @property
     def is_sure(self) -> bool:
-        """True when nothing that the plan depends on has changed since it was found right."""
+        """True if nothing the plan depends on has changed since it was last validated."""
         return self._asked is None and not self._stale
 
     def is_misled(self) -> bool:
-        """Tells whether the rest of the plan is known not to lead to the goal any more; asks where something changed.
+        """Returns True if the rest of the plan is known to no longer lead to the goal; requests a check after changes.
 
-        In lockstep the answer is waited for; else it is there in a later cycle, see :attr:`is_sure`.
+        In lockstep the answer is waited for; otherwise it arrives in a later cycle, see :attr:`is_sure`.
         """
         if self._stale is None or self._dispatcher.idle:
             return False
@@ -137,7 +137,7 @@ class PlanMonitor:
         return True
 
     def is_right_for(self, goal: tuple[Condition, ...]) -> Execution[bool]:
-        """Tells whether the plan, with what failed done once more, still leads to a goal."""
+        """Returns True if the plan, with failed steps repeated, still leads to a goal."""
         agenda = self._dispatcher.agenda
         if self._stale is None or goal != self._goal or agenda.done or self._misled:
             return False
@@ -150,7 +150,7 @@ class PlanMonitor:
         return self._flaw(asked, self._stale) is None
 
     def adopt(self, plan: Plan, goal: tuple[Condition, ...]) -> None:
-        """Goes over to another plan; what runs for the old one runs on where it is right for the new one, too."""
+        """Switches to another plan; running steps continue if they are part of the new plan, too."""
         agenda = Agenda(plan.steps, plan.order)
         going_on: dict[int, Active] = {}
         for one in self._misled:
@@ -164,10 +164,10 @@ class PlanMonitor:
         self._goal = goal
 
     def break_off(self, going_on: Sequence[Active] = ()) -> None:
-        """Ends what is in question.
+        """Cancels the affected steps.
 
         Args:
-            going_on: What of it runs on.
+            going_on: Those that continue.
         """
         for one in self._misled:
             if one not in going_on:
@@ -175,7 +175,7 @@ class PlanMonitor:
         self._misled = ()
 
     def close(self) -> None:
-        """Looks at the world no more."""
+        """Stops monitoring the world."""
         self._drop()
         if self._stale is not None:
             self._stale.close()
@@ -183,7 +183,7 @@ class PlanMonitor:
     # ------------------------------------------------------------------ checking
 
     def _look(self, stale: Staleness) -> Flaw | None:
-        """Returns the flaw that is known by now; asks again where something changed."""
+        """Returns the flaw known so far; requests a new check if something changed."""
         if self._asked is not None and self._asked[1] != self._dispatcher.rest:
             self._drop()
             stale.again()
@@ -203,7 +203,7 @@ class PlanMonitor:
         return self._context.planning.ask(Check(self._goal, running, rest, skills, self._history.reached))
 
     def _flaw(self, asked: Asked[Checked], stale: Staleness) -> Flaw | None:
-        """Reads an answer; a plan that cannot be checked does not lead to the goal."""
+        """Reads an answer; a plan that cannot be checked counts as flawed."""
         try:
             answer = asked.result()
         except SkirosError as error:
@@ -217,7 +217,7 @@ class PlanMonitor:
             self._asked = None
 
     def _lost(self) -> Flaw | None:
-        """Returns the first step of the rest whose skill is gone."""
+        """Returns a flaw for the first remaining step whose skill is no longer available."""
         for index, step in enumerate(self._dispatcher.rest):
             agent = step.arguments[self._skills[step.skill].agent]
             if not self._context.offers(agent, step.skill):
@@ -225,7 +225,7 @@ class PlanMonitor:
         return None
 
     def _leading_to(self, at: int | None) -> tuple[Active, ...]:
-        """Returns what runs for the sake of a step of the rest: that is what is in question, nothing else."""
+        """Returns the running steps that a remaining step depends on: only those are affected."""
         if at is None:
             return ()
         agenda = self._dispatcher.agenda

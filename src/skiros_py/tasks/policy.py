@@ -1,4 +1,4 @@
-"""What a task does when something of its goal turns out to be out of reach."""
+"""What a task does when part of its goal turns out to be unreachable."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ class Policy:
     """How to go on when things go wrong.
 
     Attributes:
-        rest: True to do what can still be reached when a condition is given up; False to stop there.
-        ask: True to ask a person before a condition is given up.
+        rest: True to pursue the rest of the goal when a condition is given up; False to stop.
+        ask: True to ask the user before a condition is given up.
         attempts: How often a skill may fail on one target before that target is left out of further plans.
-        partial: True to begin although a part of the goal cannot be reached from the start; False to do nothing then.
+        partial: True to start even if part of the goal is unreachable from the outset; False to do nothing then.
     """
 
     rest: bool = True

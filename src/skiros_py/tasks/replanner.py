@@ -1,4 +1,4 @@
-"""Plans for a task: without what failed too often, if possible without what other tasks use, with what runs done."""
+"""Plans for a task: excludes failing targets, avoids elements other tasks use, assumes running steps succeed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from skiros_py.tasks.control import Control
 from skiros_py.tasks.history import History
 
 _AGAIN = 4
-"""How often it is planned again where there is no plan but others changed the world meanwhile."""
+"""How often planning is repeated if there is no plan but the world changed meanwhile."""
 
 
 class Replanner:
@@ -23,9 +23,9 @@ class Replanner:
 
     Args:
         context: World, skill managers and planning.
-        history: What failed too often.
-        task: Name of the task; what other tasks use is only planned with where there is no other way.
-        control: What people want of the task.
+        history: Which targets failed too often.
+        task: Name of the task; elements that other tasks use are planned with only as a last resort.
+        control: Control requests of the task.
     """
 
     def __init__(self, context: TaskContext, history: History, task: str, control: Control) -> None:
@@ -35,19 +35,19 @@ class Replanner:
         self._control = control
 
     def plan(self, goal: Sequence[Condition], running: Sequence[Step] = ()) -> Execution[Planned]:
-        """Plans from what is believed now; others may go on changing it, a plan is of one state of the world.
+        """Plans from the current world model; the plan is for that one state, even if the world changes meanwhile.
 
-        A plan may so be outdated when it is there, which the plan monitor sees before its first step. That there is no
-        plan, or that planners broke, is looked into again where something has changed meanwhile.
+        A plan may thus be outdated on arrival, which the plan monitor detects before its first step. If there is no
+        plan, or the planners failed, planning is repeated if something has changed meanwhile.
 
-        A planner that breaks while a goal is under way is an answer too: what was done so far has to be reported.
+        A planner failure while a goal is being pursued is returned as an answer: the work so far has to be reported.
 
         Args:
-            goal: What is wanted.
-            running: Steps that run on, and will have ended well.
+            goal: The conditions to reach.
+            running: Running steps, assumed to succeed.
 
         Raises:
-            PlanningError: The planner broke before anything was done.
+            PlanningError: The planner failed before any step was run.
         """
         try:
             return (yield from self._up_to_date(goal, running))
@@ -57,7 +57,7 @@ class Replanner:
             return Planned(NoPlan((str(error),)), None, 0.0)
 
     def _up_to_date(self, goal: Sequence[Condition], running: Sequence[Step]) -> Execution[Planned]:
-        """Plans until there is a plan, or an answer about the world as it is by now; a bounded number of times."""
+        """Plans until there is a plan or an up-to-date negative answer; a bounded number of times."""
         world = self._context.world
         for _ in range(_AGAIN):
             before = world.version
@@ -77,11 +77,11 @@ class Replanner:
         return answer.value
 
     def request(self, goal: Sequence[Condition], running: Sequence[Step] = ()) -> PlanRequest:
-        """Returns what planning is asked.
+        """Returns the planning request.
 
         Args:
-            goal: What is wanted.
-            running: Steps that run on, and will have ended well.
+            goal: The conditions to reach.
+            running: Running steps, assumed to succeed.
         """
         return PlanRequest(
             tuple(goal),

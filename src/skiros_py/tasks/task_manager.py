@@ -1,4 +1,4 @@
-"""The task manager: begins tasks and keeps them apart; several may be under way at once (paper §3.4)."""
+"""The task manager: starts tasks and keeps them from conflicting; several can run concurrently (paper §3.4)."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ from skiros_py.tasks.sequences import StepSequence
 from skiros_py.world.world import World
 
 _TRIES = {False: (1.0, 4.0), True: (5.0, 10.0)}
-"""How long one planner, and all together, may try out repairs, by whether simulated time stands still [s]."""
+"""Time limits for trying repairs (per planner, in total) [s], by whether simulated time stands still."""
 
 
 class TaskManager:
-    """Pursues goals with the skill managers that are there.
+    """Pursues goals with the available skill managers.
 
     Args:
         world: The live world model.
         managers: Skill managers by agent id.
-        planning: Where it is planned.
-        cycle: Runs everything.
-        on_plan: Told of every new plan.
-        attempts: How often a skill may fail on one target, where nobody says otherwise.
-        monitor: Hears of steps that have to wait; None where nobody listens.
-        questions: Where a person is asked; None where nobody is.
-        leaving: Tells whether somebody wants everything to stop: then no planner is waited for.
-        options: How to plan.
-        lockstep: True where simulated time stands still while it is planned.
+        planning: The planning service.
+        cycle: The control cycle that runs the tasks.
+        on_plan: Called with every new plan.
+        attempts: How often a skill may fail on one target, unless the policy says otherwise.
+        monitor: Notified of steps that have to wait; None for no monitoring.
+        questions: Where questions to the user are posted; None for no questions.
+        leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
+        options: Planning options.
+        lockstep: True if simulated time stands still during planning.
     """
 
     def __init__(
@@ -96,16 +96,16 @@ class TaskManager:
         leaving: Callable[[], bool] = lambda: False,
         temporal: bool = False,
     ) -> Self:
-        """Makes the task manager of a runtime.
+        """Creates the task manager of a runtime.
 
         Args:
-            runtime: Runs everything.
-            planning: Where it is planned; it is not closed.
-            name: Name of what is planned for, for the planner's files.
-            on_plan: Told of every new plan.
+            runtime: Runs the tasks.
+            planning: The planning service; it is not closed by the task manager.
+            name: Name used for the planner's files.
+            on_plan: Called with every new plan.
             attempts: How often a skill may fail on one target before that target is left out of further plans.
-            leaving: Tells whether somebody wants everything to stop: then no planner is waited for.
-            temporal: True to plan in time, with a planner that takes durative actions.
+            leaving: Returns True once a shutdown is requested; planners are then no longer waited for.
+            temporal: True for temporal planning, with a planner that supports durative actions.
         """
         cycle = runtime.cycle
         return cls(
@@ -124,47 +124,47 @@ class TaskManager:
 
     @property
     def steps(self) -> tuple[StepReport, ...]:
-        """Every skill that was run for the task that was begun last, in the order in which they ended."""
+        """Every skill execution of the most recently started task, in the order in which they ended."""
         return tuple(self._last.steps)
 
     @property
     def capabilities(self) -> tuple[Capability, ...]:
-        """The skills that the world model says are there, with who has them."""
+        """The skills available according to the world model, with the agents that provide them."""
         return self._context.capabilities
 
     @property
     def active(self) -> tuple[TaskHandle, ...]:
-        """The tasks that are under way, in the order in which they were begun."""
+        """The running tasks, in the order in which they were started."""
         return tuple(self._active.values())
 
     def holds(self, name: str) -> frozenset[str]:
-        """Returns the ids of the robots and things that a task has and others may not use; for the control thread."""
+        """Returns the ids of the robots and things reserved by a task; call it in the control thread."""
         return self._context.reservations.of(name)
 
     def plan_request(self, goal: Sequence[Condition]) -> PlanRequest:
-        """Returns what planning would be asked for a goal now, without doing anything."""
+        """Returns the request that planning a goal would send now, without sending it."""
         return Replanner(self._context, History(self._context.world, 1), "", Control()).request(goal)
 
     # ------------------------------------------------------------------ tasks
 
     def on_begin(self, listener: Callable[[TaskHandle], None]) -> Callable[[], None]:
-        """Calls the listener in the control thread with each task before its first cycle; returns how to end that."""
+        """Calls the listener in the control thread with each task before its first cycle; returns an unsubscriber."""
         self._on_begin.append(listener)
         return lambda: self._on_begin.remove(listener)
 
     def begin(self, goal: Sequence[Condition], *, name: str = "", policy: Policy | None = None) -> TaskHandle:
-        """Begins to pursue a goal, and returns at once; it runs in the control cycle, beside what is under way.
+        """Starts pursuing a goal and returns at once; the task runs in the control cycle, concurrently with others.
 
-        What fails is tried or planned again a bounded number of times. What can no longer be reached is given up, and
-        the rest of the goal is still pursued.
+        Failed steps are retried or replanned a bounded number of times. Conditions that can no longer be reached are
+        given up, and the rest of the goal is still pursued.
 
         Args:
-            goal: Conditions that shall hold together.
-            name: What people call it; "task 1" and so on where left out.
-            policy: What to do when something is out of reach.
+            goal: Conditions that must hold together.
+            name: Display name; defaults to "task 1" and so on.
+            policy: What to do when part of the goal is unreachable.
 
         Raises:
-            UsageError: A task of that name is under way, or everything was halted and not reset.
+            UsageError: A task of that name is running, or the system was halted and not reset.
         """
         task = TaskHandle(self._free(name), goal, policy or self._policy)
         self._start(task, self._pursuing(task))
@@ -179,21 +179,21 @@ class TaskManager:
         policy: Policy | None = None,
         anyway: bool = False,
     ) -> TaskHandle:
-        """Begins to run a sequence of steps as it is, and returns at once.
+        """Starts running a sequence of steps as given and returns at once.
 
         Args:
             sequence: The steps.
-            iterate: How often; None for until it is stopped.
-            name: What people call it.
+            iterate: Number of rounds; None to repeat until stopped.
+            name: Display name.
             policy: How often a step is tried.
-            anyway: True to run what cannot work as far as anybody knows: somebody has asked for it in so many words.
+            anyway: True to run a sequence that is known not to work, on the user's explicit request.
 
         Raises:
-            UsageError: The sequence is empty or cannot work, or everything was halted and not reset.
+            UsageError: The sequence is empty or cannot work, or the system was halted and not reset.
         """
         if iterate is not None and (isinstance(iterate, bool) or not isinstance(iterate, int) or iterate < 1):
             raise UsageError(f"iterate: a whole number from 1, or None for until it is stopped, not {iterate!r}")
-        sequence.require_steps()  # an empty round takes no time: repeated for ever, it would hold the cycle
+        sequence.require_steps()  # an empty round takes no time: repeated forever, it would block the cycle
         if not anyway:
             sequence.require_works()
         task = TaskHandle(self._free(name), (), policy or self._policy)
@@ -203,11 +203,11 @@ class TaskManager:
         return task
 
     def sequence(self) -> StepSequence:
-        """Returns an empty sequence to be filled with steps: checked against the world as believed now."""
+        """Returns an empty sequence to add steps to; they are checked against the current world model."""
         return StepSequence(self._context.world, {c.skill.name: c.skill for c in self.capabilities})
 
     def _pursuing(self, task: TaskHandle) -> Execution[GoalReport]:
-        run = GoalExecutor(task, self._context)  # begins with a clean slate: what failed before may work now
+        run = GoalExecutor(task, self._context)  # starts with an empty history: earlier failures may work now
         self._last = run.history
         return (yield from self._listed(task, run.execute()))
 
@@ -221,9 +221,9 @@ class TaskManager:
             del self._active[task.name]
 
     def _start(self, task: TaskHandle, run: Execution[GoalReport]) -> None:
-        """Gives a task a place in the control cycle."""
+        """Adds a task to the control cycle."""
         work = self._contained(task, run)
-        next(work)  # so far that it hears of its end, even where that comes before its first cycle
+        next(work)  # run to the first yield, so that it is closed properly even if it ends before its first cycle
         try:
             self._context.cycle.start(work, task.name)
         except UsageError:
@@ -232,7 +232,7 @@ class TaskManager:
         self._active[task.name] = task
 
     def _contained(self, task: TaskHandle, run: Execution[GoalReport]) -> Execution[None]:
-        """Passes a task through whose faults are in its report; that it has in any case."""
+        """Runs a task and contains its exceptions: they are in its report, which it always has."""
         try:
             yield
             yield from run
@@ -247,10 +247,10 @@ class TaskManager:
                 end_before_beginning(task, self._context)
 
     def _free(self, name: str) -> str:
-        """Returns the name of a new task.
+        """Checks and returns the name for a new task.
 
         Raises:
-            UsageError: A task of that name is under way.
+            UsageError: A task of that name is running.
         """
         if name in self._active:
             raise UsageError(f"a task named '{name}' is under way already")

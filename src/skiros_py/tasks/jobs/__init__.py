@@ -1,4 +1,4 @@
-"""Jobs: goals that somebody ordered, in a queue, with states after ISA-95 job control, kept over restarts."""
+"""Jobs: ordered goals, in a queue, with states after ISA-95 job control, kept over restarts."""
 
 from skiros_py.tasks.jobs.announcements import Announcement
 from skiros_py.tasks.jobs.job import Actual, Intent, Job, MaterialActual, Outcome, Transition

@@ -1,4 +1,4 @@
-"""Every new state of a job, numbered, for whoever passes it on to others; kept with the job in one transaction."""
+"""Numbered announcements of job state changes, for forwarding; stored with the job in one transaction."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from dataclasses import dataclass
 from skiros_py.tasks.jobs.job import Job
 
 CANCELLED, CLEARED = "cancelled", "cleared"
-"""What is announced of a job that is removed, before it began and after its end."""
+"""Announced for a job that is removed: before its start, and after its end."""
 
 MOST_ANNOUNCEMENTS = 100_000
-"""So many are kept where nobody passes them on; the oldest go first."""
+"""Maximum number kept if they are not forwarded; the oldest are dropped first."""
 
 
 _LONGEST_GOAL = 2000
-"""Of goals that are longer the beginning is told [characters]: whoever ordered knows them."""
+"""Longer goals are truncated in announcements [characters]: the client that ordered has the full text."""
 
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """A job came to a new state, or is there no more.
+    """A job changed state or was removed.
 
     Attributes:
         number: Counts announcements without gaps, over restarts as well.
         wall: When [s since 1970].
-        job: The job as it was then; a large one without its plan, and with the beginning of a very long goal.
+        job: The job at that time; a large one without its plan and with a truncated goal.
         trigger: What led to it: a value of :class:`~skiros_py.tasks.jobs.Trigger`, "cancelled" or "cleared".
     """
 
@@ -36,12 +36,12 @@ class Announcement:
 
 
 def keep_announcement(connection: sqlite3.Connection, job: Job, data: str, trigger: str) -> None:
-    """Keeps what happened to a job.
+    """Stores an announcement.
 
     Args:
         connection: The file, in a transaction.
         job: The job.
-        data: The same as text.
+        data: The job as JSON text.
         trigger: What happened.
     """
     values = (job.changed, trigger, data if len(data) <= _LONGEST_GOAL else _brief(job).model_dump_json())
@@ -51,7 +51,7 @@ def keep_announcement(connection: sqlite3.Connection, job: Job, data: str, trigg
 
 
 def _brief(job: Job) -> Job:
-    """Returns a job without what would fill the file: each of its states is told."""
+    """Returns a job without its bulky fields: every state change is stored."""
     goal = job.order.goal
     if sum(map(len, goal)) > _LONGEST_GOAL:
         goal = (f"{goal[0][:_LONGEST_GOAL]}…",)

@@ -1,4 +1,4 @@
-"""The open jobs as they are now: what the store has of them, at hand, and told to whoever listens."""
+"""The open jobs in memory: a cache of the job store that notifies listeners."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ class JobBook:
     """The jobs of a store.
 
     Every change outlives a power cut before listeners are called with it; they are called in a thread of the store.
-    Whoever writes holds the job manager's guard. What is over is in the file only: a cell that works for months has
-    more of that than memory.
+    Writers hold the job manager's guard. Finished jobs are in the file only: over months there are too many for
+    memory.
 
     Args:
-        store: Where they are kept.
+        store: Where the jobs are stored.
         clock: Gives the wall time [s since 1970].
 
     Attributes:
         open: The jobs that are not over, by id, in the order in which they were ordered.
         jobs: All that were not removed.
-        queue: Those of them that wait for their turn.
-        unseen: Ids of those that were cut off or halted, and that nobody has looked at since.
+        queue: Those that wait for their turn.
+        unseen: Ids of those that were interrupted or halted and not reviewed since.
     """
 
     def __init__(self, store: JobStore, clock: Callable[[], float]) -> None:
@@ -46,15 +46,15 @@ class JobBook:
         self._on_remove = Listeners[[Job]]("removed jobs")
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:
-        """Calls the listener with every new version of a job; returns how to end that. It must be quick."""
+        """Calls the listener with every new version of a job; returns how to unsubscribe. It must be quick."""
         return self._listeners.add(listener)
 
     def on_remove(self, listener: Callable[[Job], None]) -> Callable[[], None]:
-        """Calls the listener with each job that is removed; returns how to end that. It must be quick."""
+        """Calls the listener with each job that is removed; returns how to unsubscribe. It must be quick."""
         return self._on_remove.add(listener)
 
     def add(self, order: JobOrder, *, start: bool, comment: str, receipt: Receipt | None = None) -> Job:
-        """Takes a new order."""
+        """Adds a job for a new order."""
         state = JobState.ALLOWED_TO_START if start else JobState.NOT_ALLOWED_TO_START
         detail = "queued" if start else "waits for leave to start"
         now = self._clock()
@@ -63,33 +63,33 @@ class JobBook:
         return self._show(self._store.add(job, trigger, comment, receipt))
 
     def note(self, receipt: Receipt, job: Job) -> None:
-        """Keeps that a request led to a job that was there already."""
+        """Records that a request led to an existing job."""
         self._store.note(receipt, job, self._clock())
 
     def check(self, job: Job, trigger: Trigger) -> None:
-        """Sees that something may happen to a job.
+        """Checks that a trigger is allowed for a job.
 
         Raises:
-            WrongState: It cannot happen in its state.
+            WrongState: It is not allowed in its state.
         """
         next_state(job.state, trigger)
 
     def move(self, job: Job, trigger: Trigger, comment: str = "", **changes: Any) -> Job:
-        """Changes a job's state, and what goes with it.
+        """Changes a job's state and related fields.
 
         Raises:
-            WrongState: That cannot happen in its state.
+            WrongState: The trigger is not allowed in its state.
         """
         state = next_state(job.state, trigger)
         ended = {} if state.is_open else {"ended": self._clock(), "seen": None}
         return self._keep(job.but(**{"state": state, **changes, **ended}), trigger, comment)
 
     def change(self, job: Job) -> Job:
-        """Takes a new version of a job whose state is the same."""
+        """Stores a new version of a job with unchanged state."""
         return self._keep(job, None, "")
 
     def remove(self, job: Job) -> Job:
-        """Forgets a job, and returns it as it was last."""
+        """Removes a job and returns its last version."""
         last = job.but(changed=self._clock())
         self._store.forget(last, CANCELLED if job.state.is_open else CLEARED)
         self._open.pop(job.id, None)
@@ -118,15 +118,15 @@ class JobBook:
 
 
 def _is_unseen(job: Job) -> bool:
-    """Tells whether the job itself asks: nothing runs for it any more that could."""
+    """Returns True if the job itself holds the question because no task runs for it any more."""
     return job.state is JobState.INTERRUPTED and bool(job.choices) and job.question is None
 
 
 class OpenJobs(Mapping[str, Job]):
-    """The jobs that are not over. Going through them shows those of one moment.
+    """The jobs that are not over. Iteration uses a snapshot.
 
     Args:
-        jobs: What it shows; somebody else changes it.
+        jobs: The underlying dictionary, changed by its owner.
     """
 
     def __init__(self, jobs: dict[str, Job]) -> None:
@@ -150,7 +150,7 @@ class OpenJobs(Mapping[str, Job]):
         return self._jobs.copy().values()
 
     def items(self) -> ItemsView[str, Job]:
-        """Returns both."""
+        """Returns ids and jobs."""
         return self._jobs.copy().items()
 
 
@@ -162,7 +162,7 @@ class AllJobs(Mapping[str, Job]):
         store: Where all are kept.
     """
 
-    def __init__(self, open: Mapping[str, Job], store: JobStore) -> None:  # noqa: A002 - the word for it
+    def __init__(self, open: Mapping[str, Job], store: JobStore) -> None:  # noqa: A002 - the natural name here
         self._open = open
         self._store = store
 

@@ -1,4 +1,4 @@
-"""What people and other systems may want of a job that is there: checked and written down at once."""
+"""Commands to existing jobs from users and other systems: checked and stored at once."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from skiros_py.tasks.jobs.store import JobStore
 
 
 class JobCommands(JobLookups):
-    """Takes commands; one that is given again, where it has had its effect already, changes nothing.
+    """Accepts commands; repeating a command that has already taken effect changes nothing.
 
-    Each takes ``expects``: the :attr:`Job.version` that whoever commands has seen, or None for whatever it is now; and
-    each raises UnknownName where there is no such job, StaleVersion where it has changed since, and WrongState where
-    it cannot be done in the job's state.
+    Each takes ``expects``: the :attr:`Job.version` the caller has seen, or None for any version. Each raises
+    UnknownName if there is no such job, StaleVersion if it has changed since, and WrongState if the command is not
+    allowed in the job's state.
 
     Args:
-        book: The jobs as they are now.
-        store: Where they are kept.
-        runtime: Where they are done.
-        conductor: Lets them run.
+        book: The current jobs.
+        store: Where jobs are stored.
+        runtime: Where they run.
+        conductor: Runs them.
         guard: Held while a job changes.
     """
 
@@ -39,7 +39,7 @@ class JobCommands(JobLookups):
     # ------------------------------------------------------------------ before the start
 
     def start(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Gives a job leave to start."""
+        """Allows a job to start."""
         with self._guard.command():
             now = self._expected(job, expects)
             if now.state is JobState.ALLOWED_TO_START:
@@ -47,7 +47,7 @@ class JobCommands(JobLookups):
             return self._book.move(now, Trigger.START, comment, detail="queued")
 
     def revoke_start(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Takes back the leave to start."""
+        """Revokes the permission to start."""
         with self._guard.command():
             now = self._expected(job, expects)
             if now.state is JobState.NOT_ALLOWED_TO_START:
@@ -55,7 +55,7 @@ class JobCommands(JobLookups):
             return self._book.move(now, Trigger.REVOKE_START, comment, detail="waits for leave to start")
 
     def cancel(self, job: str, *, expects: int | None = None) -> Job:
-        """Removes a job that has not begun, and returns it as it was last."""
+        """Removes a job that has not started and returns its last version."""
         with self._guard.command():
             now = self._expected(job, expects)
             if now.state.has_begun:
@@ -67,7 +67,7 @@ class JobCommands(JobLookups):
     # ------------------------------------------------------------------ under way
 
     def pause(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Lets a job come to a standstill where it is; what waits for an answer stands when that has come."""
+        """Pauses a job; one that waits for an answer pauses once the answer has arrived."""
         with self._guard.command():
             now = self._expected(job, expects)
             if now.state is not JobState.INTERRUPTED:
@@ -76,10 +76,10 @@ class JobCommands(JobLookups):
             return now
 
     def resume(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Goes on with a job that stands; one that was cut off is planned anew, when its turn comes.
+        """Resumes a paused job; an interrupted one is replanned when its turn comes.
 
         Raises:
-            WrongState: It waits for an answer, or everything is halted, or it does not stand.
+            WrongState: It waits for an answer, the system is halted, or it is not paused.
         """
         with self._guard.command():
             now = self._expected(job, expects)
@@ -95,7 +95,7 @@ class JobCommands(JobLookups):
             return changed
 
     def answer(self, job: str, choice: str, *, by: str, expects: int | None = None) -> Job:
-        """Answers what a job waits for.
+        """Answers a job's open question.
 
         Args:
             job: Its id.
@@ -105,7 +105,7 @@ class JobCommands(JobLookups):
 
         Raises:
             UnknownName: There is no such job, or it does not offer that choice.
-            WrongState: It asks something else by now, or everything is halted.
+            WrongState: Its question has changed, or the system is halted.
         """
         with self._guard.command():
             now = self._expected(job, expects)
@@ -128,15 +128,15 @@ class JobCommands(JobLookups):
     # ------------------------------------------------------------------ the end
 
     def stop(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Ends a job that is under way; it is over when everything it moved stands."""
+        """Stops a running job; it is over once everything it moved is at rest."""
         return self._end(job, Trigger.STOP, Outcome.STOPPED, comment, expects)
 
     def abort(self, job: str, comment: str = "", *, expects: int | None = None) -> Job:
-        """Gives a job up, begun or not."""
+        """Aborts a job, started or not."""
         return self._end(job, Trigger.ABORT, Outcome.ABORTED, comment, expects)
 
     def clear(self, job: str, *, expects: int | None = None) -> Job:
-        """Removes a job that is over, with all that is known of it, and returns it as it was last."""
+        """Removes a finished job with all its records and returns its last version."""
         with self._guard.command():
             now = self._expected(job, expects)
             if now.state.is_open:
@@ -159,7 +159,7 @@ class JobCommands(JobLookups):
     # ------------------------------------------------------------------ what must be so
 
     def _expected(self, job: str, version: int | None) -> Job:
-        """Returns a job as it is now, if that is what somebody has seen."""
+        """Returns the current job if it has the expected version."""
         now = self.job(job)
         if version is not None and now.version != version:
             raise StaleVersion(

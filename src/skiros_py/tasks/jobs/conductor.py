@@ -1,4 +1,4 @@
-"""What happens to jobs in the control thread: they begin when their turn comes, are followed, and obey."""
+"""Runs jobs in the control thread: starts them in turn, tracks them and applies commands."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ ReadGoal = Callable[[Sequence[str]], tuple[Condition, ...]]
 """Reads goal texts."""
 
 _MOST_ASIDE = 20
-"""So many jobs that wait for persons make room for others; those after them keep their places until one is answered."""
+"""How many jobs waiting for a user may be set aside for others; further ones keep their slots until one is answered."""
 
 
 class Conductor:
-    """Lets jobs run: never more than so many at once.
+    """Runs jobs, up to a maximum number at a time.
 
-    What waits for a person keeps its place only while it has a device or a thing in its hands. Else the next job gets
-    the place, and the answer lets it go on as soon as there is one again, before all others. What was cut off or halted
-    has no place; when it goes on, it waits for its turn.
+    A job that waits for a user keeps its slot only while it holds a device or a thing. Otherwise the next job gets the
+    slot; once answered, the waiting job resumes before all others as soon as a slot is free. An interrupted or halted
+    job has no slot; when resumed, it waits for its turn.
 
     Args:
-        tasks: Plans and does.
-        runtime: What it does it with.
-        store: Where jobs are kept.
-        book: The jobs as they are now.
+        tasks: Plans and executes.
+        runtime: Where jobs run.
+        store: Where jobs are stored.
+        book: The current jobs.
         parse: Reads goal texts.
-        guard: Held by whoever changes a job. A command holds it while it waits for the disk: the control cycle takes
-            it only where there is something to write.
-        at_once: How many jobs may be under way at the same time.
+        guard: Held while a job changes. A command holds it while it waits for the disk, so the control cycle acquires
+            it only when there is something to write.
+        at_once: How many jobs may run at the same time.
         clock: Gives the wall time [s since 1970].
     """
 
@@ -75,15 +75,15 @@ class Conductor:
 
     @property
     def idle(self) -> bool:
-        """True when nothing is under way, and nothing would start by itself now."""
+        """True if no job is running and none would start now."""
         return not (self._runs or self._wishes) and self._coming is None
 
     def run(self, job: str) -> JobRun | None:
-        """Returns what runs for a job; None where nothing does."""
+        """Returns the run of a job; None if it has none."""
         return self._runs.get(job)
 
     def wish(self, job: str, what: Callable[[JobRun], None]) -> None:
-        """Has something done to what runs for a job, in the control thread."""
+        """Schedules a function on a job's run in the control thread."""
 
         def fulfil() -> None:
             if job in self._runs:
@@ -92,17 +92,17 @@ class Conductor:
         self._wishes.append(fulfil)
 
     def go_on(self, job: str) -> None:
-        """Has a job go on that stands; where nothing runs for it, it is planned anew when its turn comes."""
+        """Resumes a paused job; if it has no run, it is replanned when its turn comes."""
         self._wishes.append(partial(self._go_on, job))
 
     def note_done(self, job: str, by: str) -> None:
-        """Has that believed what a person says they did in the place of the step that was cut off."""
+        """Applies the effects of an interrupted step that the user reports as done by hand."""
         self._wishes.append(partial(self._note_done, job, by))
 
     # ------------------------------------------------------------------ in the control thread
 
     def attend(self) -> None:
-        """Does what was asked for, follows what runs, and begins what is next."""
+        """Executes scheduled requests, tracks running jobs and starts the next ones."""
         while self._wishes:
             self._wishes.popleft()()
         for job, run in tuple(self._runs.items()):
@@ -113,7 +113,7 @@ class Conductor:
             self._give_places()
 
     def _give_places(self) -> None:
-        """Lets those go on that were set aside and have their answer; then the one whose turn it is."""
+        """Gives free slots to set-aside jobs that have their answer, then to the next job."""
         for run in self._runs.values():
             if run.aside and not run.asks and self._has_room:
                 run.take_place()
@@ -125,8 +125,8 @@ class Conductor:
     def _coming(self) -> str | None:
         """Id of the job whose turn it is.
 
-        While a job was cut off or halted and nobody has looked, no other is begun: what a robot holds, and where it
-        stands, is as uncertain for that one. What has its answer goes on.
+        While an interrupted or halted job has not been reviewed, no other is started: where the robot is and what it
+        holds is equally uncertain for that one. Jobs that have their answer continue.
         """
         coming = self._turns.next()
         if coming is None or not self._book.unseen:
@@ -139,10 +139,10 @@ class Conductor:
         return sum(not run.aside for run in self._runs.values()) < self._at_once
 
     def _make_room(self) -> bool:
-        """Sets one aside that waits for a person and has no device or thing: nobody has to wait for that person, too.
+        """Sets aside one job that waits for a user and holds no device or thing, so that others need not wait.
 
         Returns:
-            Whether there was one.
+            True if there was one.
         """
         aside = sum(run.aside for run in self._runs.values())
         for job, run in self._runs.items() if aside < _MOST_ASIDE else ():
@@ -161,7 +161,7 @@ class Conductor:
     def _dispatch(self, id_: str) -> None:
         with self._guard.control():
             job = self._book.open.get(id_)
-            if job is None or self._coming != id_:  # somebody was quicker
+            if job is None or self._coming != id_:  # changed meanwhile
                 return
             if job.state is JobState.RUNNING:
                 self._begin(self._book.change(job.but(**self._begun(job))))
@@ -171,7 +171,7 @@ class Conductor:
                 self._begin(self._book.move(job, Trigger.DISPATCH, started=self._clock(), **self._begun(job)))
 
     def _begun(self, job: Job) -> dict[str, Any]:
-        """Returns what changes of a job that begins: written down together, for the disk is waited for."""
+        """Returns the fields that change when a job starts; they are written together to wait for the disk once."""
         return {"detail": "planning", "attempts": job.attempts + 1, "seen": self._runtime.world.version}
 
     def _go_on(self, id_: str) -> None:
@@ -206,7 +206,7 @@ class Conductor:
     def _note_done(self, id_: str, by: str) -> None:
         with self._guard.control():
             job = self._book.open.get(id_)
-            if job is None or job.state is not JobState.INTERRUPTED or id_ in self._runs:  # somebody was quicker
+            if job is None or job.state is not JobState.INTERRUPTED or id_ in self._runs:  # changed meanwhile
                 return
             before = self._runtime.world.version
             try:
@@ -226,18 +226,18 @@ class Conductor:
             self._store.settle(job, intent.number, f"done by hand, says {by}")
 
     def _cut_off(self, job: str) -> tuple[Intent, ...]:
-        """Returns the steps of which nobody knows how they ended."""
+        """Returns the steps whose outcome is unknown."""
         return tuple(intent for intent in self._store.intents(job) if intent.ended is None)
 
 
 class Turns:
-    """The jobs that may begin, and those that begin anew; used in the control thread, apart from :meth:`next`.
+    """The jobs that may start or restart; used in the control thread, apart from :meth:`next`.
 
-    What was begun once and has to be planned anew, since the program ended or everything was halted meanwhile, waits
-    like any other: others may work with its robots by now. There are few of these.
+    A started job that has to be replanned because the program ended or the system was halted waits like any other:
+    other jobs may use its robots by now. There are few of these.
 
     Args:
-        book: The jobs as they are now.
+        book: The current jobs.
         clock: Gives the wall time [s since 1970].
     """
 
@@ -247,20 +247,20 @@ class Turns:
         self._back: dict[str, None] = {}
 
     def come_back(self, job: str) -> None:
-        """Has a job wait that goes on."""
+        """Queues a job to be resumed."""
         self._back = dict.fromkeys((*self.coming_back, job))
 
     def leave(self, job: str) -> None:
-        """Has a job wait no more that was to go on."""
+        """Removes a job from those to be resumed."""
         self._back.pop(job, None)
 
     @property
     def coming_back(self) -> tuple[str, ...]:
-        """The jobs that wait to go on: none that was paused or ended meanwhile."""
+        """The jobs waiting to be resumed, without those paused or ended meanwhile."""
         return tuple(job for job in tuple(self._back) if self._is_running(job))
 
     def next(self) -> str | None:
-        """Returns the id of the job whose turn it is; None where none may start now."""
+        """Returns the id of the next job; None if none may start now."""
         new = self._book.queue.next(self._clock())
         back = self._first_back()
         if back is None or new is None:
@@ -268,7 +268,7 @@ class Turns:
         return back if self._priority(back) >= self._priority(new) else new
 
     def _first_back(self) -> str | None:
-        """Returns the first of those that wait to go on."""
+        """Returns the first job waiting to be resumed."""
         waiting = (self._book.open.get(job) for job in self.coming_back)
         first = min((job for job in waiting if job is not None), key=rank, default=None)
         return None if first is None else first.id

@@ -1,4 +1,4 @@
-"""What was under way when the program ended waits for a person: nothing is done twice by itself."""
+"""Jobs interrupted by the end of the program wait for the user: no step is repeated automatically."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from skiros_py.tasks.person import write_by_hand
 from skiros_py.world.world import World
 
 RETRY, BY_HAND, ABORT = "retry", "done by hand", "abort"
-"""What a person may answer: go on from what is believed now; a person has done the step; give the job up."""
+"""The user's options: continue from the current world model; the step was done by hand; give the job up."""
 
 CUT_OFF = "nobody knows: it was cut off, and planned anew"
-"""How a step ended that was cut off, when a person has looked and wants the job to go on."""
+"""Recorded outcome of an interrupted step once the user has reviewed it and resumed the job."""
 
 WAITS = "waits for its turn"
-"""What a job says that shall go on, while others are under way."""
+"""Detail text of a resumed job while others are running."""
 
 
 def hold_what_was_cut_off(book: JobBook, store: JobStore, world: World) -> None:
-    """Lets every job wait for a person that had begun and was not over when the program ended.
+    """Holds every job that was started but not finished when the program ended, until the user answers.
 
-    What waits for one already stays as it is: nothing of it was under way.
+    Jobs that already wait for the user are unchanged: nothing was running for them.
     """
     for job in book.open.values():
         if job.state.has_begun:
@@ -44,7 +44,7 @@ def hold_what_was_cut_off(book: JobBook, store: JobStore, world: World) -> None:
 
 
 def hold_what_was_halted(book: JobBook, job: Job, why: str) -> Job:
-    """Lets a job wait for a person because everything was halted; everything it moved stands."""
+    """Holds a job until the user answers because the system was halted; everything it moved is at rest."""
     detail = f"everything was halted ({why}): look, reset, then answer"
     return book.move(job, Trigger.HOLD, why, detail=detail, choices=(RETRY, ABORT), question=None, seen=None)
 
@@ -60,13 +60,13 @@ def done_by_hand(world: World, capabilities: Sequence[Capability], intent: Inten
 
     Args:
         world: The live world model.
-        capabilities: The skills that are there.
+        capabilities: The available skills.
         intent: The step.
-        by: Who says that it is done.
+        by: Who reports it as done.
 
     Raises:
-        UnknownName: Nobody has the skill any more, so nobody knows its effects.
-        WorldError: The effects cannot be so.
+        UnknownName: The skill is no longer available, so its effects are unknown.
+        WorldError: The world model rejects the effects.
     """
     skills = {capability.skill.name: capability.skill for capability in capabilities}
     if intent.skill not in skills:

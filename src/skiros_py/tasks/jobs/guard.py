@@ -1,4 +1,4 @@
-"""One change of a job at a time, and the control thread before everybody else."""
+"""Serializes changes of jobs, with priority for the control thread."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from contextlib import contextmanager
 
 
 class Guard:
-    """Held by whoever changes a job.
+    """The lock held while a job is changed.
 
-    A command waits for the disk when it holds it no longer; the control thread does so in lockstep only.
+    A command waits for the disk after releasing it; the control thread does so in lockstep only.
 
-    However many commands come at once, only one of them stands between the control cycle and its turn: the others
-    wait before a door of their own. With one lock for all the cycle waited ten times as long.
+    Regardless of the number of concurrent commands, the control cycle waits for at most one of them: the others wait
+    on a second lock. With a single lock the cycle waited ten times as long.
 
     Args:
         flush: Waits for the disk.
@@ -29,7 +29,7 @@ class Guard:
 
     @contextmanager
     def command(self) -> Iterator[None]:
-        """Lets a command change jobs while the block lasts; a listener may give one from within another."""
+        """Holds the lock for a command; reentrant, since listeners may issue commands."""
         if self._holder == threading.get_ident():
             yield
             return
@@ -39,7 +39,7 @@ class Guard:
 
     @contextmanager
     def control(self) -> Iterator[None]:
-        """Lets the control thread change jobs while the block lasts."""
+        """Holds the lock for the control thread."""
         with self._inside():
             yield
         if self._lockstep:

@@ -1,4 +1,4 @@
-"""One job: how far it is, and what came of it. Plain data, kept as JSON."""
+"""One job: its state and results. Plain data, stored as JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from skiros_py.tasks.jobs.states import JobState
 
 
 class Outcome(enum.StrEnum):
-    """What came of a job that is over."""
+    """The outcome of a finished job."""
 
     SUCCEEDED = "succeeded"
     PARTIALLY_SUCCEEDED = "partially succeeded"
@@ -25,7 +25,7 @@ class Outcome(enum.StrEnum):
 
 
 class Actual(BaseModel):
-    """What became of one condition of the goal.
+    """The result for one condition of the goal.
 
     Attributes:
         condition: As ordered.
@@ -46,9 +46,9 @@ class MaterialActual(BaseModel):
     Attributes:
         element: Id of the part.
         class_: Its class.
-        label: What people call it.
+        label: Its display name.
         origin: Id of the element where it was when the job began.
-        place: Id of the element where the job left it; empty where it is no more.
+        place: Id of the element where the job left it; empty if it no longer exists.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -61,13 +61,13 @@ class MaterialActual(BaseModel):
 
 
 class Intent(BaseModel):
-    """That a step is about to move something: written down before its first command.
+    """The record that a step is about to move something, written before its first command.
 
     Attributes:
         number: Counts the steps of the job.
-        skill: What is done.
-        arguments: With what.
-        ended: How it ended; None while nobody knows.
+        skill: Name of the skill.
+        arguments: Its arguments.
+        ended: How it ended; None while unknown.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -79,7 +79,7 @@ class Intent(BaseModel):
 
 
 class Transition(BaseModel):
-    """One change of state, with who wanted it and why.
+    """One state change, with its trigger and reason.
 
     Attributes:
         wall: When [s since 1970].
@@ -101,20 +101,20 @@ class Job(BaseModel):
 
     Attributes:
         order: What was ordered.
-        number: Counts orders in the sequence in which they came.
+        number: Order number, in order of arrival.
         state: Its state.
-        detail: What it does or waits for in this state, in words ("queued", "planning", "held: …").
-        choices: The answers that it waits for from a person; empty while it waits for none.
-        question: Id of the question that they answer; None where the job itself asks: it was cut off.
-        outcome: What came of it; None until it is over.
-        actuals: What became of each condition.
-        materials: Which parts it has moved, by their ids; while it runs, as far as it has said so.
+        detail: Its current activity or what it waits for in this state, in words ("queued", "planning", "held: …").
+        choices: The possible answers to its open question; empty if there is none.
+        question: Id of that question; None if the job itself asks because it was interrupted.
+        outcome: Its outcome; None until it is over.
+        actuals: The result for each condition.
+        materials: The parts it has moved, by id; while it runs, those reported so far.
         reasons: Why there is no plan, or why it was given up.
-        plan: The last plan, a line a step.
-        attempts: How often it was begun: once more after each restart of the program.
+        plan: The last plan, one line per step.
+        attempts: How often it was started: once more after each restart of the program.
         seen: Version of the world up to which ``materials`` are known; None while it does not run.
-        version: Grows with every change of it, and over jobs that have its id one after the other.
-        ordered, started, ended, changed: When, the last for any change of it [s since 1970].
+        version: Incremented with every change, also across successive jobs with the same id. ordered, started, ended,
+            changed: When, the last for any change of it [s since 1970].
     """
 
     model_config = ConfigDict(frozen=True)
@@ -145,7 +145,7 @@ class Job(BaseModel):
 
     @property
     def late(self) -> bool:
-        """True when it ended, or is still open, after its deadline; what is open is judged by whoever has a clock."""
+        """True if it ended after its deadline; for open jobs the caller compares with the clock."""
         return self.order.deadline is not None and (self.ended or 0.0) > self.order.deadline.timestamp()
 
     @property
@@ -156,5 +156,5 @@ class Job(BaseModel):
         return max(0.0, self.ended - self.order.deadline.timestamp())
 
     def but(self, **changes: Any) -> Job:
-        """Returns the job with something changed, as its next version."""
+        """Returns the next version of the job with some fields changed."""
         return self.model_copy(update={"version": self.version + 1, **changes})

@@ -1,4 +1,4 @@
-"""What is known of jobs; may be asked in any thread, and waits for no command."""
+"""Queries about jobs; callable from any thread, never blocked by commands."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class JobLookups:
     """Answers questions about jobs.
 
     Args:
-        book: The jobs as they are now.
-        store: Where they are kept.
+        book: The current jobs.
+        store: Where they are stored.
 
     Attributes:
-        store: Where they are kept; for what is announced to others.
+        store: Where they are stored; used to forward announcements.
     """
 
     def __init__(self, book: JobBook, store: JobStore) -> None:
@@ -31,9 +31,9 @@ class JobLookups:
 
     @property
     def jobs(self) -> Mapping[str, Job]:
-        """All jobs that were not removed, by id, in the order in which they were ordered; few questions, many reads.
+        """All jobs that were not removed, by id, in the order in which they were ordered; reads are slow.
 
-        What is over is read from the file each time: look at many of them by :meth:`page`.
+        Finished jobs are read from the file each time: use :meth:`page` to read many of them.
         """
         return self._book.jobs
 
@@ -54,7 +54,7 @@ class JobLookups:
         return found
 
     def removed(self, job: str) -> Job | None:
-        """Returns a job of that id that was removed in the last days, as it was last but for its details; or None."""
+        """Returns the last version, without details, of a job removed in the last days; None if there is none."""
         return self.store.removed(job)
 
     def page(
@@ -86,7 +86,7 @@ class JobLookups:
         return self.store.known(receipt)
 
     def intents(self, job: str) -> tuple[Intent, ...]:
-        """Returns the steps that were begun for a job, in order, and how they ended.
+        """Returns the steps that were started for a job, in order, and how they ended.
 
         Raises:
             UnknownName: There is no such job.
@@ -94,7 +94,7 @@ class JobLookups:
         return self.store.intents(self.job(job).id)
 
     def transitions(self, job: str) -> tuple[Transition, ...]:
-        """Returns a job's changes of state, in order, with who wanted them.
+        """Returns a job's state changes, in order, with their triggers.
 
         Raises:
             UnknownName: There is no such job.
@@ -102,11 +102,11 @@ class JobLookups:
         return self.store.transitions(self.job(job).id)
 
     def trace(self, job: str, *, skip: int = 0, limit: int | None = None) -> tuple[Mapping[str, Any], ...]:
-        """Returns what happened for a job, as plain data, in order; the last second of what runs may be missing.
+        """Returns a job's trace as plain data, in order; the last second of a running job may be missing.
 
         Args:
             job: Its id.
-            skip: So many entries are left out at the beginning.
+            skip: How many entries to skip at the beginning.
             limit: How many at most; None for all.
 
         Raises:
@@ -115,7 +115,7 @@ class JobLookups:
         return self.store.trace(self.job(job).id, skip=skip, limit=limit)
 
     def announcements(self, after: int, most: int) -> tuple[Announcement, ...]:
-        """Returns what is to be told to others; see :meth:`JobStore.announcements`."""
+        """Returns announcements to forward; see :meth:`JobStore.announcements`."""
         return self.store.announcements(after, most)
 
     @property
@@ -124,7 +124,7 @@ class JobLookups:
         return self.store.last_announcement
 
     def forget_announcements(self, upto: int) -> None:
-        """Forgets what was told to everybody; see :meth:`JobStore.forget_announcements`."""
+        """Deletes delivered announcements; see :meth:`JobStore.forget_announcements`."""
         self.store.forget_announcements(upto)
 
     def subscribe(self, listener: Callable[[Job], None]) -> Callable[[], None]:

@@ -1,7 +1,7 @@
-"""Takes job orders, lets them run one after the other, and keeps what is known of them over restarts.
+"""Accepts job orders, runs them in turn and keeps their records across restarts.
 
-Commands may come from any thread: they are checked and written down at once, and take effect at the end of the present
-control cycle. What runs is touched in the control thread only.
+Commands may come from any thread: they are checked and stored at once and take effect at the end of the current
+control cycle. Running tasks are accessed in the control thread only.
 """
 
 from __future__ import annotations
@@ -25,23 +25,23 @@ from skiros_py.tasks.task_manager import TaskManager
 
 _MOST_OPEN = 50_000
 _RETRY_AFTER = 30.0
-"""When a full queue may have room again [s]: a job takes its time."""
+"""Suggested retry delay when the queue is full [s]."""
 
 
 class JobManager(JobCommands):
     """The queue of jobs of one runtime.
 
     Args:
-        tasks: Plans and does.
-        runtime: What it does it with.
-        store: Where jobs are kept; whoever made it closes it.
+        tasks: Plans and executes.
+        runtime: Where jobs run.
+        store: Where jobs are stored; closed by its creator.
         parse: Reads goal texts.
-        at_once: How many jobs may be under way at the same time.
+        at_once: How many jobs may run at the same time.
         limit: How many jobs may be open at the same time.
         clock: Gives the wall time [s since 1970].
 
     Attributes:
-        limit: How many jobs may be open at the same time; may be set. What is more is refused, what is there stays.
+        limit: How many jobs may be open at the same time; may be set. Further orders are refused; existing jobs stay.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class JobManager(JobCommands):
 
     @property
     def idle(self) -> bool:
-        """True when nothing is under way, and nothing would start by itself now."""
+        """True if no job is running and none would start now."""
         return self._conductor.idle
 
     def submit(
@@ -78,17 +78,17 @@ class JobManager(JobCommands):
         receipt: Receipt | None = None,
         again: bool = False,
     ) -> Job:
-        """Takes an order; when this returns, it is on the disk.
+        """Accepts an order; when this returns, it is on disk.
 
         Args:
-            order: What is wanted. The very same order once more changes nothing.
-            start: True where it may start by itself when its turn comes.
+            order: The order. Submitting the same order again changes nothing.
+            start: True if it may start by itself when its turn comes.
             comment: Why, for the record.
-            receipt: Marks the request: the very same request once more changes nothing, whatever id the order has.
-            again: True where it is meant although there was a job of that id that was removed.
+            receipt: Identifies the request: repeating it changes nothing, even under another order id.
+            again: True to accept the order although a job with that id was removed before.
 
         Returns:
-            The job; where the order or the request was known, as that job is now.
+            The job; for a known order or request, its current version.
 
         Raises:
             UsageError: Its goal cannot be understood.
@@ -99,7 +99,7 @@ class JobManager(JobCommands):
         """
         known = self._known(
             order, receipt, again=again
-        )  # what was taken once is not read again: the world has gone on since
+        )  # a known order is not parsed again: the world has changed since
         if known is not None:
             return known
         self._parse(order.goal)
@@ -112,10 +112,10 @@ class JobManager(JobCommands):
             return self._book.add(order, start=start, comment=comment, receipt=receipt)
 
     def update(self, order: JobOrder, comment: str = "", *, expects: int | None = None) -> Job:
-        """Orders something else under the id of a job that has not begun.
+        """Replaces the order of a job that has not started.
 
         Args:
-            order: What is wanted now. The order that is there already changes nothing.
+            order: The new order. An identical order changes nothing.
             comment: Why, for the record.
             expects: The job's version, as seen.
 
@@ -123,7 +123,7 @@ class JobManager(JobCommands):
             UnknownName: There is no such job.
             UsageError: Its goal cannot be understood.
             StaleVersion: It has changed since it was seen.
-            WrongState: It has begun.
+            WrongState: It has started.
         """
         self._parse(order.goal)
         with self._guard.command():
@@ -133,7 +133,7 @@ class JobManager(JobCommands):
             return self._book.move(now, Trigger.UPDATE, comment, order=order)
 
     def _known(self, order: JobOrder, receipt: Receipt | None, *, again: bool) -> Job | None:
-        """Returns the job of an order or request that comes once more; None where both are new."""
+        """Returns the job of a repeated order or request; None if both are new."""
         with self._guard.command():
             if receipt is not None and (before := self.known(receipt)) is not None:
                 return before
@@ -151,7 +151,7 @@ class JobManager(JobCommands):
 
 
 def _check_removed(order: JobOrder, last: Job | None) -> None:
-    """Refuses an order that was done and removed before: it may come late, from somebody who got no answer."""
+    """Refuses an order that was done and removed before: it may be a late retry by a client that got no answer."""
     if last is None:
         return
     if last.order == order:

@@ -1,4 +1,4 @@
-"""Which parts a job has moved: read from the changes of the world that are about what its steps name."""
+"""The parts a job has moved, from the world changes to elements its steps name."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from skiros_py.world.world import World
 
 
 def moved(world: World, job: Job, intents: Iterable[Intent]) -> tuple[MaterialActual, ...]:
-    """Returns what a job has moved by now: what it has said before, and what changed since :attr:`Job.seen`.
+    """Returns the parts a job has moved so far: those already recorded, and the changes since :attr:`Job.seen`.
 
-    Only what one of its own steps names counts: other jobs may be under way beside it. What lies where it lay before
-    is left out.
+    Only parts that one of its own steps names count, since other jobs may run concurrently. Parts back at their
+    original place are left out.
 
     Args:
         world: The live world model.
         job: The job.
-        intents: The steps that were begun for it.
+        intents: The steps that were started for it.
     """
     if job.seen is None:
         return job.materials
@@ -44,7 +44,7 @@ def _placements(world: World, named: Collection[str], after: int) -> Iterator[Pl
 
 
 def _may_be_part(now: Index, name: str) -> bool:
-    """What is gone may have been one."""
+    """Returns True for parts and for removed elements, which may have been parts."""
     return not now.has(name) or now.ontology.is_a(now.element(name).type, MANIPULATABLE)
 
 

@@ -1,4 +1,4 @@
-"""What is ordered: a goal, with what somebody's own system says about it."""
+"""A job order: a goal with the data of the ordering system."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ _PRIORITIES = 2**15
 
 
 class Material(BaseModel):
-    """Parts that an order is about (ISA-95: material requirement), as whoever orders says it.
+    """Parts that an order is about (ISA-95: material requirement), as stated by the client.
 
     Attributes:
         class_: Their class; "class" in JSON.
-        definition: Number of the material, where whoever orders has one.
-        lot: The lot that they shall be of.
+        definition: The client's material number, if any.
+        lot: The required lot.
         quantity: How many pieces; or an amount, a decimal number as text.
-        units: Of the amount; empty for pieces.
-        id: Which piece, where just that one is meant.
-        location: Where it shall be used.
-        use: What for.
-        properties: What else whoever orders says of them.
+        units: Unit of the amount; empty for pieces.
+        id: Id of a specific piece, if required.
+        location: Where it is to be used.
+        use: Its intended use.
+        properties: Further properties given by the client.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_by_name=True, validate_by_alias=True)
@@ -41,20 +41,20 @@ class Material(BaseModel):
 
 
 class JobOrder(BaseModel):
-    """What is ordered (ISA-95: job order).
+    """A job order (ISA-95).
 
     Attributes:
-        id: Chosen by whoever orders; the same order again is the same job.
+        id: Chosen by the client; the same order again is the same job.
         goal: Goal texts; all must hold together.
         description: For people.
-        priority: The higher comes first.
-        not_before: The start gate: it does not start earlier. None for at once.
-        deadline: When it should be done; of equal priority the earlier comes first. A job that is late is still done,
-            and says so, unless ``expires``.
-        expires: True where it must not be begun after its deadline.
-        policy: What happens when something of the goal cannot be reached.
-        work_master: Name of the goal template that the goal was made of; empty where it was stated as it is.
-        parameters: What the template was given, by the names of its parameters.
+        priority: Higher values come first.
+        not_before: The start gate: it does not start earlier. None for no gate.
+        deadline: When it should be done; of equal priority the earlier comes first. A late job is still done and
+            marked as late, unless ``expires``.
+        expires: True if it must not be started after its deadline.
+        policy: What to do when part of the goal is unreachable.
+        work_master: Name of the goal template the goal was made from; empty if it was stated directly.
+        parameters: The template's arguments by parameter name.
         materials: Which parts were ordered with it.
     """
 

@@ -1,4 +1,4 @@
-"""Whose turn it is, found without looking at all jobs."""
+"""The queue of waiting jobs: finds the next one without scanning all jobs."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ _Ready = tuple[_Rank, float, str, _Mark]
 _Gated = tuple[float, _Rank, str, _Mark]
 
 _SPARE = 100
-"""Entries that count no more, of which nobody minds the room."""
+"""How many stale entries are tolerated before the heap is cleaned up."""
 
 
 class JobQueue:
-    """The jobs that start by themselves; used by any thread, none of which ever waits for a disk here.
+    """The jobs that start by themselves; used by any thread, never waits for the disk.
 
     The higher priority comes first; of equal priority the earlier deadline; then the earlier order.
 
-    What is put in once more, or taken out, leaves an entry behind that counts no more and goes when it comes up.
+    Replaced or removed jobs leave a stale entry behind that is dropped when it reaches the top.
 
     Args:
-        jobs: Those that wait already.
+        jobs: The jobs that are already waiting.
     """
 
     def __init__(self, jobs: Iterable[Job] = ()) -> None:
@@ -39,7 +39,7 @@ class JobQueue:
             self.put(job)
 
     def put(self, job: Job) -> None:
-        """Takes the present version of a job, whether it waits for its turn by now or not."""
+        """Updates a job with its current version, whether it is waiting or not."""
         with self._guard:
             if job.state is not JobState.ALLOWED_TO_START:
                 self._marks.pop(job.id, None)
@@ -90,6 +90,6 @@ def _opening(job: Job) -> float:
 
 
 def rank(job: Job) -> _Rank:
-    """Returns what jobs are ordered by: the less comes first."""
+    """Returns the sort key of a job: the smallest comes first."""
     deadline = job.order.deadline
     return -job.order.priority, math.inf if deadline is None else deadline.timestamp(), job.number

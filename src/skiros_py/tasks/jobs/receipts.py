@@ -1,4 +1,4 @@
-"""What somebody's request led to: whoever asks once more, since the answer was lost, gets the same answer."""
+"""Results of requests: a client that repeats a request because the answer was lost gets the same answer."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ KEPT = 24 * 3600.0
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """Marks a request, so that the same one is known again.
+    """Identifies a request, so that a repetition is recognized.
 
     Attributes:
-        caller: Who asks; keys of different callers have nothing to do with each other.
-        key: Chosen by the caller, another one for each request.
-        digest: Stands for the content of the request.
+        caller: The caller; keys of different callers are independent.
+        key: Chosen by the caller, unique per request.
+        digest: Digest of the request's content.
     """
 
     caller: str
@@ -26,7 +26,7 @@ class Receipt:
     digest: str
 
     def check(self, digest: str) -> None:
-        """Sees that this is the request that was kept under the key.
+        """Checks that this is the request stored under the key.
 
         Raises:
             KeyReused: It is another one.
@@ -36,12 +36,12 @@ class Receipt:
 
 
 def keep_receipt(connection: sqlite3.Connection, receipt: Receipt, job: str, wall: float) -> None:
-    """Keeps that a request led to a job, and forgets what is old."""
+    """Stores that a request led to a job and deletes old receipts."""
     connection.execute("DELETE FROM receipts WHERE wall < ?", (wall - KEPT,))
     values = (receipt.caller, receipt.key, receipt.digest, job, wall)
     connection.execute("INSERT INTO receipts (caller, key, digest, job, wall) VALUES (?, ?, ?, ?, ?)", values)
 
 
 def leave_receipts(connection: sqlite3.Connection, job: str, data: str) -> None:
-    """Keeps the last version of a job that is removed with the receipts that led to it."""
+    """Stores the last version of a removed job with the receipts that led to it."""
     connection.execute("UPDATE receipts SET last = ? WHERE job = ? AND last IS NULL", (data, job))

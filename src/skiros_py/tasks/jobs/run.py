@@ -1,4 +1,4 @@
-"""One job under way: the task that pursues its goal, and what of it is written down."""
+"""One running job: the task that pursues its goal, and its records."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ from skiros_py.tasks.report import GoalReport
 from skiros_py.tasks.trace import TraceEntry
 
 _BETWEEN_WRITES = 1.0
-"""Wall time between two writes of the trace: each waits for the disk [s]."""
+"""Wall time between two writes of the trace, since each waits for the disk [s]."""
 
 
 class JobRun:
-    """What runs for a job; used in the control thread.
+    """The run of a job; used in the control thread.
 
     Args:
         task: Pursues the goal.
-        runtime: Where that happens.
-        book: Takes what becomes of the job.
-        store: Takes intents and trace.
+        runtime: Where the task runs.
+        book: Records the job's progress.
+        store: Stores intents and trace.
 
     Attributes:
-        ending: What comes of the job when it stands, because somebody ended it; None while nobody did.
-        paused: True while somebody wants it to stand.
-        aside: True while it has no place among those that are under way: nothing of it moves.
+        ending: How the job ends once it is at rest, if it was ended by a command; None otherwise.
+        paused: True while it is paused by a command.
+        aside: True while it is set aside without a slot: nothing of it moves.
     """
 
     def __init__(self, task: TaskHandle, runtime: Runtime, book: JobBook, store: JobStore) -> None:
@@ -60,33 +60,33 @@ class JobRun:
     # ------------------------------------------------------------------ commands
 
     def pause(self) -> None:
-        """Lets it come to a standstill; what waits for an answer then stands when that has come."""
+        """Pauses the job; if it waits for an answer, it pauses once the answer has arrived."""
         self.paused = True
         self._task.pause()
 
     def resume(self) -> None:
-        """Goes on."""
+        """Resumes the job."""
         self.paused = False
         if not self.aside:
             self._task.resume()
 
     def set_aside(self) -> None:
-        """Takes its place from it: when its question is answered, it waits until it has one again."""
+        """Sets the job aside: when its question is answered, it waits for a slot."""
         self.aside = True
         self._task.pause()
 
     def take_place(self) -> None:
-        """Lets it go on in a place of its own, unless somebody wants it to stand."""
+        """Gives the job a slot and resumes it, unless it is paused."""
         self.aside = False
         if not self.paused:
             self._task.resume()
 
     def stop(self) -> None:
-        """Ends it."""
+        """Stops the job."""
         self._task.stop(self._comment or f"the job is {self.ending}")
 
     def end_as(self, trigger: Trigger, outcome: Outcome, comment: str) -> None:
-        """Says what comes of the job when it stands; the last one who says so counts."""
+        """Sets how the job ends once it is at rest; the last call counts."""
         self.ending, self._trigger, self._comment = outcome, trigger, comment
 
     @property
@@ -95,7 +95,7 @@ class JobRun:
         return self._task.question is not None
 
     def answer(self, choice: str, *, by: str, asked: int | None) -> None:
-        """Answers what it asks; may be called in any thread.
+        """Answers its open question; may be called in any thread.
 
         Args:
             choice: One of the answers that it offers.
@@ -103,7 +103,7 @@ class JobRun:
             asked: Id of the question that this answers.
 
         Raises:
-            WrongState: It asks nothing, or something else, by now.
+            WrongState: There is no open question, or it is a different one by now.
         """
         question = self._task.question
         if question is None or question.id != asked:
@@ -111,7 +111,7 @@ class JobRun:
             raise WrongState(f"job '{self._task.name}' {now}")
         try:
             self._runtime.questions.answer(question.id, choice, by=by)
-        except UnknownName:  # somebody has answered, and it has not heard that yet
+        except UnknownName:  # already answered, but the task has not processed it yet
             raise WrongState(f"job '{self._task.name}' has its answer already") from None
 
     # ------------------------------------------------------------------ what is written down
@@ -129,23 +129,23 @@ class JobRun:
 
     @property
     def has_news(self) -> bool:
-        """True when something has changed that :meth:`follow` writes down."""
+        """True if something has changed that :meth:`follow` stores."""
         return self._task.done or self._look() != self._seen
 
     def follow(self, job: Job) -> bool:
-        """Writes down what has changed.
+        """Stores what has changed.
 
         Args:
             job: The job as it is now.
 
         Returns:
-            True when it is over, or cut off.
+            True if it is over or interrupted.
         """
         task, seen = self._task, self._look()
         if task.done:
-            for number in tuple(self._numbers):  # it was stopped in the midst of them, and stands
+            for number in tuple(self._numbers):  # stopped in the middle of these steps, and at rest
                 self._settle_as(number, "stopped")
-            self.write_trace()  # before the end is told: who reads it then, reads all of it
+            self.write_trace()  # before the end is announced: readers then see the whole trace
             self._finish(self._with_moves(job))
             return True
         if seen != self._seen:
@@ -158,7 +158,7 @@ class JobRun:
 
     @property
     def _status(self) -> str:
-        """What it does, in words."""
+        """Its current activity, in words."""
         if self.paused or not self.aside:
             return self._task.status
         return self._task.phase if self.asks else WAITS
@@ -169,13 +169,13 @@ class JobRun:
         return tuple(plan.steps) if plan is not None else ()
 
     def _with_moves(self, job: Job) -> Job:
-        """Returns the job with the parts that it has moved by now; of the same version, nobody has it yet."""
+        """Returns the job with the parts it has moved so far; same version, since it was not published yet."""
         version = self._runtime.world.version
         materials = moved(self._runtime.world, job, self._store.intents(job.id))
         return job.model_copy(update={"materials": materials, "seen": version})
 
     def _note(self, job: Job, plan: Sequence[str]) -> None:
-        """Passes on what it does now: whether it waits for a person is a state of the job."""
+        """Publishes its current activity; waiting for the user is a state of the job."""
         question = self._task.question
         if question is not None:
             asks = {"detail": f"held: {question.text}", "choices": question.options, "question": question.id}
@@ -187,7 +187,7 @@ class JobRun:
             self._book.change(job.but(detail=detail, choices=(), question=None, plan=plan))
 
     def write_trace(self) -> None:
-        """Writes the trace down now and then, and when it is over."""
+        """Stores the trace periodically, and when the job is over."""
         if self._entries and (self._task.done or time.monotonic() - self._written > _BETWEEN_WRITES):
             entries, self._entries[:] = tuple(self._entries), ()
             self._store.tell(self._task.name, [entry.as_json() for entry in entries])

@@ -1,4 +1,4 @@
-"""The states of a job and what leads from one to another, after ISA-95 job control (OPC 10031-4 v2.00, §6)."""
+"""The states of a job and the transitions between them, after ISA-95 job control (OPC 10031-4 v2.00, §6)."""
 
 from __future__ import annotations
 
@@ -13,56 +13,56 @@ class JobState(enum.Enum):
     """Where a job is; the numbers are those of the standard."""
 
     NOT_ALLOWED_TO_START = 1
-    """It is known, and waits for somebody's leave."""
+    """It is stored and waits for permission to start."""
     ALLOWED_TO_START = 2
     """It starts by itself when its turn comes."""
     RUNNING = 3
-    """It is being planned or done."""
+    """It is being planned or executed."""
     INTERRUPTED = 4
-    """It was under way and stands: somebody paused it, or it cannot go on without a person."""
+    """It was running and is paused: by a command, or because it needs the user."""
     ENDED = 5
-    """It came to an end by itself, or was stopped in good order."""
+    """It ended by itself or was stopped normally."""
     ABORTED = 6
-    """It was given up: by a person, or because there is no way to do anything of it."""
+    """It was given up: by a command, or because no part of it can be done."""
 
     @property
     def is_open(self) -> bool:
-        """True while something may still be done for it."""
+        """True while the job is not over."""
         return self not in (JobState.ENDED, JobState.ABORTED)
 
     @property
     def has_begun(self) -> bool:
-        """True while it is under way, and also when it stands meanwhile."""
+        """True while it is running or interrupted."""
         return self in (JobState.RUNNING, JobState.INTERRUPTED)
 
 
 class Trigger(enum.Enum):
-    """What leads from one state to another."""
+    """What triggers a state change."""
 
     STORE = "store"
-    """Somebody orders it, without leave to start."""
+    """It is ordered, without permission to start."""
     START = "start"
-    """Somebody gives leave to start."""
+    """Permission to start is given."""
     REVOKE_START = "revoke start"
-    """Somebody takes that back."""
+    """The permission is revoked."""
     UPDATE = "update"
-    """Somebody orders something else instead."""
+    """The order is replaced."""
     DISPATCH = "dispatch"
     """Its turn has come."""
     PAUSE = "pause"
-    """Somebody lets it stand for a while."""
+    """It is paused."""
     HOLD = "hold"
-    """It cannot go on without a person."""
+    """It needs the user."""
     RESUME = "resume"
     """It goes on."""
     STOP = "stop"
-    """Somebody ends it in good order."""
+    """It is stopped normally."""
     ABORT = "abort"
-    """Somebody gives it up."""
+    """It is aborted."""
     FINISH = "finish"
-    """It is through."""
+    """It is finished."""
     FAIL = "fail"
-    """Nothing of it can be done."""
+    """No part of it can be done."""
 
 
 _S, _T = JobState, Trigger
@@ -101,11 +101,11 @@ _TABLE: Mapping[JobState, Mapping[Trigger, JobState]] = MappingProxyType(
         _S.ABORTED: {},
     }
 )
-"""The standard's table; HOLD of what stands already, and the end of what stands, are the inner life of the cell."""
+"""The standard's table; HOLD in, and the end of, an interrupted job are internal to the cell."""
 
 
 def allowed(state: JobState) -> tuple[Trigger, ...]:
-    """Returns what may happen to a job in a state."""
+    """Returns the triggers allowed in a state."""
     return tuple(_TABLE[state])
 
 
@@ -113,7 +113,7 @@ def next_state(state: JobState, trigger: Trigger) -> JobState:
     """Returns the state that follows.
 
     Raises:
-        WrongState: That cannot happen in this state; the message says what can.
+        WrongState: The trigger is not allowed in this state; the message lists those that are.
     """
     if trigger not in _TABLE[state]:
         able = ", ".join(t.value for t in allowed(state)) or "nothing: it is over"
