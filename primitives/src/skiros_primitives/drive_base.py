@@ -90,7 +90,7 @@ class DriveBase(DrivingPrimitive):
         return place @ driving
 
     def _plan(self, base: Base, goal: Pose, outline: Outline) -> Execution[BasePath | NoMotion | None]:
-        """Plans around everything that stands; None where there is a way, but for another robot that stands there."""
+        """Plans around everything that stands; None if there is a way, but for another robot that stands there."""
         margin = max(_ASIDE, reach(outline) - reach(self._spec().footprint)) + _APART
         standing = other_robots.standing(self.context, self.params.robot, margin=margin)
         path = yield from self._path(base, goal, standing)

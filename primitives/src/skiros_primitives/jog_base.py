@@ -102,7 +102,7 @@ class JogBase(DrivingPrimitive):
     # ------------------------------------------------------------------ what is in the way
 
     def _touched(self, start: Pose, path: BasePath) -> str:
-        """Returns the first thing that would be touched, or come nearer than may be; empty where the way is free.
+        """Returns the first thing that would be touched, or come nearer than may be; empty if the way is free.
 
         Folded arms are above everything but other robots.
         """

@@ -65,7 +65,7 @@ def _alike(pose: Pose, solid: Solid | None) -> tuple[Pose, ...]:
 
 
 def _is_round(solid: Solid) -> bool:
-    """Tells whether turning about the vertical changes nothing: upright cylinders on the axis."""
+    """Returns whether turning about the vertical changes nothing: upright cylinders on the axis."""
     return all(
         block.kind == "cylinder" and max(map(abs, block.pose.position[:2] + block.pose.orientation[:2])) < 1e-6
         for block in solid.primitives

@@ -36,7 +36,7 @@ class AnyClient(Topics[C]):
             **options: ``timeout`` and ``tries``.
 
         Raises:
-            FileError: No server runs on it, or somebody else's does.
+            FileError: No server runs on it, or another user's does.
         """
         client = cls(server_of(Path(data)).url, **options)
         client.http.auth = InStep(Path(data))

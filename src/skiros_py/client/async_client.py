@@ -21,7 +21,7 @@ class AsyncClient(AnyClient[AsyncSender]):
 
     Args:
         url: Address of the server.
-        key: Key, as ``skiros key create`` printed it; None where the server needs none.
+        key: Key, as ``skiros key create`` printed it; None if the server needs none.
         timeout: How long an answer may take [s].
         tries: How often a request is sent at most.
 

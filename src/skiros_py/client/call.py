@@ -29,7 +29,7 @@ class Call(Generic[T]):
         json: Body, as plain data; None for none.
         content: Body as it is, in the place of data; the headers say what it is.
         headers: Further headers; None leaves one out.
-        repeatable: True where the same request twice does no harm, so that it may be sent again when the connection
+        repeatable: True if the same request twice does no harm, so that it may be sent again when the connection
             breaks.
     """
 

@@ -23,7 +23,7 @@ class Client(AnyClient[Sender]):
 
     Args:
         url: Address of the server.
-        key: Key, as ``skiros key create`` printed it; None where the server needs none.
+        key: Key, as ``skiros key create`` printed it; None if the server needs none.
         timeout: How long an answer may take [s].
         tries: How often a request is sent at most.
 

@@ -18,7 +18,7 @@ _LONGEST = 4096
 
 
 def find_server(data: Path) -> LocalServer | None:
-    """Returns the server that owns a data directory now; None where there is none, whatever an earlier one left.
+    """Returns the server that owns a data directory now; None if there is none, whatever an earlier one left.
 
     Raises:
         FileError: What it says of itself cannot be read, such as when it belongs to somebody else.

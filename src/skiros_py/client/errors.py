@@ -17,7 +17,7 @@ class ProblemError(SkirosError):
 
     Attributes:
         problem: All that it says.
-        retry_after: When it may be asked again [s]; None where it does not say.
+        retry_after: When it may be asked again [s]; None if it does not say.
     """
 
     def __init__(self, problem: ProblemDetails, retry_after: float | None = None) -> None:
@@ -32,7 +32,7 @@ class ProblemError(SkirosError):
 
     @property
     def code(self) -> str:
-        """The kind of problem, for programs ("UnknownJobOrderID"); empty where it did not come from our server."""
+        """The kind of problem, for programs ("UnknownJobOrderID"); empty if it did not come from our server."""
         return self.problem.code
 
     @property

@@ -78,7 +78,7 @@ def wait_after(error: Exception, call: Call[Any]) -> bool | float:
 
 
 def _asked_wait(problem: ProblemError, call: Call[Any]) -> bool | float:
-    """Returns the wait that the server asks for [s]; False where it did not, or for longer than anybody waits."""
+    """Returns the wait that the server asks for [s]; False if it did not, or for longer than anybody waits."""
     refused = problem.status == _TOO_MANY_REQUESTS  # nothing was done
     if not refused and not (call.repeatable and problem.status == _UNAVAILABLE):
         return False

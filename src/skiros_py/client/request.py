@@ -25,7 +25,7 @@ def settings_for(url: str, key: str | None, timeout: float) -> dict[str, Any]:
 
     Args:
         url: Address of the server.
-        key: Key; None where none is needed.
+        key: Key; None if none is needed.
         timeout: How long an answer may take [s].
 
     Raises:

@@ -27,8 +27,8 @@ class Wanted:
 
     Attributes:
         view: The world.
-        capabilities: What can be done.
-        goal: What shall hold, all of it.
+        capabilities: The available skills.
+        goal: The conditions that must all hold.
         reached: The highest sequence number that each robot has visited in this task.
         temporal: True to plan in time, with durative actions.
         name: Name of domain and problem.

@@ -72,7 +72,7 @@ def observe(world: World, ran: Ran) -> None:
 
 
 def duration_of(view: WorldView, skill: SkillDescription, agent_class: str) -> float | None:
-    """Returns how long a skill takes [s] when an agent of a class does it, or None where nobody knows.
+    """Returns how long a skill takes [s] when an agent of a class does it, or None if unknown.
 
     Args:
         view: The world, with what was learned.

@@ -41,9 +41,9 @@ class Plan:
     Attributes:
         steps: The skills to run.
         pddl: The plan of the PDDL task, one action a line, as planners write it and validators read it.
-        after: For each step the indices of the steps that must have ended before it starts; empty where they run
+        after: For each step the indices of the steps that must have ended before it starts; empty if they run
             strictly one after the other.
-        starts: When each step shall start, from the start of the plan [s]; empty where nobody knows.
+        starts: When each step shall start, from the start of the plan [s]; empty if nobody knows.
     """
 
     steps: tuple[Step, ...]

@@ -92,7 +92,7 @@ class _Bound:
         self._binding = {argument: argument for argument in condition.arguments}
 
     def broken(self, view: WorldView) -> Verdict | None:
-        """Returns why it does not hold; None where it does.
+        """Returns why it does not hold; None if it does.
 
         Once it held, its elements are known to exist, and its pattern alone tells; where that fails, the whole
         condition says why.
@@ -151,7 +151,7 @@ def out_of_sequence(
     *,
     reached: Mapping[str, int] | None = None,
 ) -> str:
-    """Says how a plan that is right but for sequence and work numbers breaks these; empty where it does not.
+    """Says how a plan that is right but for sequence and work numbers breaks these; empty if it does not.
 
     To be asked where it is proved that a task has no plan with the numbers, and this is one without them: then they are
     why.

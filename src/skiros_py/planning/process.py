@@ -72,7 +72,7 @@ class PlanningProcess:
 
     @property
     def pid(self) -> int | None:
-        """Id of the process; None where it does not run."""
+        """Id of the process; None if it does not run."""
         replica = self._replica
         return None if replica is None or not replica.is_alive() else replica.pid
 

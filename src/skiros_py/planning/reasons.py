@@ -41,10 +41,10 @@ class Cause:
         kind: What kind of reason.
         text: The whole of it in the operator's words.
         conditions: The conditions of the goal that it keeps from being reached.
-        skill: The skill that would bring it about; None where there is none.
-        precondition: What that skill needs and never gets, in words; empty where that is not it.
+        skill: The skill that would bring it about; None if there is none.
+        precondition: What that skill needs and never gets, in words; empty if that is not it.
         elements: The elements and classes it is about, ids or CURIEs.
-        why: The heart of it, without the conditions and without the way down to it; empty where they say all.
+        why: The heart of it, without the conditions and without the way down to it; empty if they say all.
     """
 
     kind: CauseKind

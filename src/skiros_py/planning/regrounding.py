@@ -1,4 +1,4 @@
-"""A plan of skills as a plan of its PDDL task: parameters of our own making (the place that is left) filled in anew.
+"""A plan of skills as a plan of its PDDL task: parameters of our own making (the place that is left) filled in again.
 
 Steps that were left out as detours changed what the ones after them start from, so the planner's own lines may no
 longer hold.
@@ -97,7 +97,7 @@ class TaskState:
         """Takes actions of bookkeeping until the goal is reached.
 
         Returns:
-            Those that it needed, or None where it cannot be reached.
+            Those that it needed, or None if it cannot be reached.
         """
         taken: list[Taken] = []
         before = -1
@@ -150,7 +150,7 @@ def _needed(taken: Sequence[Taken], goal: Iterable[Atom]) -> list[Taken]:
 
 
 Fits = Callable[[str, str], bool]
-"""Tells whether an element is of a class."""
+"""Returns whether an element is of a class."""
 
 
 def bindings(
@@ -181,7 +181,7 @@ def bindings(
 def are_none(
     none: Iterable[NoneSuch], facts: Mapping[str, Sequence[Atom]], binding: Mapping[str, str], fits: Fits
 ) -> bool:
-    """Tells whether there are no such things among the facts.
+    """Returns whether there are no such things among the facts.
 
     Args:
         none: What there must not be.

@@ -88,7 +88,7 @@ class Asked(Generic[T]):
         self._future.add_done_callback(lambda _future: callback(self))
 
     def cancel(self) -> None:
-        """Ends the work; does nothing where the answer is there."""
+        """Ends the work; does nothing if the answer is there."""
         if not self._future.done():
             self._stop()
             self._future.cancel()
@@ -131,8 +131,8 @@ class PlanRequest:
     """Asks for a plan.
 
     Attributes:
-        goal: What shall hold, all of it.
-        capabilities: What can be done.
+        goal: The conditions that must all hold.
+        capabilities: The available skills.
         reached: The highest sequence number that each robot has visited in this task.
         left_out: Elements that no plan may use.
         busy: Robots and things that other tasks use: planned with only where there is no other way.
@@ -183,7 +183,7 @@ class Checked:
     """Whether the rest of a plan leads to its goal.
 
     Attributes:
-        flaw: What keeps it from that; None where nothing does.
+        flaw: What keeps it from that; None if nothing does.
         keys: What was read of the world: where none of that changes, the answer stays the same.
     """
 
@@ -235,7 +235,7 @@ def supposing(
     Args:
         view: The world now.
         steps: What runs.
-        skills: The skills there are, by name.
+        skills: The available skills by name.
         reached: The highest sequence number that each robot has visited in this task; returned as it will be.
     """
     overlay, round_ = Overlay(view), Round(view, (), reached)

@@ -19,7 +19,7 @@ from skiros_py.world.vocabulary import FLOOR, HAS_A, ROBOT, SEQUENCE_NUMBER, USE
 
 
 def counts(view: WorldView) -> bool:
-    """Tells whether sequence and work numbers count in a scene."""
+    """Returns whether sequence and work numbers count in a scene."""
     if USE_SEQUENCE_NUMBERS not in view.ontology.properties:
         return False
     return any(view.value(floor, USE_SEQUENCE_NUMBERS) is True for floor in view.instances(FLOOR))
@@ -34,12 +34,12 @@ def without_numbers(view: WorldView) -> Overlay:
 
 
 def sequence_number(view: WorldView, location: str) -> int | None:
-    """Returns the number of a location; None where it may be visited at any time."""
+    """Returns the number of a location; None if it may be visited at any time."""
     return _number(view, location, SEQUENCE_NUMBER)
 
 
 def turn_of(view: WorldView, place: str) -> tuple[int, str] | None:
-    """Returns the work number of a place, or of what it is a piece of, with whose it is; None where it has none."""
+    """Returns the work number of a place, or of what it is a piece of, with whose it is; None if it has none."""
     own = _number(view, place, WORK_NUMBER)
     if own is not None:
         return own, place
@@ -90,7 +90,7 @@ class Round:
             arguments: With what, defaults included.
 
         Returns:
-            Why it breaks the order; None where it keeps to it.
+            Why it breaks the order; None if it keeps to it.
         """
         if not self._counts:
             return None

@@ -53,9 +53,9 @@ class Planned:
 
     Attributes:
         outcome: The plan, or why there is none.
-        texts: Domain and problem as given to the planner; None where none had to be asked.
+        texts: Domain and problem as given to the planner; None if none had to be asked.
         wall: Wall time from world model to replayed plan [s].
-        planner: Name of the planner that gave the answer; empty where none had to be asked.
+        planner: Name of the planner that gave the answer; empty if none had to be asked.
         notes: What went wrong with planners that were asked before it.
     """
 
@@ -81,8 +81,8 @@ def plan(
     Args:
         planners: What solves the PDDL: one planner, or several to choose from. They are not closed.
         view: The world.
-        capabilities: What can be done.
-        goal: What shall hold, all of it.
+        capabilities: The available skills.
+        goal: The conditions that must all hold.
         reached: The highest sequence number that each robot has visited in this task.
         options: How to plan.
         stopped: Asked while a planner works whether the plan is no longer wanted.
@@ -116,7 +116,7 @@ class _Planning:
 
         Args:
             wanted: What shall be planned.
-            whole: The world with more of its stock than the goal speaks of; None where there is no more.
+            whole: The world with more of its stock than the goal speaks of; None if there is no more.
         """
         solver = SolverLoop(self._planners, wanted, self._stopped)
         found: Found | None = None
@@ -142,7 +142,7 @@ class _Planning:
         Args:
             wanted: What should be planned.
             doubts: Why it is not proved that there is none.
-            is_hopeless: True where there is none whatever the numbers say.
+            is_hopeless: True if there is none whatever the numbers say.
 
         Raises:
             PlanningError: All planners broke, took too long, answered with what is no plan or gave up; and nothing else

@@ -29,10 +29,10 @@ class Found:
 
     Attributes:
         texts: The task as written.
-        planner: Name of the last that was asked; empty where none was.
-        plan: The plan; None where there is none.
+        planner: Name of the last that was asked; empty if none was.
+        plan: The plan; None if there is none.
         doubts: Why that is not proved, where it is not.
-        hurried: True where a planner was stopped that might have found one.
+        hurried: True if a planner was stopped that might have found one.
     """
 
     texts: PddlTexts
@@ -42,7 +42,7 @@ class Found:
     hurried: bool = False
 
     def is_about(self, texts: PddlTexts) -> bool:
-        """Tells whether planners would say the same of these texts."""
+        """Returns whether planners would say the same of these texts."""
         return not self.hurried and (self.texts.domain, self.texts.problem) == (texts.domain, texts.problem)
 
 
@@ -83,7 +83,7 @@ class SolverLoop:
         self._is_hopeless: bool | None = None
 
     def is_hopeless(self) -> bool:
-        """Tells whether causes prove, without any search, that there is no plan; worked out once.
+        """Returns whether causes prove, without any search, that there is no plan; worked out once.
 
         A planner would come to the same, though perhaps after minutes.
         """

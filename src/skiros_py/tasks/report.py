@@ -50,7 +50,7 @@ class ConditionReport:
     Attributes:
         condition: As written.
         believed: Whether it holds in the world model.
-        true: Whether it holds in the simulator's truth; None where nothing physical was there to ask.
+        true: Whether it holds in the simulator's truth; None if nothing physical was there to ask.
         tries: How often a skill was tried for it before it held or was given up; 0 when it held already.
         reason: Why it is missing; empty when it holds.
         simulated: Run time after which it was believed for good [s]; None while it is not.

@@ -120,7 +120,7 @@ class Moments:
         return self._cycle.board.snapshot.time - self._start[0], time.perf_counter() - self._start[1]
 
     def held(self, condition: Condition) -> bool:
-        """Tells whether a condition was believed when the world was last looked at."""
+        """Returns whether a condition was believed when the world was last looked at."""
         return condition in self._since
 
     def since(self, condition: Condition) -> tuple[float | None, float | None]:

@@ -52,11 +52,11 @@ class Reservations:
             self._wanted[who] = needs
 
     def waits(self, who: str) -> bool:
-        """Tells whether a task has not got yet what it asked for."""
+        """Returns whether a task has not got yet what it asked for."""
         return who in self._wanted
 
     def granted(self, who: str, busy: Iterable[str]) -> bool:
-        """Tells whether a task has what it asked for; takes it if it is free now.
+        """Returns whether a task has what it asked for; takes it if it is free now.
 
         Args:
             who: Name of the task.

@@ -35,7 +35,7 @@ class SequenceRun:
         context: What it is done with.
         steps: The steps, in order.
         iterate: How often; None for until it is stopped.
-        anyway: True to try steps that cannot work as far as anybody knows.
+        anyway: True to try steps that cannot work as far as is known.
     """
 
     def __init__(

@@ -32,7 +32,7 @@ class StepCheck:
     Attributes:
         step: The step.
         problems: What will not hold when its turn comes, one sentence each; empty when it can work.
-        agent: Who does it, as said or else as it is inferred; empty where nobody is found.
+        agent: Who does it, as said or else as it is inferred; empty if nobody is found.
     """
 
     step: Step
@@ -55,7 +55,7 @@ class StepSequence:
 
     Args:
         view: The world that it starts from: the live one, so that a check is always of now.
-        skills: The skills there are, by name.
+        skills: The available skills by name.
         steps: The steps to begin with, such as those of a plan; none to begin from scratch.
 
     Raises:
@@ -201,8 +201,8 @@ def check_steps(
     Args:
         view: The world that they start from.
         steps: The steps.
-        skills: The skills there are, by name.
-        able: By skill the subsystems that have it now; None where it is enough that there could be one.
+        skills: The available skills by name.
+        able: By skill the subsystems that have it now; None if it is enough that there could be one.
     """
     overlay = Overlay(with_stock(view, named=tokens_of(steps)))
     return tuple(_check(overlay, step, skills, able) for step in steps)
@@ -264,7 +264,7 @@ def cast(step: Step, skill: SkillDescription, view: WorldView, able: Collection[
         step: The step.
         skill: What is known of its skill.
         view: The world just before the step.
-        able: The subsystems whose skill managers have the skill; None where it is enough that there could be one. Whom
+        able: The subsystems whose skill managers have the skill; None if it is enough that there could be one. Whom
             inference would take comes first, then the others by id.
     """
     given = with_defaults(skill, step.arguments)

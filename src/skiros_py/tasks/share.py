@@ -16,7 +16,7 @@ class Share:
     Args:
         who: Name of the task.
         context: World and reservations.
-        skills: The skills there are, by name; filled in as managers come.
+        skills: The available skills by name; extended as managers appear.
 
     Attributes:
         lent: True while the task waits for a person, who may be long in coming: others may use what stands, but for
@@ -35,7 +35,7 @@ class Share:
         self._reservations.request(self._who, self._used(steps))
 
     def granted(self, running: Collection[Step], *, going_on: bool) -> bool:
-        """Tells whether no other task has, or wanted before, what was asked for; takes it if it is free now.
+        """Returns whether no other task has, or wanted before, what was asked for; takes it if it is free now.
 
         Args:
             running: The steps that run; what they use is kept in any case.

@@ -21,7 +21,7 @@ class TraceWriter:
         task: Its name.
         trace: Takes the entries.
         context: The time and the monitor.
-        skills: The skills there are, by name.
+        skills: The available skills by name.
     """
 
     def __init__(self, task: str, trace: Trace, context: TaskContext, skills: Mapping[str, SkillDescription]) -> None:

@@ -23,7 +23,7 @@ class Branch:
 
     Attributes:
         element: The element.
-        relation: The narrowest relation that ties it to its parent, or None where the branch begins.
+        relation: The narrowest relation that ties it to its parent, or None if the branch begins.
         children: What hangs on it, sorted by id.
     """
 

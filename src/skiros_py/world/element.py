@@ -43,7 +43,7 @@ class Element:
         id: Its name: bare in the scene ("starter_1"), a CURIE for what is abstract ("learned:mug_1"); never used again
             after removal.
         type: CURIE of its most specific class ("kitting:Starter").
-        label: What people call it.
+        label: Its display name.
         properties: Own values by CURIE of the property ("sk:pose"); class-level values are found through the view.
     """
 
@@ -59,5 +59,5 @@ def is_abstract(element_id: str) -> bool:
 
 
 def is_learned(element_id: str) -> bool:
-    """Tells whether an element is something that a robot was taught."""
+    """Returns whether an element is something that a robot was taught."""
     return element_id.startswith("learned:")

@@ -112,7 +112,7 @@ class Locks:
         return self._guard
 
     def fault(self, elements: Iterable[str], owner: str) -> Locked | None:
-        """Returns the fault of an edit of elements that another owner has locked; None where there is none."""
+        """Returns the fault of an edit of elements that another owner has locked; None if there is none."""
         if not self._locks:
             return None
         with self._guard:

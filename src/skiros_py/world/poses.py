@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def map_pose(view: WorldView, element: str) -> Pose | None:
-    """Returns an element's pose in the map, or None where its pose, or that of a frame it hangs on, is not known.
+    """Returns an element's pose in the map, or None if its pose, or that of a frame it hangs on, is not known.
 
     Raises:
         UnknownName: There is no such element.
@@ -27,7 +27,7 @@ def map_pose(view: WorldView, element: str) -> Pose | None:
 
 
 def pose_in(view: WorldView, element: str, frame: str | None) -> Pose | None:
-    """Returns an element's pose in the frame of another (None: in the map), or None where it is not known.
+    """Returns an element's pose in the frame of another (None: in the map), or None if it is not known.
 
     It is known where both hang on a common frame, even if the pose of that frame is not known (a gripper that moves).
 

@@ -47,7 +47,7 @@ class Stocked(ExtendedView):
     """A world in which some things of its stocks are elements, under the names of their tokens.
 
     Attributes:
-        short: True where a stock has more than are shown.
+        short: True if a stock has more than are shown.
     """
 
     def __init__(self, base: WorldView, shown: Mapping[Stock, Iterable[str]]) -> None:
@@ -70,7 +70,7 @@ def stocks(view: WorldView) -> tuple[Stock, ...]:
 
 
 def is_token(name: str) -> bool:
-    """Tells whether a name stands for a thing that has no individual yet."""
+    """Returns whether a name stands for a thing that has no individual yet."""
     return _MARK in name
 
 

@@ -38,7 +38,7 @@ def class_value(view: WorldView, class_: str, property_: str) -> Value | None:
 
 
 def lesson_about(view: WorldView, class_: str, property_: str) -> Element | None:
-    """Returns what says the taught value that things of a class have, or None where nothing was taught.
+    """Returns what says the taught value that things of a class have, or None if nothing was taught.
 
     Raises:
         UnknownName: It is not a class.

@@ -104,7 +104,7 @@ class Class:
 
     Attributes:
         curie: Its name ("kitting:Starter").
-        label: What people call it.
+        label: Its display name.
         comment: What it means.
         parents: Its direct superclasses, the primary one first.
         equivalents: Other classes of the same individuals, sorted.
@@ -133,7 +133,7 @@ class Relation:
 
     Attributes:
         curie: Its name ("sk:heldBy").
-        label: What people call it.
+        label: Its display name.
         comment: What it means.
         parents: Its direct super-relations, sorted.
         domains, ranges: What the subject and the object must be.
@@ -161,12 +161,12 @@ class Relation:
 
     @property
     def domain(self) -> str | None:
-        """The one class that the subject must be of, or None where there is none or it is not that simple."""
+        """The one class that the subject must be of, or None if there is none or it is not that simple."""
         return _only(self.domains)
 
     @property
     def range(self) -> str | None:
-        """The one class that the object must be of, or None where there is none or it is not that simple."""
+        """The one class that the object must be of, or None if there is none or it is not that simple."""
         return _only(self.ranges)
 
 
@@ -176,7 +176,7 @@ class Property:
 
     Attributes:
         curie: Its name ("sk:mass").
-        label: What people call it.
+        label: Its display name.
         comment: What it means, with its unit.
         domains: What bears it.
         range: CURIE of its data type, one of :data:`~skiros_py.world.literals.DATATYPES`.
@@ -190,7 +190,7 @@ class Property:
 
     @property
     def domain(self) -> str | None:
-        """The one class that bears it, or None where there is none or it is not that simple."""
+        """The one class that bears it, or None if there is none or it is not that simple."""
         return _only(self.domains)
 
 
@@ -223,7 +223,7 @@ def closure(above: Mapping[str, Sequence[str]], name: str) -> tuple[str, ...]:
 
 
 def cycle(above: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Returns names each of which is below the next, the last being the first again; nothing where there is none."""
+    """Returns names each of which is below the next, the last being the first again; nothing if there is none."""
     try:
         TopologicalSorter(above).prepare()
     except CycleError as error:
@@ -232,7 +232,7 @@ def cycle(above: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
 
 
 def too_deep(above: Mapping[str, Sequence[str]]) -> str | None:
-    """Returns the first name with more than :data:`MOST_ABOVE` above it, or None where there is none."""
+    """Returns the first name with more than :data:`MOST_ABOVE` above it, or None if there is none."""
     return next((name for name in above if len(closure(above, name)) > MOST_ABOVE + 1), None)
 
 

@@ -61,7 +61,7 @@ class Transaction:
 
         Args:
             class_: CURIE of its class.
-            label: What people call it; the class's name where left out.
+            label: Its display name; the class's name where left out.
             id: Its id.
             properties: Own values by CURIE of the property.
             placement: Where it is.

@@ -20,7 +20,7 @@ class Sensors(Protocol):
     """Reads the signals of the present cycle."""
 
     def value(self, name: str) -> Reading | None:
-        """Returns the value of a signal ("gripper_1.force"); None where there is none."""
+        """Returns the value of a signal ("gripper_1.force"); None if there is none."""
         ...
 
     def why_not(self, name: str) -> str:

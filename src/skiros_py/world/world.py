@@ -163,7 +163,7 @@ class World(ForwardingView):
         return self._log.since(version)
 
     def subscribe(self, callback: Callable[[Change], None]) -> Callable[[], None]:
-        """Calls the callback with each later change, in order, once it is visible; returns how to end that.
+        """Calls the callback with each later change, in order, once it is visible; returns how to unsubscribe.
 
         A callback that raises is logged. It may write: other subscribers are notified of that afterwards. It runs in
         the thread that wrote, so it must be quick, and must never wait for another thread that writes.

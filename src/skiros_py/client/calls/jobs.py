@@ -45,7 +45,7 @@ def order_job(
         start: False to keep it until somebody gives leave to start.
         key: Marks the request, so that it may be sent again; made where left out.
         wait: How long to wait until it is over or stands [s], up to 30 s; None for not at all.
-        again: True where it is meant although there was a job of that id that was removed.
+        again: True if it is meant although there was a job of that id that was removed.
     """
     headers = {"Idempotency-Key": key or str(uuid.uuid4()), "Prefer": _prefer(wait)}
     return Call("POST", "/jobs", Job, query=_start(start, again), json=_plain(order), headers=headers)
@@ -68,7 +68,7 @@ def put_job(
         start: False to keep it until somebody gives leave to start.
         seen: Version of the job that is there, to change its order.
         wait: How long to wait until it is over or stands [s], up to 30 s; None for not at all.
-        again: True where it is meant although there was a job of that id that was removed.
+        again: True if it is meant although there was a job of that id that was removed.
     """
     headers = {**if_match(seen), "Prefer": _prefer(wait)}
     return Call("PUT", _path(job), Job, query=_start(start, again), json=_plain(order), headers=headers)

@@ -21,7 +21,7 @@ def save_scene(name: str, *, version: int | None = None) -> Call[SceneEntry]:
 
     Args:
         name: Under which name.
-        version: The version of the saved scene of that name that it replaces; None where it shall be a new one.
+        version: The version of the saved scene of that name that it replaces; None if it shall be a new one.
     """
     return Call(
         "POST",

@@ -32,7 +32,7 @@ class SkillAccount:
     Attributes:
         skill: Its name; empty for the bookkeeping.
         pre, hold, post: What its author wrote.
-        actions: What was made of it; nothing where the goal cannot need it.
+        actions: What was made of it; nothing if the goal cannot need it.
     """
 
     skill: str

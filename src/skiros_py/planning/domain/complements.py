@@ -18,7 +18,7 @@ from skiros_py.world.view import WorldView
 def with_complements(actions: Iterable[Action], goal: Iterable[Atom], ontology: Ontology) -> tuple[Action, ...]:
     """Lets actions keep up to date what some precondition, or the goal, asks not to hold.
 
-    An action that ends a relation and makes it hold anew, perhaps between the same two, becomes two variants: what
+    An action that ends a relation and makes it hold again, perhaps between the same two, becomes two variants: what
     comes to hold did not hold before, or it did.
 
     Raises:
@@ -86,7 +86,7 @@ def _with_effects(action: Action, wanted: frozenset[str]) -> Action:
 
 
 def _may_be_one(new: Atom, old: Atom, types: Mapping[str, str], ontology: Ontology) -> bool:
-    """Tells whether two atoms of an action may speak of the same things."""
+    """Returns whether two atoms of an action may speak of the same things."""
     return new.predicate == old.predicate and all(
         one == other or _overlap(types.get(one, ""), types.get(other, ""), ontology)
         for one, other in zip(new.arguments, old.arguments, strict=True)

@@ -107,5 +107,5 @@ def _overlap(one: str, other: str, ontology: Ontology) -> bool:
 
 
 def _within(class_: str, other: str, ontology: Ontology) -> bool:
-    """Tells whether all things of a class are of another; no class stands for any thing."""
+    """Returns whether all things of a class are of another; no class stands for any thing."""
     return not other or (bool(class_) and ontology.is_a(class_, other))

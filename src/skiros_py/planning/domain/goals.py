@@ -151,7 +151,7 @@ class _Part:
         return Variable(name, pattern.class_), pattern.pattern.rename({pattern.variable: name})
 
     def _is_tracked(self, nothing: Nothing, scope: Scope) -> bool:
-        """Tells whether skills keep track of whether something is there."""
+        """Returns whether skills keep track of whether something is there."""
         class_ = self._tracked.get(atom_of(nothing).predicate)
         of = scope.get(nothing.object) or self._view.element(nothing.object).type
         return class_ is not None and self._view.ontology.is_a(of, class_)
@@ -186,7 +186,7 @@ class Brought:
                 self._ends.setdefault(atom.predicate, {})[ends] = None
 
     def may_relate(self, relation: str, *classes: str) -> bool:
-        """Tells whether a skill could make a relation hold between things of these most specific classes."""
+        """Returns whether a skill could make a relation hold between things of these most specific classes."""
         return any(all(map(self._fits, classes, ends)) for ends in self._ends.get(relation, ()))
 
     def _fits(self, class_: str, wanted: str) -> bool:

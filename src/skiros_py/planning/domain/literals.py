@@ -176,7 +176,7 @@ def property_of(literal: Asked | Not) -> str | None:
 
 
 def allows_value(literal: Asked | Not, value: Value | None) -> bool:
-    """Tells whether a literal about a property holds of whatever has this value of it, or none."""
+    """Returns whether a literal about a property holds of whatever has this value of it, or none."""
     match literal:
         case Has():
             return value is not None

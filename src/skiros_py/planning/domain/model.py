@@ -50,7 +50,7 @@ class Action:
         notes: What was added to what the author wrote, and why.
         constants: Elements that the skill always means, with the class it takes them for; its atoms name them.
         none: What there must not be; empty where typed STRIPS says all.
-        duration: How long it takes [s]; None where nobody knows, and for bookkeeping.
+        duration: How long it takes [s]; None if unknown, and for bookkeeping.
     """
 
     name: str

@@ -93,7 +93,7 @@ def _refused(pattern: Pattern, where: str) -> PlanningError:
 
 
 def is_stored(relation: str, ontology: Ontology) -> bool:
-    """Tells whether a predicate is a relation that is stated, and not worked out."""
+    """Returns whether a predicate is a relation that is stated, and not worked out."""
     return relation in ontology.relations and not _is_computed(relation, ontology)
 
 

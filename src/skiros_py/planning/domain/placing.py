@@ -23,7 +23,7 @@ def moved_and_place(atom: Atom, ontology: Ontology) -> tuple[str, str]:
 
 
 def is_placement(atom: Atom, ontology: Ontology) -> bool:
-    """Tells whether an atom says where something is."""
+    """Returns whether an atom says where something is."""
     return atom.predicate in ontology.relations and ontology.is_placement(atom.predicate)
 
 

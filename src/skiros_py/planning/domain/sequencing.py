@@ -127,7 +127,7 @@ def _ranks(numbers: Sequence[int]) -> range:
 
 
 def _turn(view: WorldView, place: str, numbers: Sequence[int]) -> int:
-    """Returns how many of the goal's numbers come before a place; none where it has no number."""
+    """Returns how many of the goal's numbers come before a place; none if it has no number."""
     turn = turn_of(view, place)
     return 0 if turn is None else sum(number < turn[0] for number in numbers)
 
@@ -155,7 +155,7 @@ def _wish(task: PlanningTask, part: int) -> tuple[_Way, ...]:
 
 
 def _ways(task: PlanningTask, atoms: Sequence[Atom], names: Iterator[str]) -> tuple[_Way, ...]:
-    """Returns each way to make all of some atoms true; none where these would be too many."""
+    """Returns each way to make all of some atoms true; none if these would be too many."""
     found: tuple[_Way, ...] = (_Way(),)
     for atom in atoms:
         own = _ways_of_one(task, atom, names)

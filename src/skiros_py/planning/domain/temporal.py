@@ -1,6 +1,6 @@
 """A task in time: the same PDDL with durative actions (PDDL 2.1), for planners that know what goes on at once.
 
-Nothing is said anew: each action of a skill is rewritten. What it needs must hold when it starts; what it needs and
+Nothing is said again: each action of a skill is rewritten. What it needs must hold when it starts; what it needs and
 does not itself take away, while it goes on. What it takes away is gone when it starts, what it gives is there when it
 ends. An agent does one thing at a time. Bookkeeping takes no time and stays as it is.
 """

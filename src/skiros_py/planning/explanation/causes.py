@@ -20,7 +20,7 @@ from skiros_py.world.vocabulary import HAS_A
 
 
 def certain_causes(task: PlanningTask, view: WorldView) -> tuple[Cause, ...]:
-    """Returns causes each of which proves that there is no plan, without a search; none where nobody knows.
+    """Returns causes each of which proves that there is no plan, without a search; none if nobody knows.
 
     Args:
         task: The task; one with sequence numbers, or in time, has no plan either where this has none.
@@ -72,14 +72,14 @@ def _main_first(hopeless: Sequence[Found], together: Sequence[Found]) -> tuple[F
 
 
 def _is_rivalry(cause: Cause, obstacles: Mapping[Condition, Obstacle | None]) -> bool:
-    """Tells whether several conditions want one place in which each of them could be fulfilled by itself one day."""
+    """Returns whether several conditions want one place in which each of them could be fulfilled by itself one day."""
     known = [obstacle for condition in cause.conditions if (obstacle := obstacles.get(condition)) is not None]
     one_day = all(obstacle.kind in (CauseKind.FULL, CauseKind.MISSING_FACT) for obstacle in known)
     return cause.kind is CauseKind.CONTRADICTION and len(cause.conditions) > 1 and one_day
 
 
 def _covers(rivalry: Cause, one: Found) -> bool:
-    """Tells whether a place is taken by what is wanted there by another of the conditions that want it."""
+    """Returns whether a place is taken by what is wanted there by another of the conditions that want it."""
     obstacle = one.obstacle
     if obstacle is None or obstacle.kind is not CauseKind.FULL:
         return False

@@ -89,7 +89,7 @@ class Contradictions:
         return None if literal is None else property_of(literal)
 
     def _agree(self, *atoms: Atom) -> bool:
-        """Tells whether some value is what all atoms about it want."""
+        """Returns whether some value is what all atoms about it want."""
         literals = [self._relaxed.task.asked[atom.predicate] for atom in atoms]
         inner = [literal.pattern if isinstance(literal, Not) else literal for literal in literals]
         constants = [literal.value for literal in inner if isinstance(literal, Compare)]
@@ -158,7 +158,7 @@ class Contradictions:
         return self._ontology.classes[class_].label if class_ in self._ontology.classes else "thing"
 
     def _takes_one(self, relation: str, place: str) -> bool:
-        """Tells whether a place never holds more than one thing; what holds several now may go on to."""
+        """Returns whether a place never holds more than one thing; what holds several now may go on to."""
         key = relation, place
         if key not in self._exclusive:
             init = self._relaxed.task.problem.init
@@ -169,7 +169,7 @@ class Contradictions:
         return self._exclusive[key]
 
     def _classes(self, demand: Demand) -> tuple[str, ...]:
-        """Returns the classes of which any thing will do; none where the goal means the things."""
+        """Returns the classes of which any thing will do; none if the goal means the things."""
         if demand.meant:
             return ()
         objects = self._relaxed.task.problem.objects

@@ -27,7 +27,7 @@ class Demand:
         relation: The placement relation.
         things: What could be the thing.
         places: Where it could be.
-        meant: True where the goal means these very things: by name, or because it says so of all of a class.
+        meant: True if the goal means these very things: by name, or because it says so of all of a class.
     """
 
     condition: Condition
@@ -117,7 +117,7 @@ def _joined(wants: Iterable[_Want]) -> _Want:
 
 
 def is_exclusive(relaxed: Relaxation, relation: str, place: str, ontology: Ontology) -> bool:
-    """Tells whether a place takes one thing only: every skill that puts something there wants it to be empty.
+    """Returns whether a place takes one thing only: every skill that puts something there wants it to be empty.
 
     What is there before a skill, and stays, fills nothing.
     """

@@ -104,7 +104,7 @@ class Assign:
         element: Whose.
         property: CURIE of the property.
         value: The value.
-        source: Whose value it is, where it is taken over from a thing of the same kind; empty where it is not.
+        source: Whose value it is, where it is taken over from a thing of the same kind; empty if it is not.
     """
 
     element: str

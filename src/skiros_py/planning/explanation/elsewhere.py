@@ -37,7 +37,7 @@ def exchanges(found: Found, goal: Sequence[Condition], view: WorldView, room: Ro
 
 
 def _instead_of(place: str, found: Found, view: WorldView, room: Room) -> list[str]:
-    """Returns free places that could stand for one that is the trouble; none where it is not."""
+    """Returns free places that could stand for one that is the trouble; none if it is not."""
     if not view.has(place):
         return []
     obstacle = found.obstacle

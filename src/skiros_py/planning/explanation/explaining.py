@@ -16,7 +16,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
 Reachable = Callable[[Sequence[Condition]], bool | None]
-"""Tells whether conditions can be reached together, None where that is not known."""
+"""Returns whether conditions can be reached together, None if that is not known."""
 
 _MOST_CALLS = 16
 """Planner calls for one explanation, at most."""
@@ -27,7 +27,7 @@ class Explanation:
     """Why there is no plan, and what would help.
 
     Attributes:
-        causes: Why; empty where nothing was found.
+        causes: Why; empty if nothing was found.
         repairs: Smallest changes after which there is a plan, smallest first.
     """
 

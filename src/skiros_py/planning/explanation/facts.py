@@ -9,7 +9,7 @@ from skiros_py.planning.domain.model import Atom
 Binding = Mapping[str, str]
 """Element by variable."""
 Fits = Callable[[str, str], bool]
-"""Tells whether an element is of a class."""
+"""Returns whether an element is of a class."""
 
 
 class Facts:
@@ -49,7 +49,7 @@ def is_variable(argument: str) -> bool:
 
 
 def unified(atom: Atom, fact: Atom, binding: Binding, types: Mapping[str, str], fits: Fits) -> dict[str, str] | None:
-    """Binds further variables so that an atom is a fact; None where it cannot be."""
+    """Binds further variables so that an atom is a fact; None if it cannot be."""
     result = dict(binding)
     for argument, value in zip(atom.arguments, fact.arguments, strict=True):
         if not is_variable(argument):

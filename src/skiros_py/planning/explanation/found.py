@@ -36,7 +36,7 @@ class Found:
     Attributes:
         cause: The cause.
         obstacle: What never holds; None for conditions that exclude each other.
-        shortage: What there is too little of; None where that is not it.
+        shortage: What there is too little of; None if that is not it.
     """
 
     cause: Cause
@@ -52,10 +52,10 @@ class Obstacle:
         kind: What kind of thing.
         text: The way down to it in words.
         core: The last of that by itself: what is the case instead of what would be needed.
-        skill: The skill that would give what is lacking; None where there is none.
+        skill: The skill that would give what is lacking; None if there is none.
         precondition: What that skill needs and never gets, in words.
         elements: Elements and classes it is about.
-        missing: The fact that never holds, perhaps with variables left; None where it is not one fact.
+        missing: The fact that never holds, perhaps with variables left; None if it is not one fact.
         types: Classes of the variables of that fact.
     """
 

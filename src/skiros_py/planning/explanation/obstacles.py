@@ -47,7 +47,7 @@ class _Try:
         action: The action.
         start: What the fact binds.
         types: Classes of its variables, narrowed by what is wanted.
-        direct: What is in the way before any precondition; None where nothing is.
+        direct: What is in the way before any precondition; None if nothing is.
         ways: Ways to make the preconditions before :attr:`stuck` true.
         stuck: The first precondition that never holds together with those.
         progress: Share of the preconditions that can hold together.
@@ -95,7 +95,7 @@ class Obstacles:
         return self._told(best, (*chain, atom))
 
     def _is_open(self, one: _Try) -> bool:
-        """Tells whether it is stuck at something that could be otherwise: not at what things are made of."""
+        """Returns whether it is stuck at something that could be otherwise: not at what things are made of."""
         if one.stuck is None:
             return True
         relation = one.stuck.predicate.removeprefix(NOT)
@@ -110,7 +110,7 @@ class Obstacles:
         return replace(leaf, kind=CauseKind.NO_SKILL, text=text)
 
     def _could_give(self, action: Action, effect: Atom, atom: Atom, types: Types) -> bool:
-        """Tells whether an effect is of the kind that is wanted; a wrong element is for the obstacle to name."""
+        """Returns whether an effect is of the kind that is wanted; a wrong element is for the obstacle to name."""
         if effect.predicate != atom.predicate:
             return False
         own = action.types

@@ -24,7 +24,7 @@ _OBJECTS, _FACTS, _STEPS = 120, 600, 4000
 
 
 def exclusive_conditions(task: PlanningTask, ontology: Ontology) -> tuple[Condition, ...]:
-    """Returns two conditions of the goal (or one) that never hold at once; none where that is not so or not known.
+    """Returns two conditions of the goal (or one) that never hold at once; none if that is not so or not known.
 
     Args:
         task: The task, all of whose conditions could hold each by itself.

@@ -54,7 +54,7 @@ class Relaxation:
     # ------------------------------------------------------------ asking
 
     def fits(self, element: str, class_: str) -> bool:
-        """Tells whether an object is of a class; the empty one is any. What there is no longer is of none."""
+        """Returns whether an object is of a class; the empty one is any. What there is no longer is of none."""
         if class_ in ("", "object"):
             return True
         if element not in self._types:
@@ -65,7 +65,7 @@ class Relaxation:
         return self._fitting[key]
 
     def is_some(self, class_: str) -> bool:
-        """Tells whether there is any object of a class."""
+        """Returns whether there is any object of a class."""
         return any(self.fits(thing, class_) for thing in self._objects)
 
     def alike(self, element: str) -> tuple[str, ...]:

@@ -58,7 +58,7 @@ def _given_up(found: Found) -> Iterator[Remedy]:
 
 
 def advice(cause: Cause) -> str:
-    """Returns what somebody has to see to outside of the scene; empty where nothing is known."""
+    """Returns what somebody has to see to outside of the scene; empty if nothing is known."""
     if cause.kind is CauseKind.NO_SKILL and cause.skill is not None and not cause.precondition:
         return f"give {listed(cause.elements, 'or')} the skill '{cause.skill}', or start a robot that has it"
     if cause.kind is CauseKind.MISSING_ELEMENT:
@@ -172,7 +172,7 @@ def _valued(property_: str, things: tuple[str, ...], view: WorldView) -> Iterato
 
 
 def _value(comparison: Comparison) -> Constant | None:
-    """Returns a value that compares as wanted; None where none is as good as any other."""
+    """Returns a value that compares as wanted; None if none is as good as any other."""
     value = comparison.value
     tried: list[Constant] = [value]
     if isinstance(value, bool):

@@ -22,7 +22,7 @@ from skiros_py.skills.conditions import Condition
 from skiros_py.world.view import WorldView
 
 Solve = Callable[[WorldView, Sequence[Condition]], bool | None]
-"""Tells whether a goal has a plan that survives its replay, None where that is not known."""
+"""Returns whether a goal has a plan that survives its replay, None if that is not known."""
 
 _OFFERED = 5
 _LOOKED_AT = 32
@@ -50,7 +50,7 @@ class _Change:
     def and_(self, remedy: Remedy) -> _Change | None:
         """Returns the change with one more remedy.
 
-        None where that is nothing new, moves a thing once more, or changes what is wanted otherwise already.
+        None if that is nothing new, moves a thing once more, or changes what is wanted otherwise already.
         """
         edits = tuple(e for e in remedy.edits if isinstance(e, Add) or e not in self.edits)
         without = tuple(c for c in remedy.without if c not in self.without)
@@ -86,7 +86,7 @@ class _Change:
         return not (self.edits or self.without or self.instead)
 
     def includes(self, offer: Repair) -> bool:
-        """Tells whether it does all that an offer does; one other place is as good as another."""
+        """Returns whether it does all that an offer does; one other place is as good as another."""
         otherwise = {exchange.condition for exchange in offer.instead}
         also = otherwise <= {exchange.condition for exchange in self.instead}
         return also and set(offer.edits) <= set(self.edits) and set(offer.without) <= set(self.without)
@@ -119,7 +119,7 @@ def find_repairs(
         found: The causes.
         view: The world; it is not changed.
         goal: The goal.
-        capabilities: The skills that are there.
+        capabilities: The available skills.
         solve: Tries a changed world or goal.
     """
     search = _Search(view, goal, capabilities, solve)
@@ -189,12 +189,12 @@ class _Search:
                 heapq.heappush(self._queue, (left, next(self._order), further))
 
     def _is_new(self, change: _Change) -> bool:
-        """Tells whether a change is worth a look: not seen, not more than one that is offered, and a goal is left."""
+        """Returns whether a change is worth a look: not seen, not more than one that is offered, and a goal is left."""
         more = any(change.includes(offer) for offer in self.offers)
         return not more and change.key not in self._seen and len(change.without) < len(self._goal)
 
     def step(self) -> bool:
-        """Looks at the most promising change; returns False where there is nothing left to do."""
+        """Looks at the most promising change; returns False if there is nothing left to do."""
         if not self._queue or len(_simplest(self.offers)) == _OFFERED or self._tried == _TRIED:
             return False
         _, _, change = heapq.heappop(self._queue)

@@ -18,7 +18,7 @@ class Room:
     """Knows which places skills keep to one thing: those that they want to be empty.
 
     Args:
-        capabilities: The skills that are there.
+        capabilities: The available skills.
         ontology: Their classes.
     """
 
@@ -48,16 +48,16 @@ class Room:
         return list(free)
 
     def has_room(self, placement: Placement, view: WorldView) -> bool:
-        """Tells whether one more thing can be put somewhere."""
+        """Returns whether one more thing can be put somewhere."""
         return not (self.keeps_one(placement, view) and view.subjects(placement.relation, placement.place))
 
     def is_free(self, place: str, view: WorldView) -> bool:
-        """Tells whether skills keep a place to one thing, and nothing is there."""
+        """Returns whether skills keep a place to one thing, and nothing is there."""
         relations = {r for r, c in self._kept if self._ontology.is_a(view.element(place).type, c)}
         return bool(relations) and not any(view.subjects(relation, place) for relation in relations)
 
     def keeps_one(self, placement: Placement, view: WorldView) -> bool:
-        """Tells whether skills keep a place to one thing."""
+        """Returns whether skills keep a place to one thing."""
         type_ = view.element(placement.place).type
         return any(placement.relation == r and self._ontology.is_a(type_, c) for r, c in self._kept)
 

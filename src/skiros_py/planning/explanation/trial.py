@@ -29,7 +29,7 @@ class Trial:
 
     Args:
         planners: The planners to choose from.
-        capabilities: The skills that are there.
+        capabilities: The available skills.
         each: Wall time for one answer [s].
         together: Wall time for all planners' answers together [s].
         stopped: Tells whether the explanation is no longer wanted.
@@ -51,7 +51,7 @@ class Trial:
         self._stopped = stopped
 
     def __call__(self, view: WorldView, goal: Sequence[Condition]) -> bool | None:
-        """Tells whether there is a plan that survives its replay; None when the planner broke or took too long."""
+        """Returns whether there is a plan that survives its replay; None when the planner broke or took too long."""
         task = build_task(view, self._capabilities, goal)
         texts = write_pddl(task.domain, task.problem, name="trial")
         planner = self._planner_for(texts.requirements)

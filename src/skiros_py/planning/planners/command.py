@@ -36,7 +36,7 @@ class CommandPlanner(CommandLinePlanner):
         template: The command line, as it is typed in a shell; ``{domain}`` and ``{problem}`` stand for the files,
             ``{plan}`` for the file where the plan shall go.
         plan: The file where the planner leaves its plan by itself, such as "{problem}.soln" or, where it numbers its
-            plans, "best*"; None where the template names ``{plan}``, it has a usual name, or the plan is printed.
+            plans, "best*"; None if the template names ``{plan}``, it has a usual name, or the plan is printed.
         supports: The PDDL requirements it can take.
         no_plan: What it says, as a regular expression, or the codes it ends with, when it has proved that there is no
             plan.
@@ -136,5 +136,5 @@ def _kind(path: Path) -> str:
 
 
 def _leaves(path: str) -> bool:
-    """Tells whether a path leads out of its folder."""
+    """Returns whether a path leads out of its folder."""
     return PurePosixPath(path).is_absolute() or ".." in PurePosixPath(path).parts

@@ -1,6 +1,6 @@
 """The shortest way to a planner of one's own: one method that takes PDDL files and returns the plan file's text.
 
-It is called in a process of its own, for each task anew. So it may take as long as it likes, use libraries that are
+It is called in a process of its own, for each task again. So it may take as long as it likes, use libraries that are
 not made for threads, start programs or crash: it is stopped, and nothing of it is left running.
 """
 

@@ -65,7 +65,7 @@ def last_plan_file(folder: Path, pattern: str) -> Path | None:
 
 
 def steps_among(title: str, text: str) -> Solved | None:
-    """Finds the steps among what else a planner prints; None where there are none."""
+    """Finds the steps among what else a planner prints; None if there are none."""
     found = [step for line in text.splitlines() if (step := _STEP.fullmatch(line.partition(";")[0].strip()))]
     return _solved(title, found) if found else None
 

@@ -14,8 +14,8 @@ class Solved:
 
     Attributes:
         steps: For each step the action and its objects, in PDDL names, in the order in which they start.
-        starts: When each step starts [s]; empty where the planner knows no time.
-        durations: How long each takes [s]; empty where the planner knows no time.
+        starts: When each step starts [s]; empty if the planner knows no time.
+        durations: How long each takes [s]; empty if the planner knows no time.
     """
 
     steps: tuple[tuple[str, ...], ...]
@@ -29,7 +29,7 @@ class Unsolvable:
 
     Attributes:
         reason: What it says of why, if anything.
-        proven: False where it gave up searching without a proof.
+        proven: False if it gave up searching without a proof.
     """
 
     reason: str = ""
@@ -44,7 +44,7 @@ class Planner(Protocol):
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Its display name."""
         ...
 
     @property
@@ -66,7 +66,7 @@ class Planner(Protocol):
 
 
 def abandon(pending: Pending[Answer]) -> None:
-    """Says that nobody wants an answer any more; does nothing where it is there, or cannot be cancelled."""
+    """Says that nobody wants an answer any more; does nothing if it is there, or cannot be cancelled."""
     cancel = getattr(pending, "cancel", None)
     if cancel is not None:
         cancel()

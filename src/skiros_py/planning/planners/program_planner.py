@@ -63,7 +63,7 @@ class ProgramPlanner(ABC):
         name: What people ask for.
         title: What messages call it.
         supports: The PDDL requirements it can take.
-        is_alone: True where it is known to start no programs that leave its process group.
+        is_alone: True if it is known to start no programs that leave its process group.
         limits: What each call may take.
     """
 

@@ -92,7 +92,7 @@ class Running(Protocol):
     output: int
 
     def has_ended(self) -> bool:
-        """Tells whether it has ended; its process id is still its own."""
+        """Returns whether it has ended; its process id is still its own."""
         ...
 
     def kill(self) -> int:
@@ -104,7 +104,7 @@ class Child:
     """A program that this process starts.
 
     Args:
-        title: What people call it.
+        title: Its display name.
         command: Program and arguments.
         folder: Where it runs.
         limits: What it may take.
@@ -137,7 +137,7 @@ class Child:
                     resource.prlimit(self._process.pid, kind, (most, most))
 
     def has_ended(self) -> bool:
-        """Tells whether it has ended; it is not reaped, so that its number still is the group's."""
+        """Returns whether it has ended; it is not reaped, so that its number still is the group's."""
         return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
 
     def kill(self) -> int:
@@ -161,11 +161,11 @@ def run_program(
     """Runs a program to its end; afterwards neither it nor what can be found of its children is there any more.
 
     Args:
-        title: What people call it.
+        title: Its display name.
         start: Starts it with an environment.
         limits: What it may take.
         stopped: Asked again and again whether it shall be killed.
-        is_alone: True where it is known to start no programs that leave its process group.
+        is_alone: True if it is known to start no programs that leave its process group.
 
     Raises:
         PlanningError: It cannot be started, takes more than it may, or was stopped.
@@ -240,7 +240,7 @@ def _pieces(running: Running) -> Iterator[bytes]:
 
 
 def kill_group(pid: int) -> None:
-    """Kills a process group; does nothing where there is none."""
+    """Kills a process group; does nothing if there is none."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(pid, signal.SIGKILL)
 
@@ -279,7 +279,7 @@ def _all_processes() -> list[int]:
 
 
 def _environment(pid: int) -> bytes:
-    """Returns the environment that a process was started with, each variable after a zero; empty where it is over."""
+    """Returns the environment that a process was started with, each variable after a zero; empty if it is over."""
     with contextlib.suppress(OSError):
         return b"\0" + Path(f"/proc/{pid}/environ").read_bytes()
     return b""

@@ -43,7 +43,7 @@ class Resident:
     """Starts runs in a resident program, which starts with the first of them. Any thread may start runs. Close it.
 
     Args:
-        title: What people call it.
+        title: Its display name.
         search_path: The folder where the modules are.
         modules: What is loaded before the first run.
     """
@@ -148,7 +148,7 @@ class ResidentRun:
         self._said = b""
 
     def has_ended(self) -> bool:
-        """Tells whether it has ended, or is known no more since the resident program was killed."""
+        """Returns whether it has ended, or is known no more since the resident program was killed."""
         waiting = select.poll()
         waiting.register(self._status, select.POLLIN)
         while self._said.count(b"\n") < 2 and waiting.poll(0):

@@ -76,7 +76,7 @@ class _Server:
                     return
 
     def _take_order(self) -> bool:
-        """Starts a run; returns False where no more orders will come."""
+        """Starts a run; returns False if no more orders will come."""
         message, (*files,), _, _ = socket.recv_fds(self._orders, _LONGEST, 2)
         if not message:
             return False

@@ -69,7 +69,7 @@ class Candidates:
         return chosen or list(elements)[:limit]
 
     def is_likely(self, element: str, slot: Slot) -> bool:
-        """Tells whether an element looks as if the action could be taken with it, seen by itself."""
+        """Returns whether an element looks as if the action could be taken with it, seen by itself."""
         key = slot, element
         if key not in self._known:
             self._known[key] = True  # whatever needs itself is no reason against it

@@ -42,12 +42,12 @@ def with_stock(
 
 
 def lacks_stock(view: WorldView) -> bool:
-    """Tells whether a world from :func:`with_stock` has more of a stock than it shows."""
+    """Returns whether a world from :func:`with_stock` has more of a stock than it shows."""
     return isinstance(view, Stocked) and view.short
 
 
 def believed(condition: Condition, view: WorldView) -> Verdict:
-    """Tells whether a condition holds as believed: also by what has no individual of its own."""
+    """Returns whether a condition holds as believed: also by what has no individual of its own."""
     return judge(condition, with_stock(view, (condition,)))
 
 

@@ -39,7 +39,7 @@ class PlanningTask:
     Attributes:
         domain, problem: What is written as PDDL.
         goal: Each condition with the atoms that stand for it.
-        capabilities: The skills that are there.
+        capabilities: The available skills.
         asked: By predicate, what was evaluated to find its facts, over the variables "1" and "2".
         complete: True when it has a plan wherever there is one; False where candidates were left out.
     """
@@ -69,8 +69,8 @@ def build_task(
 
     Args:
         view: The world.
-        capabilities: What can be done.
-        goal: What shall hold, all of it.
+        capabilities: The available skills.
+        goal: The conditions that must all hold.
         width: How many candidates are tried where there is a choice: a quick guess. None gives the complete problem:
             only if that has no plan, there is none.
         whole: True to keep every skill, and every element that some parameter could be, needed or not: to look at.

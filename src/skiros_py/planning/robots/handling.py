@@ -66,9 +66,9 @@ class Handling:
         return moved or frozenset(name for name, class_ in known.items() if self.is_one_of(class_, self._done_to))
 
     def is_moved(self, class_: str) -> bool:
-        """Tells whether things of a class are moved by somebody."""
+        """Returns whether things of a class are moved by somebody."""
         return self.is_one_of(class_, self._moved)
 
     def is_one_of(self, class_: str, classes: Iterable[str]) -> bool:
-        """Tells whether a class is one of some classes or below one of them."""
+        """Returns whether a class is one of some classes or below one of them."""
         return any(c in ("", "object") or (class_ != "object" and self._ontology.is_a(class_, c)) for c in classes)

@@ -137,7 +137,7 @@ def _only_changing(actions: Sequence[_Ground]) -> list[_Ground]:
 
 
 def _interfere(one: _Ground, other: _Ground) -> bool:
-    """Tells whether two actions may not change places."""
+    """Returns whether two actions may not change places."""
     return not (
         one.writes.isdisjoint(other.reads)
         and one.reads.isdisjoint(other.writes)
@@ -150,7 +150,7 @@ def _interfere(one: _Ground, other: _Ground) -> bool:
 
 
 def _touches(action: _Ground, none: Sequence[NoneSuch]) -> bool:
-    """Tells whether an action writes anything that others look for and do not want to find."""
+    """Returns whether an action writes anything that others look for and do not want to find."""
     return any(_matches(wanted, atom) for such in none for wanted in such.atoms for atom in action.writes)
 
 

@@ -2,7 +2,7 @@
 
 A planner writes a sequence: first all that one robot does, then all that the next does. Where both go to the same
 places, the second then waits at each of them. What a robot does for one thing (fetch it, bring it) is a round; rounds
-are arranged anew, one after the other, for whoever is free first and such that each ends as soon as it can (list
+are arranged again, one after the other, for whoever is free first and such that each ends as soon as it can (list
 scheduling, greedy).
 """
 
@@ -81,7 +81,7 @@ class _Arrangement:
         return makespan(schedule(after, durations), durations)
 
     def best(self) -> tuple[Step, ...] | None:
-        """Arranges the rounds; None where they cannot follow each other in any of the ways that were tried."""
+        """Arranges the rounds; None if they cannot follow each other in any of the ways that were tried."""
         left = list(self.rounds)
         state, steps, lines = TaskState(self._task, self._ontology), list[Step](), list[str]()
         ends = dict.fromkeys((round_.robot for round_ in left), 0.0)

@@ -223,7 +223,7 @@ class Lexicon:
         return {spelt.pddl(name): type_ for name, type_ in self._conditions.items()} | own
 
     def class_(self, name: str, above: str) -> str | None:
-        """Returns the CURIE of a class, or None where no class at or below another one is called so.
+        """Returns the CURIE of a class, or None if no class at or below another one is called so.
 
         Raises:
             UsageError: Classes of several ontologies are called so.
@@ -239,7 +239,7 @@ class Lexicon:
         return named[0] if named else _back(self._spelt_classes[above], name)
 
     def is_taken(self, variable: str) -> bool:
-        """Tells whether an element or a class has this very name: what is written so would be mistaken for it."""
+        """Returns whether an element or a class has this very name: what is written so would be mistaken for it."""
         return self._view.has(variable) or variable in map(local_name, self._view.ontology.subclasses(ELEMENT))
 
     def element(self, name: str, class_: str) -> str | None:

@@ -13,7 +13,7 @@ class Name:
 
     Attributes:
         text: Id, label or class of an element, or a variable.
-        variable: True where it can only be a variable (PDDL's ``?x``), False where it cannot be one (in quotes, or
+        variable: True if it can only be a variable (PDDL's ``?x``), False if it cannot be one (in quotes, or
             without a question mark in PDDL).
     """
 

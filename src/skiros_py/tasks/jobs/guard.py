@@ -17,7 +17,7 @@ class Guard:
 
     Args:
         flush: Waits for the disk.
-        lockstep: True where simulated time stands still meanwhile.
+        lockstep: True if simulated time stands still meanwhile.
     """
 
     def __init__(self, flush: Callable[[], None], *, lockstep: bool) -> None:

@@ -30,7 +30,7 @@ class Actual(BaseModel):
     Attributes:
         condition: As ordered.
         reached: Whether it holds.
-        reason: Why not; empty where it does.
+        reason: Why not; empty if it does.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -150,7 +150,7 @@ class Job(BaseModel):
 
     @property
     def lateness(self) -> float | None:
-        """How long after its deadline it ended [s], 0 for in time; None where it has no deadline or is not over."""
+        """How long after its deadline it ended [s], 0 for in time; None if it has no deadline or is not over."""
         if self.order.deadline is None or self.ended is None:
             return None
         return max(0.0, self.ended - self.order.deadline.timestamp())

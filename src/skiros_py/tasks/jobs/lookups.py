@@ -78,7 +78,7 @@ class JobLookups:
         return self.store.page(states=states, since=since, after=after, limit=limit, newest_first=newest_first)
 
     def known(self, receipt: Receipt) -> Job | None:
-        """Returns the job that the same request led to before, removed or not; None where there was none.
+        """Returns the job that the same request led to before, removed or not; None if there was none.
 
         Raises:
             KeyReused: The key was used for another request.

@@ -40,7 +40,7 @@ class Page:
 
     Attributes:
         jobs: By number, or back from the greatest one.
-        next: Where the next page begins: its ``after``; None where this is the last one.
+        next: Where the next page begins: its ``after``; None if this is the last one.
     """
 
     jobs: tuple[Job, ...]
@@ -117,7 +117,7 @@ class JobStore:
         return tuple(self._job(data) for (data,) in rows)
 
     def job(self, job: str) -> Job | None:
-        """Returns a job; None where there is none of that id."""
+        """Returns a job; None if there is none of that id."""
         rows = self._database.rows("SELECT data FROM jobs WHERE id = ?", (job,))
         return self._job(rows[0][0]) if rows else None
 
@@ -225,7 +225,7 @@ class JobStore:
     # ------------------------------------------------------------------ requests and announcements
 
     def known(self, receipt: Receipt) -> Job | None:
-        """Returns the job that the same request led to before; None where there was none.
+        """Returns the job that the same request led to before; None if there was none.
 
         A job that was removed meanwhile is returned as it was last.
 

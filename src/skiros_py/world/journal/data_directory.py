@@ -63,7 +63,7 @@ class DataDirectory:
             scene: The scene file that is the first content of a new one; later it counts no more. What a file
                 ``learned.ttl`` in it says comes along.
             imports: More files or folders in which the scene's imports are looked up.
-            create: False where a folder without a world is a mistake.
+            create: False if a folder without a world is a mistake.
 
         Raises:
             FileError: Another process uses it, it cannot be read or written, is damaged, or does not fit the ontology;
@@ -143,7 +143,7 @@ def make_folder(path: Path) -> None:
 
 
 def _files_to_be_made(journal: Journal, path: Path) -> tuple[Path, ...]:
-    """Returns the files of a world that is about to begin; none where one lives there."""
+    """Returns the files of a world that is about to begin; none if one lives there."""
     if journal.version:
         return ()
     learned = path / "learned.ttl"

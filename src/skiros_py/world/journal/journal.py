@@ -62,7 +62,7 @@ class Recent:
             self._version = change.number
 
     def since(self, version: int) -> tuple[Change, ...] | None:
-        """Returns the changes after a version, in order; None where some of them are not here any more."""
+        """Returns the changes after a version, in order; None if some of them are not here any more."""
         with self._guard:
             wanted = self._version - version
             if wanted > len(self._changes):

@@ -70,7 +70,7 @@ def _owner(file: int, folder: Path) -> str:
 
 
 def _serving(folder: Path, pid: int) -> str:
-    """Says where a server is reached that has the lock; empty where it is none, or somebody else's."""
+    """Says where a server is reached that has the lock; empty if it is none, or another user's."""
     try:
         said = json.loads((folder / "server.json").read_bytes())
         return f", which serves it at {said['url']}" if said["pid"] == pid else ""

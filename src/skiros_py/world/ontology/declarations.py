@@ -251,7 +251,7 @@ class _Reader:
         return [name for name in sorted(names) if self._is_declared(term, name, kind)]
 
     def _is_declared(self, term: str, name: str, kind: Kind) -> bool:
-        """Tells whether a name to which a term refers is of a kind; False for what OWL itself declares."""
+        """Returns whether a name to which a term refers is of a kind; False for what OWL itself declares."""
         if name in self.declared(kind):
             return True
         if name.partition(":")[0] in _STANDARD:

@@ -176,7 +176,7 @@ def fillers(statements: Statements, expression: Node) -> Iterator[Filler]:
 
 
 def _counted(statements: Statements, node: str) -> str | None:
-    """The class or data type that is counted; "" for all, None where it has no name."""
+    """The class or data type that is counted; "" for all, None if it has no name."""
     counted = [*statements.objects(node, "owl:onClass"), *statements.objects(node, "owl:onDataRange")]
     if not counted:
         return ""
@@ -191,7 +191,7 @@ def _number(text: str) -> int:
 
 
 def _group(statements: Statements, node: Node, known: Callable[[str], bool]) -> tuple[str, ...]:
-    """The classes of which one is enough; none where that cannot be said by names, and so nothing is asked."""
+    """The classes of which one is enough; none if that cannot be said by names, and so nothing is asked."""
     nodes = reached([node], lambda node: _members(statements, node, "owl:unionOf"))
     leaves = [node for node in nodes if not _said(statements, node, "owl:unionOf")]
     names = {statements.key(leaf) for leaf in leaves if isinstance(leaf, ox.NamedNode)}

@@ -179,7 +179,7 @@ class Question:
             raise UsageError(f"the query is no {form} but {_A[self.text.form]}: ask it by {self.text.form.lower()}()")
 
     def needs_state(self, ontology: Ontology, reasoners: Reasoners) -> bool:
-        """Tells whether reasoners have a part in the answer."""
+        """Returns whether reasoners have a part in the answer."""
         return not self.iris.isdisjoint(_reasoned(ontology, reasoners))
 
     def answer(self, store: QuadStore, view: Index | None, limits: AnswerLimits = UNLIMITED) -> Answer:
@@ -187,7 +187,7 @@ class Question:
 
         Args:
             store: What is asked; not shared meanwhile.
-            view: The state that it holds, or None where no reasoner has a part in the answer.
+            view: The state that it holds, or None if no reasoner has a part in the answer.
             limits: How large the answer may get.
 
         Raises:

@@ -106,7 +106,7 @@ class _Pairs:
         self._done: set[tuple[str, tuple[str, ...], tuple[str, ...]]] = set()
 
     def is_stored(self, predicate: Predicate) -> bool:
-        """Tells whether only what is stored can meet a predicate."""
+        """Returns whether only what is stored can meet a predicate."""
         if isinstance(predicate, URIRef):
             return str(predicate) not in self._relations
         if isinstance(predicate, Variable | NegatedPath):

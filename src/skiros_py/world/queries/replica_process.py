@@ -160,7 +160,7 @@ class Pending:
         return ended or Ended(b"", -signal.SIGALRM)
 
     def wait_unless(self, stopped: Callable[[], bool], every: float) -> Ended | None:
-        """Waits until it has ended; returns None where that is no longer wanted.
+        """Waits until it has ended; returns None if that is no longer wanted.
 
         Args:
             stopped: Tells whether it is no longer wanted.

@@ -41,7 +41,7 @@ class Boxes:
         roots: (n,), which frame that is: :data:`MAP`, or some number of an element whose own pose is not known (a
             gripper that moves) for that and for what hangs on it. Only boxes of one root can be compared.
         sized: (n,), False for a point: a thing of unknown size.
-        hollow: (n,), True where the box is room, not matter.
+        hollow: (n,), True if the box is room, not matter.
     """
 
     centres: Array

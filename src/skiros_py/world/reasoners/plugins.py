@@ -23,7 +23,7 @@ def load_reasoners(ontology: Ontology | None = None) -> tuple[Reasoners, tuple[P
     """Loads all reasoners, in the order of their entry points' names, the built-in ones first.
 
     Args:
-        ontology: What must declare the relations that they compute; None where that does not matter.
+        ontology: What must declare the relations that they compute; None if that does not matter.
 
     Returns:
         Those that can be used together; and the faults of the others, which are left out: what did not load, is no

@@ -23,7 +23,7 @@ class Answer:
     Attributes:
         holds: Whether it does.
         reason: Why or why not, in words for people.
-        value: What it was decided by (a distance [m], a room left [m]), or None where there is no such number.
+        value: What it was decided by (a distance [m], a room left [m]), or None if there is no such number.
     """
 
     holds: bool
@@ -97,7 +97,7 @@ class Reasoner:
         return tuple(ComputedRelation(subject, r, object_, a.value) for r, a in answers if a.holds)
 
     def data(self, view: WorldView, element: str, key: str) -> Value | None:
-        """Reads data from an element in the form that the key names ("pose in the map"), or None where it has none.
+        """Reads data from an element in the form that the key names ("pose in the map"), or None if it has none.
 
         Raises:
             UsageError: It has no such key.
@@ -113,7 +113,7 @@ class Reasoner:
         raise UsageError(f"{self.name} stores no '{key}'")
 
     def similarity(self, view: WorldView, a: str, b: str) -> float | None:
-        """Returns how alike two elements are, from 0 to 1, or None where it cannot tell."""
+        """Returns how alike two elements are, from 0 to 1, or None if it cannot tell."""
         return None
 
     def classify(self, view: WorldView, element: str, classes: Sequence[str]) -> tuple[tuple[str, float], ...]:

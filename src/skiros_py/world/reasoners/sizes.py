@@ -26,7 +26,7 @@ _SPREAD = 0.1
 
 
 def dimensions(solid: Value | None) -> tuple[float, float, float] | None:
-    """Returns the lengths x, y, z of the box around a shape given as ``sk:solid`` [m], or None where there is none."""
+    """Returns the lengths x, y, z of the box around a shape given as ``sk:solid`` [m], or None if there is none."""
     if solid is None:
         return None
     try:
@@ -37,7 +37,7 @@ def dimensions(solid: Value | None) -> tuple[float, float, float] | None:
 
 
 def similarity(view: WorldView, a: str, b: str) -> float | None:
-    """Returns how alike two elements are in size, from 0 to 1, or None where a size is not known.
+    """Returns how alike two elements are in size, from 0 to 1, or None if a size is not known.
 
     It is the room that their boxes share when laid into each other, longest side along longest, as a part of the room
     that both take.
@@ -86,7 +86,7 @@ class SizeReasoner(Reasoner):
         return dimensions(view.value(element, SOLID)) if key == "dimensions" else super().data(view, element, key)
 
     def similarity(self, view: WorldView, a: str, b: str) -> float | None:
-        """Returns how alike two elements are in size, from 0 to 1, or None where a size is not known."""
+        """Returns how alike two elements are in size, from 0 to 1, or None if a size is not known."""
         return similarity(view, a, b)
 
     def classify(self, view: WorldView, element: str, classes: Sequence[str]) -> tuple[tuple[str, float], ...]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def box_distance(view: WorldView, a: str, b: str) -> float | None:
-    """Returns the distance between the boxes around two elements [m], or None where it is not known.
+    """Returns the distance between the boxes around two elements [m], or None if it is not known.
 
     Raises:
         UnknownName: There is no such element.

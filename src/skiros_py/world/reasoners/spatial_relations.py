@@ -51,7 +51,7 @@ class SpatialRelation:
         says: A sentence about two elements, given whether it holds and the value.
         within: How far apart along the root's x, y, z the boxes may be for it to hold at all [m].
         needs_map: True where up and down matter, so that the pose in the map must be known.
-        needs_size: True where a point has no answer.
+        needs_size: True if a point has no answer.
     """
 
     holds: Callable[[Boxes, Boxes], Bools]

@@ -33,7 +33,7 @@ def describe(ontology: Ontology | None, edits: Iterable[Edit]) -> Iterator[str]:
     """Yields a line for each edit: what was added (``+``), removed (``-``) or changed (``~``).
 
     Args:
-        ontology: Says of which type each property is; None where it is not at hand.
+        ontology: Says of which type each property is; None if it is not at hand.
         edits: The edits.
     """
     for edit in edits:

@@ -77,7 +77,7 @@ def load_into(
         writer: What kind of author that is.
 
     Returns:
-        The change, or None where the world is as the file says already.
+        The change, or None if the world is as the file says already.
 
     Raises:
         FileError: The file is refused, as by :func:`load_scene`; nothing was changed.

@@ -127,7 +127,7 @@ class LearnedFile:
 
 
 def _kept(path: Path, content: bytes) -> Path:
-    """Puts a copy beside a file, under the next free name; none where the same was kept before."""
+    """Puts a copy beside a file, under the next free name; none if the same was kept before."""
     for number in itertools.count(1):
         copy = path.with_name(f"{path.name}.kept-{number}")
         if not copy.exists():

@@ -258,7 +258,7 @@ class TripleStore:
                 self._rebuild()
 
     def _caught_up(self, version: int) -> bool:
-        """Brings the store to a version or leaves it at a later one; False where the changes are forgotten."""
+        """Brings the store to a version or leaves it at a later one; False if the changes are forgotten."""
         if self.version >= version:
             return True
         try:

@@ -57,7 +57,7 @@ def parse_fault(text: str, message: str) -> str:
 
 
 def _reason(signs: str) -> str:
-    """Returns what the engine says in words among the signs, "Prefix not found"; empty where it only lists them."""
+    """Returns what the engine says in words among the signs, "Prefix not found"; empty if it only lists them."""
     said = (each.strip() for each in _LISTED.sub("", signs).split(","))
     return next((each for each in said if each[:1].isalpha() and " " in each), "")
 

@@ -52,7 +52,7 @@ class Axiom:
 
     @property
     def subject(self) -> str | None:
-        """IRI of what it is about, or None where that is anonymous."""
+        """IRI of what it is about, or None if that is anonymous."""
         return self.head.subject.value if isinstance(self.head.subject, ox.NamedNode) else None
 
     def names(self) -> frozenset[str]:

@@ -34,7 +34,7 @@ class CheckReport:
     Attributes:
         files: The files that were read.
         findings: What is wrong: errors first, then by file and line.
-        reasoner: Name of the reasoner that judged the files, or None where none did.
+        reasoner: Name of the reasoner that judged the files, or None if none did.
         note: Why it was this one.
         seconds: How long reasoning took [s].
     """
@@ -111,7 +111,7 @@ def _java(asked: ReasonerChoice) -> str | None:
 
 
 def _reasoned(material: Material, findings: Sequence[Finding], asked: _Asked) -> _Judged:
-    """Asks one reasoner after the other until one judges the files; none where their structure forbids it."""
+    """Asks one reasoner after the other until one judges the files; none if their structure forbids it."""
     if asked.choice == "none":
         return _Judged(None, "no reasoning was asked for", [])
     if any(finding.kind in _NO_REASONING for finding in findings):

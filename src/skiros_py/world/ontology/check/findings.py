@@ -60,8 +60,8 @@ class Finding:
         kind: What it is about.
         term: The term it is about, as CURIE, or the IRI of a file's ontology.
         text: What is wrong and what would be right.
-        file: The file that says it, or None where none says it alone.
-        line: 1-based line in it, or None where it has none.
+        file: The file that says it, or None if none says it alone.
+        line: 1-based line in it, or None if it has none.
         explanation: The statements that together make it so, in words, each with its file and line.
     """
 

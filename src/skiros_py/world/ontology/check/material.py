@@ -81,7 +81,7 @@ class Statement:
 
     @property
     def subject(self) -> str | None:
-        """IRI of the subject, or None where it is anonymous."""
+        """IRI of the subject, or None if it is anonymous."""
         return iri_of(self.triple.subject)
 
     @property
@@ -91,7 +91,7 @@ class Statement:
 
     @property
     def object(self) -> str | None:
-        """IRI of the object, or None where it is anonymous or a literal."""
+        """IRI of the object, or None if it is anonymous or a literal."""
         return iri_of(self.triple.object)
 
     def fault(self, reason: str, at: str | None = None) -> FileError:

@@ -50,7 +50,7 @@ class Facts:
         return (subject for subject, types in self.types.items() if type_ in types)
 
     def one(self, subject: str, predicate: str) -> str | None:
-        """Returns the object of a predicate, or None where there is none; of several the first in order."""
+        """Returns the object of a predicate, or None if there is none; of several the first in order."""
         return min(self.about.get(predicate, {}).get(subject, ()), default=None)
 
     def has(self, subject: str, predicate: str, object_: str) -> bool:

@@ -41,8 +41,8 @@ class Verdict:
 
     Attributes:
         consistent: False when the statements contradict each other.
-        unsatisfiable: IRIs of the classes that nothing can be of, sorted; empty where not consistent.
-        near: IRIs of individuals at which a contradiction shows; empty where the reasoner does not say.
+        unsatisfiable: IRIs of the classes that nothing can be of, sorted; empty if not consistent.
+        near: IRIs of individuals at which a contradiction shows; empty if the reasoner does not say.
     """
 
     consistent: bool
@@ -55,7 +55,7 @@ class Reasoner(Protocol):
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Its display name."""
         ...
 
     @property
@@ -251,7 +251,7 @@ _QUICK = ("-XX:-UsePerfData", "-XX:+UseSerialGC", "-XX:TieredStopAtLevel=1")
 
 
 def java() -> str | None:
-    """Returns the path of ``java``, or None where there is none."""
+    """Returns the path of ``java``, or None if there is none."""
     return shutil.which("java")
 
 
@@ -291,7 +291,7 @@ class HermiT:
         return self._ask(triples, "--consistency") is not None
 
     def _ask(self, triples: Sequence[ox.Triple], *question: str) -> str | None:
-        """Its answer, or None where the statements contradict each other."""
+        """Its answer, or None if the statements contradict each other."""
         with tempfile.TemporaryDirectory(prefix="skiros-check-") as name:
             file = Path(name) / "ontology.nt"
             file.write_bytes(ox.serialize(triples, format=ox.RdfFormat.N_TRIPLES) or b"")
@@ -344,6 +344,6 @@ def _fault(code: int, errors: str) -> NoAnswer:
 
 
 def _reason(errors: str) -> str:
-    """The first line of a fault of HermiT's own, without the names of its classes; nothing where there is none."""
+    """The first line of a fault of HermiT's own, without the names of its classes; nothing if there is none."""
     line = next((line for line in errors.splitlines() if _FAULT.search(line)), "")
     return (line.rpartition("Exception: ")[2] or line).strip()[:300]

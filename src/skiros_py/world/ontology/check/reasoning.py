@@ -26,7 +26,7 @@ class Explanation:
     """Axioms that together cannot be.
 
     Attributes:
-        axioms: They, in file order; none where none were found in time.
+        axioms: They, in file order; none if none were found in time.
         smallest: False when time or questions ran out before every one was shown to be needed.
     """
 
